@@ -1,0 +1,58 @@
+"""Calendar days of a year of 365 days, and ranges of them that may wrap the year's end."""
+
+from __future__ import annotations
+
+import re
+
+DAYS_PER_YEAR = 365
+_MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
+MONTH_NAMES = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+_FORM = re.compile(r"(\d{1,2})-(\d{1,2})")
+
+
+def day_of_year(date: str) -> int:
+    """Day of year, 1 to 365, of a date written ``MM-DD``.
+
+    Raises
+    ------
+    ValueError
+        If the text is no such date; 29 February is not in a year of 365 days.
+    """
+    match = _FORM.fullmatch(date.strip())
+    if match is None:
+        raise ValueError(f"must be a date MM-DD, for instance 07-15 (got {date!r})")
+    month, day = int(match[1]), int(match[2])
+    if not 1 <= month <= 12:
+        raise ValueError(f"the month must be 01 to 12 (got {date!r})")
+    length = _MONTH_LENGTHS[month - 1]
+    if not 1 <= day <= length:
+        raise ValueError(f"month {month:02d} has days 01 to {length} (got {date!r})")
+    return sum(_MONTH_LENGTHS[: month - 1]) + day
+
+
+def month_and_day(day: int) -> tuple[int, int]:
+    """Month and day of month of a day of year; days beyond a year's end wrap."""
+    rest = (int(day) - 1) % DAYS_PER_YEAR
+    for month, length in enumerate(_MONTH_LENGTHS, start=1):
+        if rest < length:
+            return month, rest + 1
+        rest -= length
+    raise AssertionError("unreachable: the month lengths add up to a year")
+
+
+def date_label(day: int) -> str:
+    """Readable date, for instance ``21 Jun``."""
+    month, day_of_month = month_and_day(day)
+    return f"{day_of_month} {MONTH_NAMES[month - 1]}"
+
+
+def date_code(day: int) -> str:
+    """Date as ``MM-DD``, the form that mission files use."""
+    month, day_of_month = month_and_day(day)
+    return f"{month:02d}-{day_of_month:02d}"
+
+
+def days_in_range(first: int, last: int) -> list[int]:
+    """All days from the first to the last, both included, across the year's end if need be."""
+    span = (last - first) % DAYS_PER_YEAR
+    return [(first - 1 + i) % DAYS_PER_YEAR + 1 for i in range(span + 1)]

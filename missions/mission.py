@@ -1,0 +1,267 @@
+"""Missions: where, when and in which air an aircraft flies, and the scenarios this expands to."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, Strict, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from missions import dates
+from missions.air import (
+    MAXIMUM_ALTITUDE_M,
+    MINIMUM_ALTITUDE_M,
+    ZERO_CELSIUS_K,
+    Air,
+    air_at,
+    standard_air,
+)
+from solar.schema import (
+    Fraction,
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Real,
+    Record,
+    Text,
+    UnitInterval,
+)
+from solar.sun import declination, sun_times
+
+Latitude = Annotated[float, Strict(), Field(ge=-90.0, le=90.0, allow_inf_nan=False)]
+Longitude = Annotated[float, Strict(), Field(ge=-180.0, le=180.0, allow_inf_nan=False)]
+UtcOffset = Annotated[float, Strict(), Field(ge=-12.0, le=14.0, allow_inf_nan=False)]
+Altitude = Annotated[
+    float, Strict(), Field(ge=MINIMUM_ALTITUDE_M, le=MAXIMUM_ALTITUDE_M, allow_inf_nan=False)
+]
+Temperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
+
+
+def _date(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"must be a date MM-DD, for instance 07-15 (got {value!r})")
+    return dates.date_code(dates.day_of_year(value))
+
+
+class LatitudeRange(Record):
+    """Latitudes from one to another, evenly spaced."""
+
+    from_deg: Latitude
+    to_deg: Latitude
+    count: Annotated[int, Strict(), Field(ge=2, le=181)] = 3
+
+    def values(self) -> list[float]:
+        """Latitudes [deg], ends included."""
+        return [float(v) for v in np.linspace(self.from_deg, self.to_deg, self.count)]
+
+
+class Dates(Record):
+    """One date (``on``) or a range (``from`` to ``to``, across the year's end if need be).
+
+    A range stands for ``count`` of its days, evenly spaced with both ends; dates are MM-DD.
+    """
+
+    on: str | None = None
+    first: str | None = Field(default=None, alias="from")
+    last: str | None = Field(default=None, alias="to")
+    count: Annotated[int, Strict(), Field(ge=1, le=365)] | None = None
+
+    @field_validator("on", "first", "last", mode="before")
+    @classmethod
+    def _check_date(cls, value: Any) -> str | None:
+        return None if value is None else _date(value)
+
+    @model_validator(mode="after")
+    def _check_form(self) -> Dates:
+        one = self.on is not None
+        if one and (self.first or self.last or self.count):
+            raise ValueError("give either 'on: MM-DD' or 'from: MM-DD' and 'to: MM-DD', not both")
+        if not one and (self.first is None or self.last is None):
+            raise ValueError("empty date range: give 'on: MM-DD', or 'from: MM-DD' and 'to: MM-DD'")
+        return self
+
+    def range(self) -> list[int]:
+        """Every day of year that the dates cover."""
+        if self.on is not None:
+            return [dates.day_of_year(self.on)]
+        assert self.first is not None and self.last is not None  # checked on construction
+        return dates.days_in_range(dates.day_of_year(self.first), dates.day_of_year(self.last))
+
+    def days(self) -> list[int]:
+        """Days of year that stand for the range, in its order."""
+        every = self.range()
+        count = min(self.count or 3, len(every))
+        picks = np.unique(np.round(np.linspace(0, len(every) - 1, count)).astype(int))
+        return [every[i] for i in picks]
+
+
+class AirConditions(Record):
+    """Air at flight altitude: standard, standard with an offset, or of a given temperature."""
+
+    temperature_offset_k: Real | None = None
+    ambient_temperature_c: Temperature | None = None
+    module_temperature_c: Temperature | None = None
+
+    @model_validator(mode="after")
+    def _check_choice(self) -> AirConditions:
+        if self.temperature_offset_k is not None and self.ambient_temperature_c is not None:
+            raise ValueError("give temperature_offset_k or ambient_temperature_c, not both")
+        return self
+
+
+class Payload(Record):
+    """What the aircraft carries for its mission."""
+
+    mass_kg: NonNegativeReal = 0.0
+    power_w: NonNegativeReal = 0.0
+
+
+class Turbulence(Record):
+    """Extra propulsion power relative to level flight.
+
+    ``all_day`` acts at every hour; ``thermal`` is added by day: nothing at sunrise and sunset,
+    the full value at solar noon, linear in between.
+    """
+
+    all_day: Annotated[float, Strict(), Field(ge=0.0, le=5.0)] = 0.0
+    thermal: Annotated[float, Strict(), Field(ge=0.0, le=5.0)] = 0.0
+
+
+class Launch(Record):
+    """Start of a flight to replay: local date and clock time, state of charge, duration."""
+
+    date: str
+    time_local: str
+    utc_offset_h: UtcOffset = 0.0
+    state_of_charge: UnitInterval = 1.0
+    duration_h: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 366)]
+
+    @field_validator("date", mode="before")
+    @classmethod
+    def _check_date(cls, value: Any) -> str:
+        return _date(value)
+
+    @field_validator("time_local")
+    @classmethod
+    def _check_time(cls, value: str) -> str:
+        if re.fullmatch(r"([01]?\d|2[0-3]):[0-5]\d", value) is None:
+            raise ValueError(f"must be a time HH:MM, for instance 11:14 (got {value!r})")
+        return value
+
+    @property
+    def clock_h(self) -> float:
+        """Local clock time of the launch [h]."""
+        hours, minutes = self.time_local.split(":")
+        return int(hours) + int(minutes) / 60.0
+
+
+class Mission(Record):
+    """Where, when and how an aircraft flies."""
+
+    name: Text
+    description: str = ""
+    latitude_deg: Latitude | LatitudeRange
+    longitude_deg: Longitude | None = None
+    dates: Dates
+    altitude_m: Altitude = 0.0
+    air: AirConditions = AirConditions()
+    clearness: Fraction = 1.0
+    turbulence: Turbulence = Turbulence()
+    payload: Payload = Payload()
+    wind_m_per_s: NonNegativeReal = 0.0
+    required_excess_time_h: NonNegativeReal = 0.0
+    launch: Launch | None = None
+
+    @model_validator(mode="after")
+    def _check_launch(self) -> Mission:
+        if self.launch is None:
+            return self
+        if self.longitude_deg is None:
+            raise PydanticCustomError(
+                "missing_longitude",
+                "a launch by clock time needs longitude_deg on the mission",
+                {"key": "launch"},
+            )
+        if isinstance(self.latitude_deg, LatitudeRange):
+            raise PydanticCustomError(
+                "latitude_range", "a launch needs a single latitude", {"key": "latitude_deg"}
+            )
+        return self
+
+    def latitudes(self) -> list[float]:
+        """Latitudes of the mission [deg]."""
+        if isinstance(self.latitude_deg, LatitudeRange):
+            return self.latitude_deg.values()
+        return [self.latitude_deg]
+
+    def air_state(self) -> Air:
+        """Air at the flight altitude."""
+        standard = standard_air(self.altitude_m, self.air.temperature_offset_k or 0.0)
+        if self.air.ambient_temperature_c is None:
+            return standard
+        return air_at(self.air.ambient_temperature_c + ZERO_CELSIUS_K, standard.pressure_pa)
+
+    def module_temperature_c(self) -> float:
+        """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
+        if self.air.module_temperature_c is not None:
+            return self.air.module_temperature_c
+        return float(self.air_state().temperature_c)
+
+    def scenarios(self) -> Scenarios:
+        """Every latitude on every day that stands for the dates, latitude by latitude."""
+        days = self.dates.days()
+        latitudes = self.latitudes()
+        return Scenarios(
+            latitude_deg=np.repeat(np.asarray(latitudes, float), len(days)),
+            day_of_year=np.tile(np.asarray(days, int), len(latitudes)),
+        )
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """Latitude and day of year of each scenario, two arrays of one length."""
+
+    latitude_deg: NDArray[np.float64]
+    day_of_year: NDArray[np.int_]
+
+    def __len__(self) -> int:
+        return len(self.latitude_deg)
+
+    @property
+    def noon_day(self) -> NDArray[np.float64]:
+        """Fractional day of year of each scenario's noon, for the sun."""
+        return np.asarray(self.day_of_year + 0.5)
+
+    def label(self, index: int) -> str:
+        """Readable name of a scenario, for instance ``47.6 N, 21 Jun``."""
+        return f"{latitude_label(self.latitude_deg[index])}, {dates.date_label(self.day_of_year[index])}"
+
+    def in_polar_night(self) -> NDArray[np.bool_]:
+        """Mark the scenarios in which the sun never rises."""
+        times = sun_times(self.latitude_deg, declination(self.noon_day))
+        return np.asarray(times.day_length_h <= 0.0)
+
+
+def latitude_label(latitude_deg: float) -> str:
+    """Readable latitude, for instance ``47.6 N``."""
+    hemisphere = "S" if latitude_deg < 0 else "N"
+    return f"{abs(float(latitude_deg)):g} {hemisphere}"
+
+
+__all__ = [
+    "AirConditions",
+    "Dates",
+    "LatitudeRange",
+    "Launch",
+    "Mission",
+    "Payload",
+    "PositiveInteger",
+    "PositiveReal",
+    "Scenarios",
+    "Turbulence",
+    "latitude_label",
+]

@@ -1,0 +1,115 @@
+"""Clear-sky irradiance with monthly coefficients (ASHRAE type) at any altitude.
+
+``DNI = A exp(-B m p/p0)`` and ``DHI = C DNI`` with the air mass ``m`` and the pressure ratio
+``p/p0``, after Markus & Morris (1980), Buildings, Climate and Energy. A, B and C are tabulated
+in the middle of each month and interpolated linearly, periodically over the year.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solar.sun import DAYS_PER_YEAR, FloatArray
+
+# Apparent extraterrestrial irradiance [W/m2], optical depth [-], diffuse ratio [-], Jan..Dec.
+# Source: Markus & Morris (1980), ASHRAE type; the set used in the design of AtlantikSolar.
+MONTHLY_A = np.array(
+    [1230.0, 1214.0, 1185.0, 1135.0, 1103.0, 1088.0, 1085.0, 1107.0, 1151.0, 1192.0, 1220.0, 1233.0]
+)
+MONTHLY_B = np.array([0.142, 0.144, 0.156, 0.180, 0.196, 0.205, 0.207, 0.201, 0.177, 0.160, 0.149, 0.142])
+MONTHLY_C = np.array([0.058, 0.060, 0.071, 0.097, 0.121, 0.134, 0.136, 0.122, 0.092, 0.073, 0.057, 0.057])
+
+_DAYS_IN_MONTH = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31], float)
+# Day of year 1.0 is the very start of 1 January, so mid-January is day 16.5.
+MID_MONTH_DAY = 1.0 + np.cumsum(_DAYS_IN_MONTH) - _DAYS_IN_MONTH / 2.0
+
+_SCALE_HEIGHT_M = 44308.0
+_PRESSURE_EXPONENT = 5.257
+
+
+class Irradiance(NamedTuple):
+    """Direct normal and diffuse horizontal irradiance [W/m2]."""
+
+    dni: FloatArray
+    dhi: FloatArray
+
+
+def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArray:
+    """Interpolate twelve mid-month values linearly, periodic over the year."""
+    return np.interp(
+        np.asarray(day_of_year, float), MID_MONTH_DAY, np.asarray(monthly), period=DAYS_PER_YEAR
+    )
+
+
+def coefficients(
+    day_of_year: ArrayLike, latitude_deg: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Coefficients A [W/m2], B [-] and C [-] for a day and a hemisphere.
+
+    B and C describe the season's water vapour and dust, so south of the equator they are shifted
+    by half a year; A follows the distance to the sun and does not depend on the hemisphere.
+    """
+    day = np.asarray(day_of_year, float)
+    southern = np.asarray(latitude_deg, float) < 0.0
+    season_day = day + np.where(southern, DAYS_PER_YEAR / 2.0, 0.0)
+    a = monthly_coefficient(np.broadcast_to(day, np.shape(season_day)), MONTHLY_A)
+    return (
+        a,
+        monthly_coefficient(season_day, MONTHLY_B),
+        monthly_coefficient(season_day, MONTHLY_C),
+    )
+
+
+def air_mass(cos_zenith: ArrayLike) -> FloatArray:
+    """Relative optical air mass [-], 35 at and below the horizon.
+
+    Source: Rodgers et al. (1978) / ASHRAE form ``m = 35 / sqrt(1224 cos^2 z + 1)``.
+    """
+    c = np.maximum(np.asarray(cos_zenith, float), 0.0)
+    return np.asarray(35.0 / np.sqrt(1224.0 * c * c + 1.0))
+
+
+def pressure_ratio(altitude_m: ArrayLike) -> FloatArray:
+    """Pressure at altitude over pressure at sea level [-], zero above 44.3 km."""
+    h = np.asarray(altitude_m, float)
+    return np.asarray(np.maximum(1.0 - h / _SCALE_HEIGHT_M, 0.0) ** _PRESSURE_EXPONENT)
+
+
+def clear_sky(
+    day_of_year: ArrayLike,
+    latitude_deg: ArrayLike,
+    cos_zenith: ArrayLike,
+    altitude_m: ArrayLike = 0.0,
+) -> Irradiance:
+    """Direct normal and diffuse horizontal irradiance under a clear sky.
+
+    Parameters
+    ----------
+    day_of_year : array_like
+        Fractional day of year.
+    latitude_deg : array_like
+        Latitude [deg]; only its sign matters (the season of B and C).
+    cos_zenith : array_like
+        Cosine of the zenith angle; where it is not positive both results are zero.
+    altitude_m : array_like
+        Altitude above mean sea level [m].
+
+    Returns
+    -------
+    Irradiance
+        ``dni`` and ``dhi`` [W/m2] with the broadcast shape of the arguments.
+    """
+    a, b, c = coefficients(day_of_year, latitude_deg)
+    cos_z = np.asarray(cos_zenith, float)
+    optical_path = b * air_mass(cos_z) * pressure_ratio(altitude_m)
+    dni = np.where(cos_z > 0.0, a * np.exp(-optical_path), 0.0)
+    return Irradiance(dni, c * dni)
+
+
+def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArray:
+    """Global horizontal irradiance [W/m2]."""
+    projected = irradiance.dni * np.maximum(np.asarray(cos_zenith, float), 0.0)
+    return np.asarray(projected + irradiance.dhi)

@@ -1,0 +1,73 @@
+"""Systematic errors of the solar power models, measured against flight, and their correction.
+
+Source: Oettershagen, "High-Fidelity Solar Power Income Modeling for Solar-Electric UAVs",
+table 3: errors of the average power relative to flight, and RMS errors of the filtered power,
+for one flight (47.6 N, 1 July 2015, sunrise to 9.72 h solar time, 2 m/s of easterly wind). Used
+elsewhere they are an extrapolation: the sun is higher at noon and in the tropics, and what the
+simple models leave out then matters less.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+ModelName = Literal["CDM", "CAM"]
+CorrectionName = Literal["none", "report"]
+
+MODEL_NAMES: tuple[ModelName, ...] = ("CDM", "CAM")
+CORRECTION_NAMES: tuple[CorrectionName, ...] = ("none", "report")
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Relative errors of a model against flight: average (positive: overestimated) and RMS."""
+
+    average: float
+    rms: float
+
+
+REPORTED_ERRORS: dict[str, ModelError] = {
+    "CDM": ModelError(average=0.1781, rms=0.2003),
+    "CAM": ModelError(average=0.0531, rms=0.0702),
+    "VM": ModelError(average=-0.0196, rms=0.0396),
+    "FM": ModelError(average=-0.0175, rms=0.0419),
+}
+
+
+@dataclass(frozen=True)
+class Correction:
+    """Factor on the modelled power, and the band in which the truth is expected.
+
+    Attributes
+    ----------
+    name : str
+        ``none`` or ``report``.
+    factor : float
+        Multiplies the modelled power: ``1 / (1 + error)``.
+    rms_relative : float
+        The model's RMS error relative to the mean measured power: a one-sigma band around the
+        modelled power, stated and never applied.
+    """
+
+    name: CorrectionName
+    factor: float
+    rms_relative: float
+
+
+def correction(model: ModelName, name: CorrectionName) -> Correction:
+    """Look up the systematic correction of a model.
+
+    Raises
+    ------
+    ValueError
+        If the model or the correction does not exist.
+    """
+    if model not in MODEL_NAMES:
+        raise ValueError(f"unknown solar power model {model!r}; choose from {MODEL_NAMES}")
+    error = REPORTED_ERRORS[model]
+    if name == "none":
+        return Correction(name, 1.0, error.rms)
+    if name == "report":
+        return Correction(name, 1.0 / (1.0 + error.average), error.rms)
+    raise ValueError(f"unknown correction {name!r}; choose from {CORRECTION_NAMES}")
