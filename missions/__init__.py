@@ -1,5 +1,4 @@
-"""Mission layer: what an aircraft is asked to do, where, when and in which weather.
+"""Mission layer: where, when and in which air an aircraft flies, and the mission library.
 
-Mission definitions and their library, and the day and night energy balance of an
-aircraft flying one. Built on :mod:`solar` only.
+Built on :mod:`solar` only.
 """

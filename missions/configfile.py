@@ -222,7 +222,7 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
     InputError
         If the file cannot be read or is not a plain YAML mapping.
     """
-    source = os.fspath(path).encode("utf-8", "backslashreplace").decode("utf-8")
+    source = _printable(os.fspath(path))
     try:
         with Path(path).open("rb") as file:
             raw = file.read(MAX_BYTES + 1)
@@ -371,7 +371,8 @@ class _Composer:
     def __init__(self, text: str, source: str) -> None:
         self.problems: list[Problem] = []
         self._source = source
-        self._events = self._guarded(text)
+        self._text = text
+        self._events = self._guarded()
         # The value None marks an anchor whose collection is still open.
         self._anchors: dict[str, _Node | None] = {}
 
@@ -392,11 +393,11 @@ class _Composer:
     def _problem(self, mark: Mark, path: KeyPath, message: str) -> Problem:
         return Problem(self._source, *mark, _dotted(path), message)
 
-    def _guarded(self, text: str) -> Iterator[Any]:
+    def _guarded(self) -> Iterator[Any]:
         """Yield events; syntax errors and too many events or aliases end as InputError."""
         aliases = 0
         try:
-            for count, event in enumerate(yaml.parse(text, Loader=_Parser)):
+            for count, event in enumerate(yaml.parse(self._text, Loader=_Parser)):
                 aliases += isinstance(event, yaml.AliasEvent)
                 if count >= MAX_EVENTS:
                     self._refuse(_mark(event), (), "too many values in one file")
@@ -407,14 +408,16 @@ class _Composer:
             raise self._syntax_error(error) from error
 
     def _syntax_error(self, error: yaml.YAMLError) -> InputError:
-        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+        start = getattr(error, "context_mark", None)
+        mark = getattr(error, "problem_mark", None) or start
         what = [getattr(error, name, None) for name in ("context", "problem")]
         text = " ".join(" ".join(part for part in what if part).split()) or "unreadable"
-        hint = "; indent with spaces, not tabs" if r"'\t'" in text else ""
         line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
-        return InputError(
-            [Problem(self._source, line, column, "", f"is not valid YAML: {text}{hint}")]
-        )
+        if start and start.line + 1 != line:
+            text += f" (it starts at line {start.line + 1})"
+        if mark and self._text[mark.index : mark.index + 1] == "\t":
+            text += "; indent with spaces, not tabs"
+        return InputError([Problem(self._source, line, column, "", f"is not valid YAML: {text}")])
 
     def _node(self, event: Any, path: KeyPath, depth: int) -> _Node:
         mark = _mark(event)
@@ -584,15 +587,13 @@ def _with_override(document: Document, text: str) -> Document:
     if not equals or not all(part.strip() for part in parts):
         shown = _shortened(_printable(text))
         raise _override_error(shown, "write an override as KEY=VALUE, for example a.b=2.5")
+    if _NOT_YAML.search(key):
+        raise _override_error(shown, "the key holds a character that is not allowed")
     value = _override_value(shown, value_text)
-    path = _set(document, parts, value, shown)
+    path, made = _set(document, parts, value, shown)
     marks = Marks(_without(document.marks.keys, path), _without(document.marks.values, path))
     overridden: dict[KeyPath, str] = dict(_without(document.overridden, path))
-    for end in range(1, len(path)):
-        # Mappings made only to hold the new key have no place in the file.
-        if path[:end] not in document.marks.values:
-            overridden.setdefault(path[:end], shown)
-    overridden[path] = shown
+    overridden.update(dict.fromkeys([*made, path], shown))
     return dataclasses.replace(document, marks=marks, overridden=overridden)
 
 
@@ -622,19 +623,26 @@ def _override_value(shown: str, text: str) -> Any:
     return _plain(node, (), {}, {})
 
 
-def _set(document: Document, parts: Sequence[str], value: Any, shown: str) -> KeyPath:
-    """Put the value into the data of the document; return its path."""
+def _set(
+    document: Document, parts: Sequence[str], value: Any, shown: str
+) -> tuple[KeyPath, list[KeyPath]]:
+    """Put the value into the data of the document.
+
+    Return its path and the paths of the mappings made only to hold it.
+    """
     holder: Any = document.data
     path: KeyPath = ()
+    made: list[KeyPath] = []
     for part in parts[:-1]:
         key = _step(holder, path, part, shown)
         path = (*path, key)
         if isinstance(holder, dict) and holder.get(part) is None:
             holder[part] = {}
+            made.append(path)
         holder = holder[key]
     key = _step(holder, path, parts[-1], shown)
     holder[key] = value
-    return (*path, key)
+    return (*path, key), made
 
 
 def _step(holder: Any, path: KeyPath, part: str, shown: str) -> str | int:
@@ -733,12 +741,17 @@ def located_error(document: Document, path: Sequence[str | int], message: str) -
 
 @dataclass(frozen=True)
 class _Complaint:
-    """One pydantic error in terms of the file."""
+    """One pydantic error in terms of the file.
+
+    Choices of a union each complain about the same value; firm complaints, which tell of the
+    content of the value and not of its type, are never joined to others.
+    """
 
     path: KeyPath
     message: str
     suffix: str = ""
     in_union: bool = False
+    firm: bool = False
     at_key: bool = False
 
 
@@ -754,27 +767,25 @@ def _problems(
 
 def _merged(complaints: Sequence[_Complaint]) -> list[_Complaint]:
     """Join what the choices of a union say about the same value."""
-    result: list[_Complaint] = []
-    joined: dict[KeyPath, int] = {}
-    deeper = {one.path[:end] for one in complaints if one.in_union for end in range(len(one.path))}
+    # The choice that found fault with the content of a value is the one that was meant.
+    read = {one.path[:end] for one in complaints if one.in_union for end in range(len(one.path))}
+    read |= {one.path for one in complaints if one.in_union and one.firm}
+    result: dict[tuple[KeyPath, str], _Complaint] = {}
     for one in complaints:
-        if not one.in_union:
-            result.append(one)
-        elif one.path in deeper:
-            # A choice that read the value further in is the one that was meant.
-            continue
-        elif one.path not in joined:
-            joined[one.path] = len(result)
-            result.append(one)
-        else:
-            first = result[joined[one.path]]
-            if one.message not in first.message.split(", or "):
-                message = f"{first.message}, or {one.message}"
-                suffix = max(first.suffix, one.suffix, key=len)
-                result[joined[one.path]] = dataclasses.replace(
-                    first, message=message, suffix=suffix
-                )
-    return result
+        if one.firm or not one.in_union:
+            result.setdefault((one.path, one.message), one)
+        elif one.path not in read:
+            key = (one.path, "")
+            result[key] = _joined(result[key], one) if key in result else one
+    return list(result.values())
+
+
+def _joined(first: _Complaint, other: _Complaint) -> _Complaint:
+    if other.message in first.message.split(", or "):
+        return first
+    suffix = max(first.suffix, other.suffix, key=len)
+    message = f"{first.message}, or {other.message}"
+    return dataclasses.replace(first, message=message, suffix=suffix)
 
 
 def _located(document: Document, path: KeyPath, message: str, *, at_key: bool = False) -> Problem:
@@ -972,16 +983,18 @@ def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Comp
     if kind == "extra_forbidden":
         around = _follow(data, model, loc[:-1])
         message = _unknown_key(str(loc[-1]), around.kinds)
-        return _Complaint((*around.path, loc[-1]), message, at_key=True)
+        path = (*around.path, loc[-1])
+        return _Complaint(path, message, in_union=around.in_union, firm=True, at_key=True)
     if kind == "missing":
         return _missing(_follow(data, model, loc[:-1]).path, loc[-1], in_union=place.in_union)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _untagged(data, place, context)
     if kind in ("value_error", "assertion_error"):
-        return _Complaint(place.path, _one_line(str(context.get("error") or detail["msg"])))
+        message = _one_line(str(context.get("error") or detail["msg"]))
+        return _Complaint(place.path, message, in_union=place.in_union, firm=True)
     if isinstance(context.get("key"), str):
         path = _relative(data, place.path, context["key"])
-        return _Complaint(path, _one_line(detail["msg"]))
+        return _Complaint(path, _one_line(detail["msg"]), in_union=place.in_union, firm=True)
     value = detail["input"]
     suffix = f" (got {_shown(value)})" + _hint(kind, value)
     if kind not in _WORDS:
@@ -1232,7 +1245,8 @@ def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     try:
         _write(Path(path), data)
     except (OSError, ValueError) as error:
-        raise OutputError(f"cannot write {os.fspath(path)}: {_writing_trouble(error)}") from error
+        name = _printable(os.fspath(path))
+        raise OutputError(f"cannot write {name}: {_writing_trouble(error)}") from error
 
 
 def _write(path: Path, data: bytes) -> None:

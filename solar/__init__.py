@@ -1,8 +1,7 @@
-"""Physics layer: sun, atmosphere, aircraft, propulsion, solar array and battery models.
+"""Solar layer: from the position of the sun to the electric power of the solar modules.
 
-The lowest of the four layers. It knows nothing of missions, of optimisation or of
-reports: its functions take plain numbers, arrays or CasADi expressions with units in
-their names and return the same.
+The lowest of the four layers. It knows nothing of missions, of aircraft sizing or of
+reports.
 """
 
 from solar._version import __version__

@@ -1,0 +1,59 @@
+# The steps of .ci/run one by one, in a virtual environment of the clone.
+#
+# The project is installed non-editable before every test run, so what is tested is what
+# would be shipped. `make ci` runs the whole of it in a scratch copy.
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: help check ci install test lint format types imports build clean
+
+help:
+	@echo "make check    test, lint, types and imports"
+	@echo "make test     install the project and run the tests"
+	@echo "make lint     ruff check and ruff format --check"
+	@echo "make format   let ruff fix and format"
+	@echo "make types    mypy"
+	@echo "make imports  the contracts between the layers"
+	@echo "make build    sdist and wheel in dist/"
+	@echo "make ci       everything, as CI runs it, in a scratch copy"
+	@echo "make clean    remove what these commands made"
+
+check: test lint types imports
+
+ci:
+	.ci/run
+
+$(BIN)/python:
+	$(PYTHON) -m venv .venv
+
+install: $(BIN)/python
+	$(BIN)/pip install --quiet ".[dev]"
+
+test: install
+	SOLAR_UAV_TEST_INSTALLED=1 $(BIN)/pytest
+
+lint: $(BIN)/ruff
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+format: $(BIN)/ruff
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+types: $(BIN)/mypy
+	$(BIN)/mypy
+
+imports: $(BIN)/lint-imports
+	$(BIN)/lint-imports
+
+build: $(BIN)/pyproject-build
+	$(BIN)/python -m build
+
+# The tools come with the first install.
+$(BIN)/ruff $(BIN)/mypy $(BIN)/lint-imports $(BIN)/pyproject-build:
+	$(MAKE) install
+
+clean:
+	rm -rf .venv dist build .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
