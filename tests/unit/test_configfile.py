@@ -346,6 +346,7 @@ def test_tabs_get_a_hint(parser: str) -> None:
     message = parse_problem("a:\n\tb: 1")
     assert message.startswith("a.yaml:2:1: is not valid YAML: ")
     assert message.endswith("; indent with spaces, not tabs")
+    assert parse_problem("\ufeffa:\n\tb: 1") == message
 
 
 def test_all_structural_problems_come_together() -> None:
@@ -504,7 +505,7 @@ def test_missing_key_points_at_the_mapping_around_it() -> None:
     [
         ("cell", "cells"),
         ("Mass_kg", "mass_kg"),
-        ("CELLS", "cells"),
+        ("CELL", "cells"),
         ("mass_g", "mass_kg"),
         ("mass", "mass_kg"),
         ("mass_lbs", "mass_kg"),

@@ -1,0 +1,85 @@
+"""Lift, drag and power of level flight.
+
+The formulas use arithmetic only, so that floats, arrays and symbolic expressions pass alike.
+"""
+
+from __future__ import annotations
+
+from pydantic import model_validator
+
+from missions.air import GRAVITY_M_PER_S2
+from sizing.structure import Value
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
+
+PI = 3.141592653589793
+
+
+class DragPolar(Record):
+    """Parabolic polar with a profile drag that depends on the Reynolds number of the wing.
+
+    ``C_D = C_Dp (Re / Re_ref)^-n + C_Dpar + C_L^2 / (pi e AR)`` at the lift coefficient of level
+    flight, which a solar aircraft holds near its least power: for high aspect ratios that optimum
+    lies beyond the stall margin, so that the margin sets it.
+    """
+
+    lift_coefficient: PositiveReal
+    maximum_lift_coefficient: PositiveReal
+    profile_drag_coefficient: PositiveReal
+    reference_reynolds: PositiveReal
+    reynolds_exponent: NonNegativeReal = 0.35
+    parasitic_drag_coefficient: NonNegativeReal = 0.006
+    span_efficiency: Fraction = 0.9
+
+    @model_validator(mode="after")
+    def _check_stall(self) -> DragPolar:
+        if self.lift_coefficient >= self.maximum_lift_coefficient:
+            raise ValueError(
+                "lift_coefficient must be below maximum_lift_coefficient "
+                f"(got {self.lift_coefficient:g} and {self.maximum_lift_coefficient:g})"
+            )
+        return self
+
+    def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
+        """Drag coefficient of the aircraft [-]."""
+        profile = (
+            self.profile_drag_coefficient
+            * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
+        )
+        induced = self.lift_coefficient**2 / (PI * self.span_efficiency * aspect_ratio)
+        return profile + self.parasitic_drag_coefficient + induced
+
+    def airspeed_m_per_s(self, *, mass_kg: Value, wing_area_m2: Value, density: Value) -> Value:
+        """Airspeed of level flight [m/s]."""
+        weight = mass_kg * GRAVITY_M_PER_S2
+        return (2.0 * weight / (density * wing_area_m2 * self.lift_coefficient)) ** 0.5
+
+    def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
+        """Stall speed [m/s] that belongs to an airspeed of level flight."""
+        return (
+            airspeed_m_per_s * (self.lift_coefficient / self.maximum_lift_coefficient) ** 0.5
+        )
+
+
+def level_flight_power_w(
+    polar: DragPolar,
+    *,
+    mass_kg: Value,
+    wingspan_m: Value,
+    aspect_ratio: Value,
+    density: Value,
+    dynamic_viscosity: Value,
+) -> Value:
+    """Aerodynamic power of level flight, drag times airspeed [W]."""
+    area = wingspan_m**2 / aspect_ratio
+    chord = wingspan_m / aspect_ratio
+    airspeed = polar.airspeed_m_per_s(mass_kg=mass_kg, wing_area_m2=area, density=density)
+    reynolds = density * airspeed * chord / dynamic_viscosity
+    drag = 0.5 * density * airspeed**2 * area * polar.drag_coefficient(aspect_ratio, reynolds)
+    return drag * airspeed
+
+
+def scaled_power_w(
+    power_w: Value, *, mass_ratio: Value, density_ratio: Value
+) -> Value:
+    """Measured power of level flight at another mass and density, at equal lift coefficient."""
+    return power_w * mass_ratio**1.5 * density_ratio**-0.5

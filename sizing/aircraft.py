@@ -1,0 +1,147 @@
+"""Description of a solar aircraft: measured, or parametric and therefore open to sizing."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
+
+from sizing.aerodynamics import DragPolar
+from sizing.battery import Battery
+from sizing.structure import SparStructure, Structure
+from solar.modules import SolarCell
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
+
+
+class LevelFlight(Record):
+    """Electric propulsion power of level flight, measured at one mass and air density."""
+
+    electric_power_w: PositiveReal
+    mass_kg: PositiveReal
+    density_kg_per_m3: PositiveReal
+    airspeed_m_per_s: PositiveReal | None = None
+
+
+class MeasuredAirframe(Record):
+    """A built aircraft, known by its mass and its measured power.
+
+    Power at another mass or density is scaled with mass^1.5 and density^-0.5.
+    """
+
+    kind: Literal["measured"]
+    wingspan_m: PositiveReal
+    aspect_ratio: PositiveReal
+    mass_without_battery_kg: PositiveReal
+    level_flight: LevelFlight
+
+
+class Propulsion(Record):
+    """Propulsion chain from the battery bus to thrust power, and its mass.
+
+    The group's mass follows its rated power: level flight's electric power times
+    ``climb_power_ratio``.
+    """
+
+    controller_efficiency: Fraction = 0.97
+    motor_efficiency: Fraction = 0.82
+    gearbox_efficiency: Fraction = 0.96
+    propeller_efficiency: Fraction = 0.82
+    mass_kg_per_w: NonNegativeReal = 0.0011
+    climb_power_ratio: Annotated[float, Strict(), Field(ge=1.0)] = 5.0
+
+    @property
+    def efficiency(self) -> float:
+        """Efficiency of the whole chain [-]."""
+        return (
+            self.controller_efficiency
+            * self.motor_efficiency
+            * self.gearbox_efficiency
+            * self.propeller_efficiency
+        )
+
+
+class ParametricAirframe(Record):
+    """An aircraft to be: masses and power follow from geometry and technology."""
+
+    kind: Literal["parametric"]
+    wingspan_m: PositiveReal
+    aspect_ratio: PositiveReal
+    structure: Structure = SparStructure()
+    aerodynamics: DragPolar
+    propulsion: Propulsion = Propulsion()
+    avionics_mass_kg: NonNegativeReal
+    other_mass_kg: NonNegativeReal = 0.0
+    distributed_battery_fraction: Annotated[float, Strict(), Field(ge=0.0, le=1.0)] = 1.0
+    maximum_module_coverage: Fraction = 0.85
+
+
+Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator="kind")]
+
+
+class SolarModules(SolarCell):
+    """Solar modules: area, efficiencies, and the mass of modules and tracker."""
+
+    area_m2: NonNegativeReal
+    mass_kg_per_m2: NonNegativeReal = 0.59
+    mppt_mass_kg_per_w: NonNegativeReal = 1.0 / 2368.0
+
+
+class Power(Record):
+    """Electric consumers besides the propulsion."""
+
+    avionics_w: NonNegativeReal
+    supply_efficiency: Fraction = 1.0
+
+
+class Range(Record):
+    """Bounds of a design variable."""
+
+    minimum: PositiveReal
+    maximum: PositiveReal
+
+    @model_validator(mode="after")
+    def _check_order(self) -> Range:
+        if self.minimum >= self.maximum:
+            raise ValueError(
+                f"minimum must be below maximum (got {self.minimum:g} and {self.maximum:g})"
+            )
+        return self
+
+
+class DesignSpace(Record):
+    """Bounds within which the optimiser may choose; the aspect ratio is fixed if it has none."""
+
+    wingspan_m: Range = Range(minimum=1.0, maximum=15.0)
+    battery_mass_kg: Range = Range(minimum=0.1, maximum=50.0)
+    module_area_m2: Range = Range(minimum=0.05, maximum=25.0)
+    aspect_ratio: Range | None = None
+    maximum_total_mass_kg: PositiveReal | None = None
+    maximum_wing_loading_kg_per_m2: PositiveReal | None = None
+
+
+class Aircraft(Record):
+    """A solar aircraft as its file describes it."""
+
+    name: Text
+    description: str = ""
+    airframe: Airframe
+    modules: SolarModules
+    battery: Battery
+    power: Power
+    design_space: DesignSpace = DesignSpace()
+
+    @model_validator(mode="after")
+    def _check_coverage(self) -> Aircraft:
+        wing_area_m2 = self.airframe.wingspan_m**2 / self.airframe.aspect_ratio
+        if self.modules.area_m2 > wing_area_m2:
+            raise PydanticCustomError(
+                "module_area",
+                "must not exceed the wing area of {wing_area} m2 (got {area})",
+                {
+                    "key": "modules.area_m2",
+                    "wing_area": f"{wing_area_m2:.3g}",
+                    "area": f"{self.modules.area_m2:g}",
+                },
+            )
+        return self

@@ -1,0 +1,201 @@
+"""Performance of an aircraft on a mission: solar power, load and battery put together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.cycle import Cycle, Status, simulate_cycle
+from sizing.design import (
+    Design,
+    DesignVariables,
+    closed_design,
+    design_of,
+    load_profile,
+)
+from sizing.endurance import Endurance, longest_flight
+from sizing.energy_balance import FloatArray, Store
+from solar.correction import CorrectionName, ModelName, correction
+from solar.power import horizontal_specific_power
+from solar.sun import declination, sun_times
+
+DEFAULT_STEP_H = 1.0 / 12.0
+
+
+@dataclass(frozen=True)
+class SolarModel:
+    """Which solar power model is believed, and how its systematic error is treated."""
+
+    model: ModelName = "CAM"
+    correction: CorrectionName = "none"
+
+    @property
+    def rms_relative(self) -> float:
+        """RMS error of the model relative to the mean measured power [-]."""
+        return correction(self.model, self.correction).rms_relative
+
+
+@dataclass(frozen=True)
+class SolarDay:
+    """Specific power over the day in each scenario: all that a design needs of the sun.
+
+    ``specific_power_w_per_m2`` has the shape ``(scenario, time)``; ``sunrise_h`` and ``sunset_h``
+    are those of the geometric sun [solar h].
+    """
+
+    scenarios: Scenarios
+    time_h: FloatArray
+    specific_power_w_per_m2: FloatArray
+    sunrise_h: FloatArray
+    sunset_h: FloatArray
+
+    def scaled(self, factor: float) -> SolarDay:
+        """Same day with all power multiplied by a factor."""
+        return replace(self, specific_power_w_per_m2=self.specific_power_w_per_m2 * factor)
+
+
+def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
+    """Nodes from 0 to 24 h, at most ``step_h`` apart.
+
+    Raises
+    ------
+    ValueError
+        If the step is not between 1 s and 1 h.
+    """
+    if not 1.0 / 3600.0 <= step_h <= 1.0:
+        raise ValueError(f"step_h must be from 1/3600 to 1 (got {step_h:g})")
+    return np.linspace(0.0, 24.0, int(np.ceil(24.0 / step_h - 1e-9)) + 1)
+
+
+def solar_day(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = SolarModel(),
+    *,
+    scenarios: Scenarios | None = None,
+    step_h: float = DEFAULT_STEP_H,
+) -> SolarDay:
+    """Specific power of an aircraft's modules in the mission's (or other) scenarios."""
+    chosen = mission.scenarios() if scenarios is None else scenarios
+    time_h = day_axis_h(step_h)
+    noon_day = chosen.noon_day
+    power = horizontal_specific_power(
+        chosen.latitude_deg[:, np.newaxis],
+        noon_day[:, np.newaxis],
+        time_h,
+        cell=aircraft.modules,
+        module_temperature_c=mission.module_temperature_c(),
+        altitude_m=mission.altitude_m,
+        clearness=mission.clearness,
+        model=solar.model,
+        correct=solar.correction,
+    )
+    times = sun_times(chosen.latitude_deg, declination(noon_day))
+    return SolarDay(chosen, time_h, power, times.sunrise_h, times.sunset_h)
+
+
+@dataclass(frozen=True)
+class Performance:
+    """Converged cycles of a design in its scenarios, and what went in.
+
+    Arrays have the scenarios on their last batch axis; with a batch of designs those come first.
+    """
+
+    design: Design
+    mission: Mission
+    solar: SolarModel
+    day: SolarDay
+    solar_power_w: FloatArray
+    load_w: FloatArray
+    nominal_load_w: FloatArray
+    store: Store
+    cycle: Cycle
+
+    def worst_scenario(self) -> int:
+        """Index of the scenario with the least excess time (of a single design)."""
+        return int(np.argmin(self.cycle.excess_time_h))
+
+    def endurance(self, scenario: int) -> Endurance | None:
+        """Longest flight in a scenario; none where it has no end."""
+        if self.cycle.status[scenario] in (Status.perpetual, Status.always_lit):
+            return None
+        one = Store(
+            np.asarray(self.store.energy_max_wh).reshape(-1)[0],
+            self.store.charge_efficiency,
+            self.store.discharge_efficiency,
+            self.store.clock,
+        )
+        return longest_flight(
+            self.day.time_h, self.solar_power_w[scenario], self.load_w[scenario], one
+        )
+
+
+def performance(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = SolarModel(),
+    *,
+    day: SolarDay | None = None,
+    step_h: float = DEFAULT_STEP_H,
+) -> Performance:
+    """Simulate an aircraft, as its file describes it, in every scenario of a mission."""
+    lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    return _simulate(aircraft, mission, solar, design_of(aircraft, mission), lit)
+
+
+def performance_of_designs(
+    aircraft: Aircraft,
+    mission: Mission,
+    variables: DesignVariables,
+    solar: SolarModel = SolarModel(),
+    *,
+    day: SolarDay | None = None,
+    step_h: float = DEFAULT_STEP_H,
+) -> Performance:
+    """Simulate a batch of designs of a parametric aircraft in every scenario of a mission.
+
+    ``variables`` are arrays that broadcast to the shape of the batch; results have that shape
+    plus an axis of scenarios. A design that cannot carry itself has an excess time of -24 h.
+    """
+    lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    design = closed_design(aircraft, mission, variables)
+    return _simulate(aircraft, mission, solar, design, lit)
+
+
+def _simulate(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, design: Design, day: SolarDay
+) -> Performance:
+    # An impossible design draws infinite power; a finite, hopeless one keeps the arithmetic clean.
+    sound = design._replace(propulsion_power_w=np.minimum(design.propulsion_power_w, 1e9))
+    area = np.asarray(design.variables.module_area_m2)[..., np.newaxis, np.newaxis]
+    solar_w = area * day.specific_power_w_per_m2
+    per_scenario = sound._replace(
+        propulsion_power_w=np.asarray(sound.propulsion_power_w)[..., np.newaxis],
+        constant_power_w=np.asarray(sound.constant_power_w)[..., np.newaxis],
+    )
+    load_w = load_profile(day.time_h, per_scenario, mission, day.sunrise_h, day.sunset_h)
+    load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
+    nominal = np.asarray(per_scenario.nominal_load_w(mission))
+    energy = np.asarray(design.battery_energy_wh)[..., np.newaxis]
+    store = Store.of(aircraft.battery, energy)
+    cycle = simulate_cycle(day.time_h, solar_w, load_w, store, nominal_load_w=nominal)
+    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
+
+
+def perpetual_days(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitude_deg: float,
+    solar: SolarModel = SolarModel(),
+    *,
+    days: ArrayLike | None = None,
+) -> FloatArray:
+    """Days of the year, ascending, on which the aircraft flies perpetually at a latitude."""
+    every = np.arange(1, 366) if days is None else np.asarray(days, int)
+    scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)
+    lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
+    return every[performance(aircraft, mission, solar, day=lit).cycle.perpetual]

@@ -1,0 +1,141 @@
+"""Standard atmosphere against published tables, an independent implementation and invariants."""
+
+from __future__ import annotations
+
+import ambiance
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from missions.air import (
+    GAS_CONSTANT_AIR,
+    GRAVITY_M_PER_S2,
+    MAXIMUM_ALTITUDE_M,
+    MINIMUM_ALTITUDE_M,
+    air_at,
+    geopotential_altitude_m,
+    standard_air,
+)
+
+ALTITUDES_M = np.linspace(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M, 326)
+
+altitudes = st.floats(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
+offsets = st.floats(-60.0, 60.0)
+
+
+@pytest.mark.parametrize(
+    ("field", "reference"),
+    [
+        ("temperature_k", "temperature"),
+        ("pressure_pa", "pressure"),
+        ("density_kg_per_m3", "density"),
+        ("dynamic_viscosity_pa_s", "dynamic_viscosity"),
+    ],
+)
+def test_standard_air_agrees_with_an_independent_implementation(field: str, reference: str) -> None:
+    expected = getattr(ambiance.Atmosphere(ALTITUDES_M), reference)
+    # The reference starts each layer from a pressure printed with six digits.
+    assert getattr(standard_air(ALTITUDES_M), field) == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("geopotential_m", "temperature_k", "pressure_pa", "density"),
+    [
+        (0.0, 288.15, 101325.0, 1.225),
+        (5000.0, 255.65, 54019.9, 0.736116),
+        (11000.0, 216.65, 22632.0, 0.363918),
+        (20000.0, 216.65, 5474.88, 0.0880347),
+        (30000.0, 226.65, 1171.86, 0.0180119),
+    ],
+)
+def test_standard_air_agrees_with_the_published_table(
+    geopotential_m: float, temperature_k: float, pressure_pa: float, density: float
+) -> None:
+    geometric = 6356766.0 * geopotential_m / (6356766.0 - geopotential_m)
+    air = standard_air(geometric)
+    # ISO 2533, printed with six digits.
+    assert air.temperature_k == pytest.approx(temperature_k, rel=1e-5)
+    assert air.pressure_pa == pytest.approx(pressure_pa, rel=1e-5)
+    assert air.density_kg_per_m3 == pytest.approx(density, rel=1e-5)
+
+
+def test_viscosity_at_sea_level() -> None:
+    # ISO 2533: 1.7894e-5 Pa s, printed with five digits.
+    assert standard_air(0.0).dynamic_viscosity_pa_s == pytest.approx(1.7894e-5, rel=5e-5)
+
+
+def test_geopotential_altitude_counts_the_fading_of_gravity() -> None:
+    # ISO 2533: 20 km are 19937 m, 32 km are 31840 m, printed to the metre.
+    assert geopotential_altitude_m([0.0, 20000.0, 32000.0]) == pytest.approx(
+        [0.0, 19937.0, 31840.0], abs=0.5
+    )
+
+
+@given(st.floats(-400.0, 31900.0))
+def test_pressure_balances_the_weight_of_the_air(altitude: float) -> None:
+    below, above = standard_air([altitude - 50.0, altitude + 50.0]).pressure_pa
+    height = np.diff(geopotential_altitude_m([altitude - 50.0, altitude + 50.0]))[0]
+    density = standard_air(altitude).density_kg_per_m3
+    # Hydrostatics over 100 m: the difference quotient errs by (100 m / 7 km)^2 / 24, and by as much
+    # again where a layer begins within the step.
+    assert below - above == pytest.approx(
+        float(density) * GRAVITY_M_PER_S2 * float(height), rel=1e-3
+    )
+
+
+@pytest.mark.parametrize("geopotential_m", [0.0, 11000.0, 20000.0])
+def test_air_is_continuous_between_layers(geopotential_m: float) -> None:
+    geometric = 6356766.0 * geopotential_m / (6356766.0 - geopotential_m)
+    below, above = standard_air([geometric - 1e-3, geometric + 1e-3]).pressure_pa
+    # Two millimetres of 6 to 8 km scale height are 3e-7.
+    assert below == pytest.approx(above, rel=1e-6)
+    assert below > above
+
+
+def test_air_thins_with_altitude() -> None:
+    air = standard_air(ALTITUDES_M)
+    assert np.all(np.diff(air.pressure_pa) < 0.0)
+    assert np.all(np.diff(air.density_kg_per_m3) < 0.0)
+
+
+@given(altitudes, offsets)
+def test_hot_day_keeps_pressure_and_lowers_density(altitude: float, offset: float) -> None:
+    standard, other = standard_air(altitude), standard_air(altitude, offset)
+    assert other.pressure_pa == standard.pressure_pa
+    assert other.temperature_k == pytest.approx(float(standard.temperature_k) + offset)
+    ratio = float(standard.temperature_k) / (float(standard.temperature_k) + offset)
+    assert other.density_kg_per_m3 == pytest.approx(float(standard.density_kg_per_m3) * ratio)
+
+
+@given(altitudes, offsets)
+def test_air_is_an_ideal_gas_of_positive_properties(altitude: float, offset: float) -> None:
+    air = standard_air(altitude, offset)
+    assert all(np.isfinite(value) and value > 0.0 for value in air)
+    expected = float(air.density_kg_per_m3 * GAS_CONSTANT_AIR * air.temperature_k)
+    assert air.pressure_pa == pytest.approx(expected)
+
+
+def test_air_of_given_temperature_and_pressure() -> None:
+    air = air_at(273.15, 100000.0)
+    # Standard temperature and pressure of IUPAC: 1.2754 kg/m3 of dry air; viscosity of air at 0 C
+    # 1.716e-5 Pa s (White, Viscous Fluid Flow), Sutherland's constants to 0.2 %.
+    assert air.density_kg_per_m3 == pytest.approx(1.2754, abs=5e-5)
+    assert air.dynamic_viscosity_pa_s == pytest.approx(1.716e-5, rel=2e-3)
+    assert air.temperature_c == 0.0
+
+
+def test_broadcasting_equals_scalar_calls() -> None:
+    altitude = np.array([-500.0, 536.0, 11000.0, 15000.0, 25000.0])
+    offset = np.array([-10.0, 0.0, 20.0])
+    whole = standard_air(altitude[:, np.newaxis], offset)
+    for i, j in np.ndindex(5, 3):
+        one = standard_air(altitude[i], offset[j])
+        assert whole.temperature_k[i, j] == pytest.approx(float(one.temperature_k))
+        assert whole.density_kg_per_m3[i, j] == pytest.approx(float(one.density_kg_per_m3))
+
+
+@pytest.mark.parametrize("altitude", [-501.0, 32001.0, float("nan"), float("inf"), [0.0, 40000.0]])
+def test_altitudes_outside_the_model_are_refused(altitude: float | list[float]) -> None:
+    with pytest.raises(ValueError, match="altitude_m must be from -500 to 32000"):
+        standard_air(altitude)

@@ -1,0 +1,104 @@
+"""Calendar days against the standard library's calendar of a common year."""
+
+from __future__ import annotations
+
+from datetime import date, timedelta
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from missions.dates import (
+    date_code,
+    date_label,
+    day_of_year,
+    days_in_range,
+    month_and_day,
+)
+
+NEW_YEAR = date(2015, 1, 1)  # of a year of 365 days
+ALL_DAYS = range(1, 366)
+
+whole_days = st.integers(1, 365)
+
+
+def test_all_days_agree_with_the_calendar() -> None:
+    for day in ALL_DAYS:
+        calendar = NEW_YEAR + timedelta(days=day - 1)
+        assert day_of_year(f"{calendar:%m-%d}") == day
+        assert month_and_day(day) == (calendar.month, calendar.day)
+        assert date_code(day) == f"{calendar:%m-%d}"
+        assert date_label(day) == f"{calendar.day} {calendar:%b}"
+
+
+@pytest.mark.parametrize(
+    ("text", "day"), [("7-1", 182), ("07-1", 182), (" 07-01 ", 182), ("12-31", 365)]
+)
+def test_dates_may_be_written_without_leading_zeros(text: str, day: int) -> None:
+    assert day_of_year(text) == day
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("02-29", "has days 01 to 28"),
+        ("02-30", "has days 01 to 28"),
+        ("04-31", "has days 01 to 30"),
+        ("01-00", "has days 01 to 31"),
+        ("13-01", "month must be 01 to 12"),
+        ("00-10", "month must be 01 to 12"),
+        ("31-12", "month must be 01 to 12"),
+        ("abc", "MM-DD"),
+        ("", "MM-DD"),
+        ("07", "MM-DD"),
+        ("07/01", "MM-DD"),
+        ("2015-07-01", "MM-DD"),
+        ("07-01-2015", "MM-DD"),
+        ("07-001", "MM-DD"),
+        ("-7-1", "MM-DD"),
+        ("07--1", "MM-DD"),
+    ],
+)
+def test_other_texts_are_refused(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        day_of_year(text)
+
+
+def test_refusal_shows_the_text() -> None:
+    with pytest.raises(ValueError, match="'13-01'"):
+        day_of_year("13-01")
+
+
+@given(whole_days, st.integers(-3, 3))
+def test_days_beyond_the_year_wrap(day: int, years: int) -> None:
+    assert date_code(day + 365 * years) == date_code(day)
+
+
+def test_range_within_a_year() -> None:
+    assert days_in_range(121, 124) == [121, 122, 123, 124]
+
+
+def test_range_across_the_end_of_the_year() -> None:
+    assert days_in_range(364, 2) == [364, 365, 1, 2]
+
+
+@pytest.mark.parametrize("day", [1, 200, 365])
+def test_range_of_one_day(day: int) -> None:
+    assert days_in_range(day, day) == [day]
+
+
+@given(whole_days)
+def test_range_up_to_the_day_before_is_a_whole_year(first: int) -> None:
+    days = days_in_range(first, (first - 2) % 365 + 1)
+    assert days[0] == first
+    assert sorted(days) == list(ALL_DAYS)
+
+
+@given(whole_days, whole_days)
+def test_range_holds_consecutive_days_from_first_to_last(first: int, last: int) -> None:
+    days = days_in_range(first, last)
+    assert (days[0], days[-1]) == (first, last)
+    assert len(set(days)) == len(days) <= 365
+    for one, following in pairwise(days):
+        assert following == (1 if one == 365 else one + 1)

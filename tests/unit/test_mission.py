@@ -1,0 +1,420 @@
+"""Missions: what is accepted, what is refused, and the scenarios that a mission expands to."""
+
+from __future__ import annotations
+
+from importlib import resources
+from typing import Any
+
+import ambiance
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from missions.dates import date_code, day_of_year
+from missions.mission import Dates, LatitudeRange, Launch, Mission, latitude_label
+
+LAUNCH = {"date": "06-30", "time_local": "11:14", "utc_offset_h": 2.0, "duration_h": 28.35}
+LIBRARY = sorted(
+    entry.name
+    for entry in resources.files("missions").joinpath("library").iterdir()
+    if entry.name.endswith(".yaml")
+)
+
+
+def mission(**changes: Any) -> Mission:
+    """Return a plain mission, changed."""
+    return Mission(**{"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}, **changes})
+
+
+def dates(first: str, last: str, count: int | None = None) -> Dates:
+    return Dates.model_validate({"from": first, "to": last, "count": count})
+
+
+# ---- Dates
+
+
+def test_one_date_is_one_day() -> None:
+    assert Dates(on="07-15").days() == [196]
+
+
+def test_range_is_represented_by_its_ends_and_its_middle() -> None:
+    assert dates("05-01", "05-31").days() == [121, 136, 151]
+
+
+def test_range_may_cross_the_end_of_the_year() -> None:
+    assert dates("12-30", "01-03", 5).days() == [364, 365, 1, 2, 3]
+
+
+def test_winter_is_represented_in_its_order() -> None:
+    # 123 days from 1 November to 3 March, the middle of them being 1 January.
+    assert dates("11-01", "03-03").days() == [305, 1, 62]
+
+
+@pytest.mark.parametrize(
+    ("count", "expected"),
+    [(1, [1]), (2, [1, 10]), (4, [1, 4, 7, 10]), (100, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10])],
+)
+def test_count_of_days(count: int, expected: list[int]) -> None:
+    assert dates("01-01", "01-10", count).days() == expected
+
+
+def test_range_of_one_day_is_that_day_once() -> None:
+    assert dates("07-15", "07-15").days() == [196]
+
+
+@given(st.integers(1, 365), st.integers(1, 365), st.integers(2, 365))
+def test_days_are_distinct_members_of_their_range_with_both_ends(
+    first: int, last: int, count: int
+) -> None:
+    chosen = dates(date_code(first), date_code(last), count)
+    every, days = chosen.range(), chosen.days()
+    assert (days[0], days[-1]) == (first, last)
+    assert len(days) == min(count, len(every)) == len(set(days))
+    gaps = np.diff([every.index(day) for day in days])
+    assert gaps.size == 0 or (gaps.min() > 0 and np.ptp(gaps) <= 1)  # evenly spaced
+
+
+def test_dates_are_normalised() -> None:
+    assert Dates(on=" 7-5 ").on == "07-05"
+
+
+@pytest.mark.parametrize(
+    "text", ["02-29", "13-01", "00-01", "04-31", "abc", "", "2015-07-01", 715, 7.15, True]
+)
+def test_other_dates_are_refused(text: Any) -> None:
+    with pytest.raises(ValidationError, match="on\n"):
+        Dates(on=text)
+
+
+@pytest.mark.parametrize(
+    "data", [{}, {"on": None}, {"from": "05-01"}, {"to": "05-01"}, {"count": 3}]
+)
+def test_empty_ranges_are_refused(data: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError, match="empty date range"):
+        Dates.model_validate(data)
+
+
+@pytest.mark.parametrize("extra", [{"from": "05-01"}, {"to": "05-01"}, {"count": 3}])
+def test_one_date_and_a_range_are_refused(extra: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError, match="not both"):
+        Dates.model_validate({"on": "07-15", **extra})
+
+
+@pytest.mark.parametrize("count", [0, -1, 366, 2.5, "3", True])
+def test_other_counts_of_days_are_refused(count: Any) -> None:
+    with pytest.raises(ValidationError, match="count"):
+        Dates.model_validate({"from": "05-01", "to": "08-15", "count": count})
+
+
+# ---- Latitudes
+
+
+def test_latitude_range_includes_its_ends() -> None:
+    assert LatitudeRange(from_deg=45.0, to_deg=50.0, count=3).values() == [45.0, 47.5, 50.0]
+
+
+def test_latitude_range_may_cross_the_equator_southwards() -> None:
+    assert LatitudeRange(from_deg=10.0, to_deg=-10.0, count=5).values() == [10, 5, 0, -5, -10]
+
+
+@pytest.mark.parametrize("count", [1, 0, -3, 182, 3.0, "3"])
+def test_other_counts_of_latitudes_are_refused(count: Any) -> None:
+    with pytest.raises(ValidationError, match="count"):
+        LatitudeRange(from_deg=45.0, to_deg=50.0, count=count)
+
+
+@pytest.mark.parametrize("latitude", [95.0, -90.1, float("nan"), float("inf"), "47.6", True, None])
+def test_other_latitudes_are_refused(latitude: Any) -> None:
+    with pytest.raises(ValidationError, match="latitude_deg"):
+        mission(latitude_deg=latitude)
+    with pytest.raises(ValidationError, match="from_deg"):
+        LatitudeRange(from_deg=latitude, to_deg=50.0)
+
+
+@pytest.mark.parametrize("latitude", [90, -90, 0, 47])
+def test_whole_latitudes_and_poles_are_accepted(latitude: int) -> None:
+    assert mission(latitude_deg=latitude).latitudes() == [float(latitude)]
+
+
+@pytest.mark.parametrize(
+    ("latitude", "label"), [(47.6, "47.6 N"), (-33.0, "33 S"), (0.0, "0 N"), (-0.25, "0.25 S")]
+)
+def test_latitude_labels(latitude: float, label: str) -> None:
+    assert latitude_label(latitude) == label
+
+
+# ---- Missions
+
+
+NUMBERS = (
+    "longitude_deg",
+    "altitude_m",
+    "clearness",
+    "wind_m_per_s",
+    "required_excess_time_h",
+)
+
+
+@pytest.mark.parametrize("key", NUMBERS)
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "1", True])
+def test_numbers_must_be_finite_numbers(key: str, value: Any) -> None:
+    with pytest.raises(ValidationError, match=key):
+        mission(**{key: value})
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("longitude_deg", 180.5),
+        ("altitude_m", -501.0),
+        ("altitude_m", 32001.0),
+        ("clearness", 0.0),
+        ("clearness", 1.1),
+        ("wind_m_per_s", -1.0),
+        ("required_excess_time_h", -1.0),
+        ("name", ""),
+    ],
+)
+def test_values_out_of_range_are_refused(key: str, value: Any) -> None:
+    with pytest.raises(ValidationError, match=key):
+        mission(**{key: value})
+
+
+@pytest.mark.parametrize("key", ["name", "latitude_deg", "dates"])
+def test_required_keys(key: str) -> None:
+    data = {"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}}
+    del data[key]
+    with pytest.raises(ValidationError, match=f"{key}\n  Field required"):
+        Mission.model_validate(data)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"altitude": 500.0},
+        {"dates": {"on": "07-15", "year": 2015}},
+        {"air": {"temperature_c": 20.0}},
+        {"payload": {"mass": 1.0}},
+        {"turbulence": {"night": 0.1}},
+        {"longitude_deg": 8.5, "launch": {**LAUNCH, "zone": "CEST"}},
+    ],
+)
+def test_unknown_keys_are_refused(changes: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError, match="Extra inputs are not permitted"):
+        mission(**changes)
+
+
+@pytest.mark.parametrize(
+    ("section", "key"),
+    [
+        ("payload", "mass_kg"),
+        ("payload", "power_w"),
+        ("turbulence", "all_day"),
+        ("turbulence", "thermal"),
+    ],
+)
+@pytest.mark.parametrize("value", [-0.1, float("nan"), "1"])
+def test_loads_are_not_negative(section: str, key: str, value: Any) -> None:
+    with pytest.raises(ValidationError, match=key):
+        mission(**{section: {key: value}})
+
+
+def test_missions_do_not_change() -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        mission().clearness = 0.5  # type: ignore[misc]
+
+
+# ---- Air
+
+
+def test_air_is_standard_by_default() -> None:
+    reference = ambiance.Atmosphere(536.0)
+    air = mission(altitude_m=536.0).air_state()
+    # Pressures printed with six digits in the reference.
+    assert air.density_kg_per_m3 == pytest.approx(reference.density[0], rel=1e-5)
+    assert air.temperature_k == pytest.approx(reference.temperature[0])
+
+
+def test_temperature_offset_thins_the_air() -> None:
+    reference = ambiance.Atmosphere(500.0)
+    warm = mission(altitude_m=500.0, air={"temperature_offset_k": 15.0})
+    expected = reference.density[0] * reference.temperature[0] / (reference.temperature[0] + 15.0)
+    assert warm.air_state().density_kg_per_m3 == pytest.approx(expected, rel=1e-5)  # see above
+    assert warm.module_temperature_c() == pytest.approx(reference.temperature_in_celsius[0] + 15.0)
+
+
+def test_ambient_temperature_overrides_the_density() -> None:
+    flight = mission(altitude_m=536.0, air={"ambient_temperature_c": 22.7}).air_state()
+    pressure = ambiance.Atmosphere(536.0).pressure[0]
+    assert flight.temperature_c == pytest.approx(22.7)
+    assert flight.pressure_pa == pytest.approx(pressure, rel=1e-5)  # see above
+    # Ideal gas of dry air, 287.05 J/(kg K).
+    assert flight.density_kg_per_m3 == pytest.approx(pressure / (287.05287 * 295.85), rel=1e-5)
+
+
+def test_module_temperature_is_that_of_the_air_unless_given() -> None:
+    assert mission(air={"ambient_temperature_c": 22.7}).module_temperature_c() == pytest.approx(
+        22.7
+    )
+    both = mission(air={"ambient_temperature_c": 22.7, "module_temperature_c": 37.0})
+    assert both.module_temperature_c() == 37.0
+    assert both.air_state().temperature_c == pytest.approx(22.7)
+    assert mission(altitude_m=0.0).module_temperature_c() == pytest.approx(15.0)  # sea level
+
+
+def test_two_air_temperatures_are_refused() -> None:
+    with pytest.raises(ValidationError, match="not both"):
+        mission(air={"temperature_offset_k": 0.0, "ambient_temperature_c": 20.0})
+
+
+@pytest.mark.parametrize("key", ["ambient_temperature_c", "module_temperature_c"])
+@pytest.mark.parametrize("value", [295.85, -101.0, float("nan"), "20"])
+def test_temperatures_in_kelvin_and_other_nonsense_are_refused(key: str, value: Any) -> None:
+    with pytest.raises(ValidationError, match=key):
+        mission(air={key: value})
+
+
+# ---- Launch
+
+
+def test_launch_is_read() -> None:
+    launch = mission(longitude_deg=8.53, launch=LAUNCH).launch
+    assert launch is not None
+    assert launch.clock_h == pytest.approx(11.0 + 14.0 / 60.0)
+    assert (launch.date, launch.state_of_charge) == ("06-30", 1.0)
+
+
+def test_launch_needs_a_longitude() -> None:
+    with pytest.raises(ValidationError, match="needs longitude_deg") as caught:
+        mission(launch=LAUNCH)
+    assert caught.value.errors()[0]["type"] == "missing_longitude"
+
+
+def test_longitude_zero_is_a_longitude() -> None:
+    assert mission(longitude_deg=0.0, launch=LAUNCH).launch is not None
+
+
+def test_launch_needs_a_single_latitude() -> None:
+    with pytest.raises(ValidationError, match="single latitude"):
+        mission(latitude_deg={"from_deg": 45.0, "to_deg": 50.0}, longitude_deg=8.53, launch=LAUNCH)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("date", "02-29"),
+        ("date", 630),
+        ("time_local", "24:00"),
+        ("time_local", "11:60"),
+        ("time_local", "11"),
+        ("time_local", "11:14:00"),
+        ("time_local", 674),  # what YAML 1.1 makes of an unquoted 11:14
+        ("utc_offset_h", 15.0),
+        ("state_of_charge", 57.7),
+        ("state_of_charge", -0.1),
+        ("duration_h", 0.0),
+        ("duration_h", float("nan")),
+    ],
+)
+def test_bad_launches_are_refused(key: str, value: Any) -> None:
+    with pytest.raises(ValidationError, match=key):
+        Launch.model_validate({**LAUNCH, key: value})
+
+
+@pytest.mark.parametrize(("text", "hours"), [("00:00", 0.0), ("9:30", 9.5), ("23:59", 23.9833333)])
+def test_clock_times(text: str, hours: float) -> None:
+    assert Launch.model_validate({**LAUNCH, "time_local": text}).clock_h == pytest.approx(hours)
+
+
+# ---- Scenarios
+
+
+def test_scenarios_run_through_the_days_of_each_latitude() -> None:
+    scenarios = mission(
+        latitude_deg={"from_deg": 45.0, "to_deg": 50.0, "count": 2},
+        dates={"from": "12-31", "to": "01-02", "count": 3},
+    ).scenarios()
+    assert len(scenarios) == 6
+    assert scenarios.latitude_deg.tolist() == [45.0, 45.0, 45.0, 50.0, 50.0, 50.0]
+    assert scenarios.day_of_year.tolist() == [365, 1, 2, 365, 1, 2]
+    assert scenarios.noon_day.tolist() == [365.5, 1.5, 2.5, 365.5, 1.5, 2.5]
+    assert [scenarios.label(i) for i in (0, 4)] == ["45 N, 31 Dec", "50 N, 1 Jan"]
+
+
+def test_polar_night_is_marked() -> None:
+    # Tromso's polar night: the geometric sun stays down at midwinter, not at midsummer.
+    winter = {"from_deg": 60.0, "to_deg": 75.0, "count": 4}  # 60, 65, 70 and 75 N
+    scenarios = mission(latitude_deg=winter, dates={"on": "12-21"}).scenarios()
+    assert scenarios.in_polar_night().tolist() == [False, False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("latitude", "date", "dark"),
+    [
+        (90.0, "12-21", True),
+        (90.0, "06-21", False),
+        (-90.0, "06-21", True),
+        (-90.0, "12-21", False),
+        (-70.0, "06-21", True),
+        (0.0, "12-21", False),
+    ],
+)
+def test_polar_night_by_hemisphere(latitude: float, date: str, dark: bool) -> None:
+    scenarios = mission(latitude_deg=latitude, dates={"on": date}).scenarios()
+    assert scenarios.in_polar_night().tolist() == [dark]
+
+
+# ---- Library
+
+
+class CoreLoader(yaml.SafeLoader):
+    """YAML whose only truth values are those of version 1.2: the key ``on`` is a text."""
+
+
+CoreLoader.yaml_implicit_resolvers = {
+    letter: [] if letter in "oOnNyY" else resolvers
+    for letter, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+
+
+def shipped(name: str) -> Any:
+    text = resources.files("missions").joinpath("library", name).read_text(encoding="utf-8")
+    return yaml.load(text, Loader=CoreLoader)
+
+
+def test_the_library_is_not_empty() -> None:
+    assert {"rafz-28h.yaml", "rafz-81h.yaml", "rafz-july.yaml"} <= set(LIBRARY)
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_shipped_missions_are_valid(name: str) -> None:
+    data = shipped(name)
+    # YAML takes some dates and times for numbers; those in the files must remain text.
+    assert all(isinstance(data["dates"].get(key, ""), str) for key in ("on", "from", "to"))
+    assert isinstance(data.get("launch", {}).get("time_local", ""), str)
+    found = Mission.model_validate(data)
+    assert f"{found.name}.yaml" == name
+    assert len(found.scenarios()) == len(found.latitudes()) * len(found.dates.days()) > 0
+    assert 0.0 < found.air_state().density_kg_per_m3 < 1.5  # denser than on any coast in winter
+    assert not found.scenarios().in_polar_night().any()
+
+
+def test_the_28_hour_flight_is_the_published_one() -> None:
+    flight = Mission.model_validate(shipped("rafz-28h.yaml"))
+    assert flight.launch is not None
+    assert (flight.latitude_deg, flight.longitude_deg) == (47.6, 8.53)
+    # 30 June, 11:14, with a charge of 57.7 %; landing on 1 July at 15:35.
+    assert (flight.launch.date, flight.launch.time_local) == ("06-30", "11:14")
+    assert flight.launch.state_of_charge == 0.577
+    landing_h = flight.launch.clock_h + flight.launch.duration_h
+    assert landing_h == pytest.approx(24.0 + 15.0 + 35.0 / 60.0, abs=1.0 / 60.0)  # to the minute
+    assert flight.dates.days() == [day_of_year("07-01")]
+
+
+def test_the_81_hour_flight_is_the_published_one() -> None:
+    flight = Mission.model_validate(shipped("rafz-81h.yaml"))
+    assert flight.launch is not None
+    assert (flight.launch.date, flight.launch.duration_h) == ("07-14", 81.0)
