@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, Range
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.cycle import Status
 from sizing.design import Design, DesignVariables, Masses, closed_design, variables_of
 from sizing.energy_balance import FloatArray
 from sizing.performance import (
@@ -24,15 +25,24 @@ from sizing.sizing_problem import Objective, SizingProblem, build_problem
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5
-_ACTIVE_MULTIPLIER = 1e-6
+_ACTIVE_MULTIPLIER = 1e-5
+# Scenarios that a program starts with; others join when the simulator finds them worse.
+_FIRST_SLOTS = 3
+_ROUNDS = 12
+# The program's coarser time step may flatter a design by this much before it is sized again [h].
+_AGREEMENT_H = 0.01
+_GOAL_CUSHION_H = 0.002
+_FIRST_MARGIN = 1e-3
+_GRID_POINTS = 9
+_GRID_STEP_H = 0.5
 
 
 @dataclass(frozen=True)
 class Violation:
     """A requirement that no design within its bounds can meet.
 
-    ``shortfall`` is relative: of the load's energy for the energy requirements, of the limit for
-    the others.
+    ``shortfall`` is relative to the limit; for the energy requirements to the battery's capacity,
+    for the excess time in hours.
     """
 
     requirement: str
@@ -42,12 +52,12 @@ class Violation:
 
 @dataclass(frozen=True)
 class SolverReport:
-    """What the solver did."""
+    """What the solver did: iterations and time over all starts and rounds."""
 
     iterations: int
     time_s: float
     build_time_s: float
-    starts: int
+    solves: int
     message: str
 
 
@@ -55,13 +65,15 @@ class SolverReport:
 class SizingResult:
     """Outcome of a sizing: an optimum, or the requirements that cannot be met.
 
-    ``status`` is ``optimal``, ``infeasible`` or ``not_converged``; the design, its simulated
-    performance and the objective exist for an optimum alone. ``nearest`` is the simulated design
-    that comes closest where none is feasible.
+    ``status`` is ``optimal``, ``infeasible`` or ``not_converged``. Design, simulated performance
+    and objective value exist for an optimum alone; ``objective_value`` is the optimiser's own
+    number, which ``simulated`` confirms. ``nearest`` is the simulated design that comes closest
+    where none is feasible.
     """
 
     status: str
     objective: Objective
+    required_excess_time_h: float
     objective_value: float | None
     design: Design | None
     simulated: Performance | None
@@ -101,6 +113,10 @@ def size_aircraft(
         Solar power model and its correction.
     required_excess_time_h : float, optional
         Overrides the mission's own [h]. For ``max_excess_time`` it is a bound from below.
+    day : SolarDay, optional
+        Specific power of the scenarios where it is known already.
+    step_h : float
+        Time step of the simulator [h].
 
     Returns
     -------
@@ -111,17 +127,16 @@ def size_aircraft(
     TypeError
         For a measured aircraft.
     """
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    begun = time.perf_counter()
-    problem = build_problem(aircraft, mission, lit, objective, required)
-    build_s = time.perf_counter() - begun
-    return _Search(aircraft, mission, solar, lit, problem, required, build_s).run()
+    return _Search(aircraft, mission, solar, lit, objective, required).run()
 
 
 class _Search:
-    """One sizing: starts, fallbacks and the verdict."""
+    """One sizing: its starts, its growing set of scenarios, and the verdict."""
 
     def __init__(
         self,
@@ -129,166 +144,207 @@ class _Search:
         mission: Mission,
         solar: SolarModel,
         day: SolarDay,
-        problem: SizingProblem,
+        objective: Objective,
         required_h: float,
-        build_s: float,
     ) -> None:
         self.aircraft, self.mission, self.solar, self.day = aircraft, mission, solar, day
-        self.problem, self.required_h, self.build_s = problem, required_h, build_s
-        self.iterations, self.solve_s, self.starts, self.message = 0, 0.0, 0, ""
+        self.objective, self.required_h = objective, required_h
+        self.goal_h, self.margin = required_h + _GOAL_CUSHION_H, _FIRST_MARGIN
+        self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
+        self.message = ""
+        self.chosen: list[int] = []
+        self.problem = self._build(min(_FIRST_SLOTS, len(day.scenarios)))
 
     def run(self) -> SizingResult:
-        start = self._start(variables_of(self.aircraft))
-        answer = self._solve(start, elastic=False)
+        first = self._simulate(variables_of(self.aircraft))
+        self.chosen = _telling_scenarios(first, self.problem.slots)
+        starts = [variables_of(self.aircraft)]
+        answer = self._solve_from(starts)
         if answer is None:
-            elastic = self._solve(start, elastic=True)
-            for scattered in self._scattered_starts() if elastic is None else ():
-                elastic = self._solve(scattered, elastic=True)
-                if elastic is not None:
-                    break
-            if elastic is None:
-                return self._failed("not_converged", (), None)
-            slack = self._slack(elastic)
-            if np.max(slack) > _SLACK_TOLERANCE:
-                return self._infeasible(elastic, slack)
-            for retry in (elastic["x"], *self._scattered_starts()):
-                answer = self._solve(np.asarray(retry).ravel(), elastic=False)
-                if answer is not None:
-                    break
+            starts = self._grid_starts()
+            answer = self._solve_from(starts)
         if answer is None:
-            return self._failed("not_converged", (), None)
-        return self._optimal(answer)
+            return self._explain_failure(starts)
+        return self._agree_with_simulator(answer)
+
+    def _agree_with_simulator(self, answer: dict[str, Any]) -> SizingResult:
+        """Add scenarios and tighten the program until the simulator confirms its optimum."""
+        for _ in range(_ROUNDS):
+            simulated = self._simulate(self._variables(answer))
+            claimed = self._claimed_h(answer)
+            worst = simulated.worst_scenario()
+            found = float(simulated.cycle.excess_time_h[worst])
+            if found >= claimed - _AGREEMENT_H and found > 0.0 and found >= self.required_h:
+                return self._optimal(answer, simulated)
+            self._tighten(worst, found, claimed)
+            retried = self._solve_from([self._variables(answer)])
+            if retried is None:
+                starts = [self._variables(answer), *self._grid_starts()]
+                retried = self._solve_from(starts)
+                if retried is None:
+                    return self._explain_failure(starts)
+            answer = retried
+        return self._failed("not_converged", (), None)
+
+    def _tighten(self, worst: int, found_h: float, claimed_h: float) -> None:
+        if worst not in self.chosen:
+            self.chosen.append(worst)
+            if len(self.chosen) > self.problem.slots:
+                self.problem = self._build(min(2 * self.problem.slots, len(self.day.scenarios)))
+        elif found_h <= 0.0 and claimed_h > 2.0 * _AGREEMENT_H:
+            self.margin *= 3.0
+        else:
+            self.goal_h += max(self.required_h - found_h, 0.0) + _GOAL_CUSHION_H
+            self.margin *= 1.5
 
     # --- solving -----------------------------------------------------------------------------
+
+    def _build(self, slots: int) -> SizingProblem:
+        begun = time.perf_counter()
+        problem = build_problem(self.aircraft, self.mission, self.day, self.objective, slots)
+        self.build_s += time.perf_counter() - begun
+        return problem
+
+    def _solve_from(
+        self, starts: list[DesignVariables], *, elastic: bool = False
+    ) -> dict[str, Any] | None:
+        """First start that converges."""
+        for variables in starts:
+            answer = self._solve(self._start(variables), elastic=elastic)
+            if answer is not None:
+                return answer
+        return None
 
     def _solve(self, start: FloatArray, *, elastic: bool) -> dict[str, Any] | None:
         problem = self.problem
         lower, upper = self._variable_bounds(elastic)
-        rows = len(problem.constraints)
-        upper_rows = np.full(rows, np.inf)
+        upper_rows = np.full(len(problem.constraints), np.inf)
         upper_rows[0] = 0.0  # the mass budget is an equation
+        filled = [self.chosen[i % len(self.chosen)] for i in range(problem.slots)]
+        parameters = problem.parameters(
+            filled, elastic=elastic, goal_h=self.goal_h, margin=self.margin
+        )
         begun = time.perf_counter()
         answer = problem.solver(
             x0=np.clip(start, lower, upper),
-            p=np.concatenate(([float(elastic)], problem.parameters)),
+            p=parameters,
             lbx=lower,
             ubx=upper,
-            lbg=np.zeros(rows),
+            lbg=0.0,
             ubg=upper_rows,
         )
         self.solve_s += time.perf_counter() - begun
         stats = problem.solver.stats()
         self.iterations += int(stats["iter_count"])
-        self.starts += 1
+        self.solves += 1
         self.message = str(stats["return_status"])
-        return dict(answer) if stats["success"] else None
+        return {k: np.asarray(v).ravel() for k, v in answer.items()} if stats["success"] else None
 
     def _variable_bounds(self, elastic: bool) -> tuple[FloatArray, FloatArray]:
         problem = self.problem
-        count, slacks = problem.scenario_count, len(problem.slack_names)
-        lower = np.concatenate(
-            (
-                np.log([r.minimum for r in problem.bounds]),
-                np.zeros(count),
-                [self.required_h],
-                np.zeros(slacks),
-            )
-        )
-        upper = np.concatenate(
-            (
-                np.log([r.maximum for r in problem.bounds]),
-                np.ones(count),
-                [1e4],
-                np.full(slacks, np.inf if elastic else 0.0),
-            )
-        )
-        return lower, upper
+        slacks = len(problem.slack_names)
+        lower = [
+            np.log([r.minimum for r in problem.bounds]),
+            np.zeros(problem.slots),
+            [self.goal_h],
+            np.zeros(slacks),
+        ]
+        upper = [
+            np.log([r.maximum for r in problem.bounds]),
+            np.ones(problem.slots),
+            [self.goal_h if elastic else 1e4],
+            np.full(slacks, np.inf if elastic else 0.0),
+        ]
+        return np.concatenate(lower), np.concatenate(upper)
 
     def _start(self, variables: DesignVariables) -> FloatArray:
         problem = self.problem
         closed = closed_design(self.aircraft, self.mission, variables)
         mass = float(closed.total_mass_kg)
-        if not np.isfinite(mass):
-            mass = 3.0 * float(variables.battery_mass_kg)
         guess = {
-            "wingspan_m": float(variables.wingspan_m),
-            "battery_mass_kg": float(variables.battery_mass_kg),
-            "module_area_m2": max(float(variables.module_area_m2), 1e-3),
-            "total_mass_kg": mass,
-            "aspect_ratio": float(variables.aspect_ratio),
+            "wingspan_m": variables.wingspan_m,
+            "battery_mass_kg": variables.battery_mass_kg,
+            "module_area_m2": max(variables.module_area_m2, 1e-3),
+            "total_mass_kg": mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
+            "aspect_ratio": variables.aspect_ratio,
         }
-        logs = np.log([guess[name] for name in problem.variable_names])
+        logs = np.log([float(guess[name]) for name in problem.variable_names])
         return np.concatenate(
             (
                 logs,
-                np.full(problem.scenario_count, 0.2),
+                np.full(problem.slots, 0.2),
                 [self.required_h + 1.0],
                 np.full(len(problem.slack_names), 0.1),
             )
         )
 
-    def _scattered_starts(self) -> list[FloatArray]:
-        """Starts spread over the design space, at fixed fractions of its logarithmic extent."""
-        starts = []
-        for span, battery, area in ((0.3, 0.3, 0.4), (0.6, 0.5, 0.7), (0.5, 0.7, 0.6)):
-            fractions = {"wingspan_m": span, "battery_mass_kg": battery, "module_area_m2": area}
-            values = {
-                name: _between(bounds, fractions.get(name, 0.5))
-                for name, bounds in zip(
-                    self.problem.variable_names, self.problem.bounds, strict=True
-                )
-            }
-            starts.append(
-                self._start(
-                    DesignVariables(
-                        wingspan_m=values["wingspan_m"],
-                        aspect_ratio=values.get("aspect_ratio", self.problem.fixed_aspect_ratio),
-                        battery_mass_kg=values["battery_mass_kg"],
-                        module_area_m2=values["module_area_m2"],
-                    )
-                )
-            )
-        return starts
+    def _grid_starts(self) -> list[DesignVariables]:
+        """Most promising designs of a coarse grid over the design space, best first."""
+        axes = [
+            np.geomspace(r.minimum, r.maximum, _GRID_POINTS)
+            for name, r in zip(self.problem.variable_names, self.problem.bounds, strict=True)
+            if name in ("wingspan_m", "battery_mass_kg", "module_area_m2")
+        ]
+        span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
+        aspect = self.problem.fixed_aspect_ratio or self.aircraft.airframe.aspect_ratio
+        airframe = self.aircraft.airframe
+        coverage = getattr(airframe, "maximum_module_coverage", 1.0)
+        fits = area <= coverage * span**2 / aspect
+        variables = DesignVariables(
+            span[fits], np.full(int(fits.sum()), aspect), battery[fits], area[fits]
+        )
+        if not np.any(fits):
+            return [variables_of(self.aircraft)]
+        coarse = solar_day(
+            self.aircraft,
+            self.mission,
+            self.solar,
+            scenarios=self.day.scenarios,
+            step_h=_GRID_STEP_H,
+        )
+        found = performance_of_designs(
+            self.aircraft, self.mission, variables, self.solar, day=coarse
+        )
+        merit = np.min(found.cycle.excess_time_h, axis=-1)
+        best = np.argsort(-merit, kind="stable")[:3]
+        return [DesignVariables(*(float(v[i]) for v in variables)) for i in best]
 
     # --- verdicts ----------------------------------------------------------------------------
 
     def _variables(self, answer: dict[str, Any]) -> DesignVariables:
         problem = self.problem
-        logs = np.asarray(answer["x"]).ravel()[: len(problem.variable_names)]
-        values = dict(zip(problem.variable_names, np.exp(logs), strict=True))
+        logs = answer["x"][: len(problem.variable_names)]
+        values = dict(zip(problem.variable_names, np.exp(logs).tolist(), strict=True))
         return DesignVariables(
-            wingspan_m=float(values["wingspan_m"]),
-            aspect_ratio=float(values.get("aspect_ratio", problem.fixed_aspect_ratio)),
-            battery_mass_kg=float(values["battery_mass_kg"]),
-            module_area_m2=float(values["module_area_m2"]),
+            wingspan_m=values["wingspan_m"],
+            aspect_ratio=values.get("aspect_ratio", problem.fixed_aspect_ratio),
+            battery_mass_kg=values["battery_mass_kg"],
+            module_area_m2=values["module_area_m2"],
         )
 
-    def _slack(self, answer: dict[str, Any]) -> FloatArray:
-        count = len(self.problem.slack_names)
-        return np.asarray(answer["x"]).ravel()[-count:]
-
-    def _simulate(self, answer: dict[str, Any]) -> Performance:
+    def _simulate(self, variables: DesignVariables) -> Performance:
         return performance_of_designs(
-            self.aircraft, self.mission, self._variables(answer), self.solar, day=self.day
+            self.aircraft, self.mission, variables, self.solar, day=self.day
         )
 
-    def _optimal(self, answer: dict[str, Any]) -> SizingResult:
-        simulated = self._simulate(answer)
-        design = simulated.design
+    def _claimed_h(self, answer: dict[str, Any]) -> float:
+        """Worst excess time that the program promises [h]."""
+        if self.objective is not Objective.max_excess_time:
+            return self.required_h
+        return float(answer["x"][len(self.problem.variable_names) + self.problem.slots])
+
+    def _optimal(self, answer: dict[str, Any], simulated: Performance) -> SizingResult:
         value = {
-            Objective.max_excess_time: float(
-                np.asarray(answer["x"]).ravel()[
-                    len(self.problem.variable_names) + self.problem.scenario_count
-                ]
-            ),
-            Objective.min_wingspan: float(design.variables.wingspan_m),
-            Objective.min_mass: float(design.total_mass_kg),
-        }[self.problem.objective]
+            Objective.max_excess_time: self._claimed_h(answer),
+            Objective.min_wingspan: float(simulated.design.variables.wingspan_m),
+            Objective.min_mass: float(simulated.design.total_mass_kg),
+        }[self.objective]
         return SizingResult(
             status="optimal",
-            objective=self.problem.objective,
+            objective=self.objective,
+            required_excess_time_h=self.required_h,
             objective_value=value,
-            design=_plain(design),
+            design=_plain(simulated.design),
             simulated=simulated,
             nearest=None,
             active_constraints=self._active(answer),
@@ -298,48 +354,54 @@ class _Search:
 
     def _active(self, answer: dict[str, Any]) -> tuple[str, ...]:
         problem = self.problem
-        prices = np.abs(np.asarray(answer["lam_g"]).ravel())
         active = []
-        for price, constraint in zip(prices, problem.constraints, strict=True):
+        for price, constraint in zip(np.abs(answer["lam_g"]), problem.constraints, strict=True):
             if price <= _ACTIVE_MULTIPLIER or constraint.name == "mass_budget":
                 continue
-            where = constraint.scenario
-            suffix = "" if where is None else f" ({self.day.scenarios.label(where)})"
-            active.append(constraint.name + suffix)
-        bound_prices = np.asarray(answer["lam_x"]).ravel()
-        for price, name in zip(bound_prices, problem.variable_names, strict=False):
+            label = constraint.name
+            if constraint.slot is not None:
+                scenario = self.chosen[constraint.slot % len(self.chosen)]
+                label += f" ({self.day.scenarios.label(scenario)})"
+            active.append(label)
+        for price, name in zip(answer["lam_x"], problem.variable_names, strict=False):
             if abs(price) > _ACTIVE_MULTIPLIER:
                 active.append(f"{name} at its {'maximum' if price > 0 else 'minimum'}")
-        return tuple(active)
+        return tuple(dict.fromkeys(active))
 
-    def _infeasible(self, answer: dict[str, Any], slack: FloatArray) -> SizingResult:
-        nearest = self._simulate(answer)
+    def _explain_failure(self, starts: list[DesignVariables]) -> SizingResult:
+        """Ask the elastic program which requirements are missed, and by how much."""
+        elastic = self._solve_from(starts, elastic=True)
+        if elastic is None:
+            return self._failed("not_converged", (), None)
+        slack = elastic["x"][-len(self.problem.slack_names) :]
+        if np.max(slack) <= _SLACK_TOLERANCE:
+            answer = self._solve(elastic["x"], elastic=False)
+            if answer is None:
+                return self._failed("not_converged", (), None)
+            return self._agree_with_simulator(answer)
+        nearest = self._simulate(self._variables(elastic))
         violations = tuple(
-            Violation(name, float(value), self._explain(name, float(value), nearest))
+            Violation(name, float(value), self._words(name, float(value), nearest))
             for name, value in zip(self.problem.slack_names, slack, strict=True)
             if value > _SLACK_TOLERANCE
         )
         return self._failed("infeasible", violations, nearest)
 
-    def _explain(self, name: str, shortfall: float, nearest: Performance) -> str:
+    def _words(self, name: str, shortfall: float, nearest: Performance) -> str:
         worst = nearest.worst_scenario()
         where = self.day.scenarios.label(worst)
         excess = float(nearest.cycle.excess_time_h[worst])
         percent = f"{100.0 * shortfall:.2g} %"
+        short = f"at {where}: short by {percent} of its capacity"
         return {
-            "mass_budget": f"no design carries its own mass: {percent} of the mass is missing",
+            "mass_budget": f"no design carries its own mass: {percent} of it cannot be lifted",
             "module_coverage": f"the modules need {percent} more wing area than there is",
             "airspeed_above_wind": (
                 f"airspeed stays {percent} below the wind of {self.mission.wind_m_per_s:g} m/s"
             ),
             "wing_loading": f"the wing loading exceeds its limit by {percent}",
-            "battery_capacity": (
-                f"the battery cannot carry the night at {where}: short by {percent} of its capacity"
-            ),
-            "energy_balance": (
-                f"the day does not recharge the battery at {where}: short by {percent} of its "
-                "capacity"
-            ),
+            "battery_capacity": f"the battery cannot carry the night {short}",
+            "energy_balance": f"the day does not recharge the battery {short}",
             "excess_time": (
                 f"an excess time of {self.required_h:g} h is out of reach at {where}: the nearest "
                 f"design has {excess:.2f} h"
@@ -351,7 +413,8 @@ class _Search:
     ) -> SizingResult:
         return SizingResult(
             status=status,
-            objective=self.problem.objective,
+            objective=self.objective,
+            required_excess_time_h=self.required_h,
             objective_value=None,
             design=None,
             simulated=None,
@@ -363,12 +426,17 @@ class _Search:
 
     def _report(self) -> SolverReport:
         return SolverReport(
-            self.iterations, self.solve_s, self.build_s, self.starts, self.message
+            self.iterations, self.solve_s, self.build_s, self.solves, self.message
         )
 
 
-def _between(bounds: Range, fraction: float) -> float:
-    return float(bounds.minimum * (bounds.maximum / bounds.minimum) ** fraction)
+def _telling_scenarios(first: Performance, count: int) -> list[int]:
+    """Scenarios likely to drive the sizing: least excess time, and least sun for their load."""
+    cycle = first.cycle
+    short_of_sun = int(np.argmin(cycle.account.solar_wh / cycle.account.load_wh))
+    by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
+    dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
+    return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
 
 
 def _plain(design: Design) -> Design:

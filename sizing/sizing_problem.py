@@ -31,8 +31,9 @@ from sizing.design import Design, DesignVariables, parametric_design, thermal_sh
 from sizing.energy_balance import FloatArray
 from sizing.performance import SolarDay
 
-# The charge limit is followed in steps of about this length; surplus is integrated exactly.
-_CHARGE_STEP_H = 0.25
+# Nodes of the program. Coarser than the simulator's: the integrals of surplus and deficit are exact
+# for power that is linear between nodes, and the sun's curvature costs 0.04 % of a day's energy.
+_STEP_H = 0.25
 # Half-width of the smooth minimum of solar-limited and charger-limited charging [state of charge].
 _BLEND = 1e-5
 
@@ -50,12 +51,15 @@ class Constraint:
     """A named requirement ``value >= 0`` of the program, scaled to order one."""
 
     name: str
-    scenario: int | None = None
+    slot: int | None = None
 
 
 @dataclass(frozen=True)
 class SizingProblem:
     """A built program; see the module's docstring.
+
+    A program has a number of *slots*, each filled with one scenario by its parameters, so that the
+    scenarios in it can be exchanged without building it anew.
 
     Attributes
     ----------
@@ -63,8 +67,16 @@ class SizingProblem:
         IPOPT on the program, silent.
     variable_names : tuple of str
         Design variables that are free, in the order of the decision vector.
+    bounds : tuple of Range
+        Their bounds.
     constraints : tuple of Constraint
         In the order of the constraint vector.
+    slots : int
+        Scenarios in the program.
+    axis : ScenarioAxis
+        Time nodes and the sun of every scenario that may fill a slot.
+    fixed_aspect_ratio : float or None
+        Where the aspect ratio is not free.
     """
 
     solver: ca.Function
@@ -72,23 +84,25 @@ class SizingProblem:
     variable_names: tuple[str, ...]
     bounds: tuple[Range, ...]
     constraints: tuple[Constraint, ...]
-    scenario_count: int
-    parameters: FloatArray
+    slots: int
+    axis: ScenarioAxis
     fixed_aspect_ratio: float | None
 
     @property
     def slack_names(self) -> tuple[str, ...]:
         """Requirements that the elastic program may miss, in the order of the slacks."""
-        named = (c.name for c in self.constraints)
-        return tuple(dict.fromkeys(named))
+        return tuple(dict.fromkeys(c.name for c in self.constraints))
+
+    def parameters(
+        self, scenarios: list[int], *, elastic: bool, goal_h: float, margin: float
+    ) -> FloatArray:
+        """Parameter vector with the slots filled by the scenarios of the given indices."""
+        sun = [np.concatenate((self.axis.specific_power[i], self.axis.thermal[i])) for i in scenarios]
+        return np.concatenate(([float(elastic), margin, goal_h], *sun))
 
 
 def build_problem(
-    aircraft: Aircraft,
-    mission: Mission,
-    day: SolarDay,
-    objective: Objective,
-    required_excess_time_h: float,
+    aircraft: Aircraft, mission: Mission, day: SolarDay, objective: Objective, slots: int
 ) -> SizingProblem:
     """Build the program of an aircraft, a mission and an objective.
 
@@ -97,41 +111,24 @@ def build_problem(
     TypeError
         For a measured aircraft.
     """
-    airframe = aircraft.airframe
-    if not isinstance(airframe, ParametricAirframe):
-        raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
     names, bounds = _free_variables(aircraft)
-    count = len(day.scenarios)
-    logs = ca.SX.sym("log_design", len(names))
-    dawn_soc = ca.SX.sym("dawn_state_of_charge", count)
-    worst_h = ca.SX.sym("worst_excess_time_h")
+    logs = ca.MX.sym("log_design", len(names))
+    dawn_soc = ca.MX.sym("dawn_state_of_charge", slots)
+    worst_h = ca.MX.sym("worst_excess_time_h")
+    elastic, margin = ca.MX.sym("elastic"), ca.MX.sym("recharge_margin")
+    goal_h = ca.MX.sym("required_excess_time_h")
     values = {name: ca.exp(logs[i]) for i, name in enumerate(names)}
-    variables = DesignVariables(
-        wingspan_m=values["wingspan_m"],
-        aspect_ratio=values.get("aspect_ratio", airframe.aspect_ratio),
-        battery_mass_kg=values["battery_mass_kg"],
-        module_area_m2=values["module_area_m2"],
-    )
-    design = parametric_design(aircraft, mission, variables, values["total_mass_kg"])
-    lit = [_LitScenario.of(day, mission, i) for i in range(count)]
-    power = [ca.SX.sym(f"specific_power_{i}", len(s.time_h)) for i, s in enumerate(lit)]
+    design = _symbolic_design(aircraft, mission, values)
+    axis = ScenarioAxis.of(day, mission)
+    sun = ca.MX.sym("sun", 2 * len(axis.time_h), slots)
 
-    rows: list[tuple[Constraint, Any]] = [
-        (Constraint(name), value) for name, value in _design_rows(aircraft, mission, design)
-    ]
-    for i, scenario in enumerate(lit):
-        cycle = _scenario_rows(aircraft, mission, design, scenario, power[i], dawn_soc[i])
-        excess_h = cycle.pop("excess_time")
-        rows.extend((Constraint(name, i), value) for name, value in cycle.items())
-        goal = worst_h if objective is Objective.max_excess_time else required_excess_time_h
-        # In tenths of the day so that all rows are of order one.
-        rows.append((Constraint("excess_time", i), (excess_h - goal) / 2.4))
+    goal = worst_h if objective is Objective.max_excess_time else goal_h
+    rows = [(Constraint(name), value) for name, value in _design_rows(aircraft, mission, design)]
+    rows += _energy_rows(aircraft, mission, design, axis, sun, dawn_soc, goal, margin)
     constraints = tuple(constraint for constraint, _ in rows)
     slack_names = tuple(dict.fromkeys(c.name for c in constraints))
-    slack = ca.SX.sym("slack", len(slack_names))
-    relaxed = [value + slack[slack_names.index(c.name)] for c, value in rows]
-    relaxed[0] = rows[0][1] + slack[0]
-    elastic = ca.SX.sym("elastic")
+    slack = ca.MX.sym("slack", len(slack_names))
+    weights = ca.DM([_SLACK_WEIGHTS.get(name, 100.0) for name in slack_names])
     cost = {
         Objective.max_excess_time: -worst_h / 24.0,
         Objective.min_wingspan: logs[names.index("wingspan_m")],
@@ -141,24 +138,77 @@ def build_problem(
     tie_break = -1e-7 * ca.sum1(dawn_soc)
     program = {
         "x": ca.vertcat(logs, dawn_soc, worst_h, slack),
-        "p": ca.vertcat(elastic, *power),
-        "f": (1.0 - elastic) * (cost + tie_break) + elastic * ca.sum1(slack),
-        "g": ca.vertcat(*relaxed),
+        "p": ca.vertcat(elastic, margin, goal_h, ca.vec(sun)),
+        "f": (1.0 - elastic) * (cost + tie_break) + elastic * ca.dot(weights, slack),
+        "g": ca.vertcat(*(value + slack[slack_names.index(c.name)] for c, value in rows)),
     }
-    parameters = np.concatenate(
-        [day.specific_power_w_per_m2[i, s.nodes] for i, s in enumerate(lit)]
-    )
+    airframe = aircraft.airframe
     return SizingProblem(
         solver=ca.nlpsol("sizing", "ipopt", program, _IPOPT_OPTIONS),
         objective=objective,
         variable_names=names,
         bounds=bounds,
         constraints=constraints,
-        scenario_count=count,
-        parameters=parameters,
+        slots=slots,
+        axis=axis,
         fixed_aspect_ratio=None if "aspect_ratio" in names else airframe.aspect_ratio,
     )
 
+
+def _symbolic_design(aircraft: Aircraft, mission: Mission, values: dict[str, Any]) -> Design:
+    variables = DesignVariables(
+        wingspan_m=values["wingspan_m"],
+        aspect_ratio=values.get("aspect_ratio", aircraft.airframe.aspect_ratio),
+        battery_mass_kg=values["battery_mass_kg"],
+        module_area_m2=values["module_area_m2"],
+    )
+    return parametric_design(aircraft, mission, variables, values["total_mass_kg"])
+
+
+def _energy_rows(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    axis: ScenarioAxis,
+    sun: Any,
+    dawn_soc: Any,
+    goal_h: Any,
+    margin: Any,
+) -> list[tuple[Constraint, Any]]:
+    """Requirements of every slot's cycle, and its excess time.
+
+    The margin asks for slightly more charge than the night takes. At equality the cycle stands on
+    an edge: a day that returns any less lets the battery run empty over many days, however full it
+    was.
+    """
+    energy = _energy_function(aircraft, axis)
+    nominal_w = design.nominal_load_w(mission)
+    usable_h = design.battery_energy_wh * aircraft.battery.discharge_efficiency / nominal_w
+    nodes = len(axis.time_h)
+    rows: list[tuple[Constraint, Any]] = []
+    for i in range(dawn_soc.shape[0]):
+        deficit, charged = energy(
+            design.variables.module_area_m2,
+            design.battery_energy_wh,
+            nominal_w,
+            design.propulsion_power_w,
+            dawn_soc[i],
+            sun[:nodes, i],
+            sun[nodes:, i],
+        )
+        recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit
+        # The excess time counts in tenths of the day so that all rows are of order one.
+        rows += [
+            (Constraint("battery_capacity", i), 1.0 - dawn_soc[i] - deficit),
+            (Constraint("energy_balance", i), recharged),
+            (Constraint("excess_time", i), (dawn_soc[i] * usable_h - goal_h) / 2.4),
+        ]
+    return rows
+
+
+# Which requirement an infeasible sizing may miss first: the excess time, then the energy over the
+# cycle, and only as a last resort what makes the design an aircraft at all.
+_SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
 
 _IPOPT_OPTIONS = {
     "print_time": False,
@@ -170,6 +220,9 @@ _IPOPT_OPTIONS = {
     "ipopt.acceptable_tol": 1e-6,
     "ipopt.acceptable_iter": 8,
     "ipopt.mu_strategy": "adaptive",
+    # A handful of variables: quasi-Newton needs few more iterations than exact second derivatives
+    # of the charge recursion, and each costs a third.
+    "ipopt.hessian_approximation": "limited-memory",
 }
 
 
@@ -207,53 +260,52 @@ def _design_rows(
 
 
 @dataclass(frozen=True)
-class _LitScenario:
-    """The part of a scenario's day in which there is sun or thermal turbulence."""
+class ScenarioAxis:
+    """Time nodes of the program: the part of the day with sun or thermals in any scenario."""
 
-    nodes: slice
     time_h: FloatArray
+    specific_power: FloatArray
     thermal: FloatArray
     dark_h: float
 
     @classmethod
-    def of(cls, day: SolarDay, mission: Mission, index: int) -> _LitScenario:
-        shape = thermal_shape(day.time_h, day.sunrise_h[index], day.sunset_h[index])
-        thermal = mission.turbulence.thermal * shape
-        active = np.flatnonzero((day.specific_power_w_per_m2[index] > 0.0) | (thermal > 0.0))
+    def of(cls, day: SolarDay, mission: Mission) -> ScenarioAxis:
+        count = round(24.0 / _STEP_H)
+        time_h = np.linspace(0.0, 24.0, count + 1)
+        power = np.stack(
+            [np.interp(time_h, day.time_h, row) for row in day.specific_power_w_per_m2]
+        )
+        thermal = mission.turbulence.thermal * thermal_shape(time_h, day.sunrise_h, day.sunset_h)
+        active = np.flatnonzero(np.any((power > 0.0) | (thermal > 0.0), axis=0))
         first = max(int(active[0]) - 1, 0) if len(active) else 0
-        last = min(int(active[-1]) + 1, len(day.time_h) - 1) if len(active) else 1
+        last = min(int(active[-1]) + 1, count) if len(active) else 1
         nodes = slice(first, last + 1)
-        time_h = day.time_h[nodes]
-        return cls(nodes, time_h, thermal[nodes], 24.0 - float(time_h[-1] - time_h[0]))
+        lit_h = float(time_h[last] - time_h[first])
+        return cls(time_h[nodes], power[:, nodes], thermal[:, nodes], 24.0 - lit_h)
 
 
-def _scenario_rows(
-    aircraft: Aircraft,
-    mission: Mission,
-    design: Design,
-    scenario: _LitScenario,
-    power: Any,
-    dawn_soc: Any,
-) -> dict[str, Any]:
-    """Requirements of one scenario's cycle, and its excess time [h]."""
-    nominal_w = design.nominal_load_w(mission)
-    net = (
-        design.variables.module_area_m2 * power
-        - nominal_w
-        - design.propulsion_power_w * scenario.thermal
-    )
-    hours = np.diff(scenario.time_h)
+def _energy_function(aircraft: Aircraft, axis: ScenarioAxis) -> ca.Function:
+    """One scenario's deficit and the state of charge its surplus leads to, as a function.
+
+    Every scenario shares it, so that its derivatives are built once.
+    """
+    area, energy_wh = ca.SX.sym("area"), ca.SX.sym("energy")
+    nominal_w, propulsion_w = ca.SX.sym("nominal"), ca.SX.sym("propulsion")
+    dawn_soc = ca.SX.sym("dawn_soc")
+    power = ca.SX.sym("power", len(axis.time_h))
+    thermal = ca.SX.sym("thermal", len(axis.time_h))
+    hours = np.diff(axis.time_h)
+    net = area * power - nominal_w - propulsion_w * thermal
     battery = aircraft.battery
-    energy_wh = design.battery_energy_wh
-    deficit_wh = ca.sum1(_positive_part_wh(-net, hours)) + scenario.dark_h * nominal_w
+    deficit_wh = ca.sum1(_positive_part_wh(-net, hours)) + axis.dark_h * nominal_w
     deficit = deficit_wh / (battery.discharge_efficiency * energy_wh)
     gains = battery.charge_efficiency * _positive_part_wh(net, hours) / energy_wh
     charged = _charged(aircraft, dawn_soc, gains, hours)
-    return {
-        "battery_capacity": 1.0 - dawn_soc - deficit,
-        "energy_balance": charged - dawn_soc - deficit,
-        "excess_time": dawn_soc * energy_wh * battery.discharge_efficiency / nominal_w,
-    }
+    return ca.Function(
+        "energy",
+        [area, energy_wh, nominal_w, propulsion_w, dawn_soc, power, thermal],
+        [deficit, charged],
+    )
 
 
 def _positive_part_wh(net: Any, hours: FloatArray) -> Any:
@@ -274,11 +326,9 @@ def _charged(aircraft: Aircraft, dawn_soc: Any, gains: Any, hours: FloatArray) -
     else:
         return dawn_soc + ca.sum1(gains)
     soc = dawn_soc
-    group = max(1, round(_CHARGE_STEP_H / float(hours[0])))
-    for start in range(0, len(hours), group):
-        block = slice(start, min(start + group, len(hours)))
-        by_sun = soc + ca.sum1(gains[block])
-        by_charger = after(soc, float(np.sum(hours[block])))
+    for k, step_h in enumerate(hours):
+        by_sun = soc + gains[k]
+        by_charger = after(soc, float(step_h))
         gap = by_sun - by_charger
         soc = (by_sun + by_charger - ca.sqrt(gap * gap + _BLEND * _BLEND)) / 2.0
     return soc
