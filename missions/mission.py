@@ -23,9 +23,6 @@ from missions.air import (
 from solar.schema import (
     Fraction,
     NonNegativeReal,
-    PositiveInteger,
-    PositiveReal,
-    Real,
     Record,
     Text,
     UnitInterval,
@@ -38,6 +35,7 @@ UtcOffset = Annotated[float, Strict(), Field(ge=-12.0, le=14.0, allow_inf_nan=Fa
 Altitude = Annotated[
     float, Strict(), Field(ge=MINIMUM_ALTITUDE_M, le=MAXIMUM_ALTITUDE_M, allow_inf_nan=False)
 ]
+TemperatureOffset = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
 Temperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
 
 
@@ -53,6 +51,15 @@ class LatitudeRange(Record):
     from_deg: Latitude
     to_deg: Latitude
     count: Annotated[int, Strict(), Field(ge=2, le=181)] = 3
+
+    @model_validator(mode="after")
+    def _check_ends(self) -> LatitudeRange:
+        if self.from_deg == self.to_deg:
+            raise ValueError(
+                f"from_deg and to_deg must differ (got {self.from_deg:g} twice): a single latitude "
+                "is written latitude_deg: 47.6"
+            )
+        return self
 
     def values(self) -> list[float]:
         """Latitudes [deg], ends included."""
@@ -88,7 +95,8 @@ class Dates(Record):
         """Every day of year that the dates cover."""
         if self.on is not None:
             return [dates.day_of_year(self.on)]
-        assert self.first is not None and self.last is not None  # checked on construction
+        assert self.first is not None  # both checked on construction
+        assert self.last is not None
         return dates.days_in_range(dates.day_of_year(self.first), dates.day_of_year(self.last))
 
     def days(self) -> list[int]:
@@ -102,7 +110,7 @@ class Dates(Record):
 class AirConditions(Record):
     """Air at flight altitude: standard, standard with an offset, or of a given temperature."""
 
-    temperature_offset_k: Real | None = None
+    temperature_offset_k: TemperatureOffset | None = None
     ambient_temperature_c: Temperature | None = None
     module_temperature_c: Temperature | None = None
 
@@ -238,7 +246,8 @@ class Scenarios:
 
     def label(self, index: int) -> str:
         """Readable name of a scenario, for instance ``47.6 N, 21 Jun``."""
-        return f"{latitude_label(self.latitude_deg[index])}, {dates.date_label(self.day_of_year[index])}"
+        date = dates.date_label(int(self.day_of_year[index]))
+        return f"{latitude_label(float(self.latitude_deg[index]))}, {date}"
 
     def in_polar_night(self) -> NDArray[np.bool_]:
         """Mark the scenarios in which the sun never rises."""
@@ -250,18 +259,3 @@ def latitude_label(latitude_deg: float) -> str:
     """Readable latitude, for instance ``47.6 N``."""
     hemisphere = "S" if latitude_deg < 0 else "N"
     return f"{abs(float(latitude_deg)):g} {hemisphere}"
-
-
-__all__ = [
-    "AirConditions",
-    "Dates",
-    "LatitudeRange",
-    "Launch",
-    "Mission",
-    "Payload",
-    "PositiveInteger",
-    "PositiveReal",
-    "Scenarios",
-    "Turbulence",
-    "latitude_label",
-]

@@ -55,9 +55,7 @@ class DragPolar(Record):
 
     def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
         """Stall speed [m/s] that belongs to an airspeed of level flight."""
-        return (
-            airspeed_m_per_s * (self.lift_coefficient / self.maximum_lift_coefficient) ** 0.5
-        )
+        return airspeed_m_per_s * (self.lift_coefficient / self.maximum_lift_coefficient) ** 0.5
 
 
 def level_flight_power_w(
@@ -78,8 +76,6 @@ def level_flight_power_w(
     return drag * airspeed
 
 
-def scaled_power_w(
-    power_w: Value, *, mass_ratio: Value, density_ratio: Value
-) -> Value:
+def scaled_power_w(power_w: Value, *, mass_ratio: Value, density_ratio: Value) -> Value:
     """Measured power of level flight at another mass and density, at equal lift coefficient."""
     return power_w * mass_ratio**1.5 * density_ratio**-0.5

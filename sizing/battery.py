@@ -74,7 +74,7 @@ def charge_rate_per_h(limit: ChargeLimit, state_of_charge: ArrayLike) -> FloatAr
         return np.asarray(limit.c_rate_per_h * np.exp(-decay * beyond))
     if isinstance(limit, TableChargeLimit):
         power_w = np.asarray(limit.current_a) * limit.voltage_v
-        return np.interp(soc, limit.state_of_charge, power_w / limit.pack_energy_wh)
+        return np.asarray(np.interp(soc, limit.state_of_charge, power_w / limit.pack_energy_wh))
     raise ValueError("a battery without charge limit has no finite charge rate")
 
 
@@ -107,7 +107,8 @@ class ChargeClock:
     def after(self, state_of_charge: FloatArray, duration_h: ArrayLike) -> FloatArray:
         """State of charge after following the limit for ``duration_h`` hours, at most 1."""
         start_h = np.interp(state_of_charge, self.state_of_charge, self.hours)
-        return np.interp(start_h + duration_h, self.hours, self.state_of_charge)
+        end_h = np.asarray(start_h + np.asarray(duration_h, float))
+        return np.asarray(np.interp(end_h, self.hours, self.state_of_charge))
 
     def hours_to_full(self, state_of_charge: FloatArray) -> FloatArray:
         """Hours that the limit alone needs to full charge."""

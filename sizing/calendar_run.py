@@ -11,7 +11,7 @@ from missions.mission import Launch, Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
 from sizing.energy_balance import FloatArray, PowerBalance, Step, Store, empty_after_h, march
-from sizing.performance import SolarModel
+from sizing.performance import UNCORRECTED_CAM, SolarModel
 from solar.power import horizontal_specific_power
 from solar.sun import declination, solar_time_h, sun_times
 
@@ -62,7 +62,7 @@ class CalendarRun:
 def calendar_run(
     aircraft: Aircraft,
     mission: Mission,
-    solar: SolarModel = SolarModel(),
+    solar: SolarModel = UNCORRECTED_CAM,
     *,
     step_h: float = CALENDAR_STEP_H,
 ) -> CalendarRun:

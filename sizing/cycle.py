@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from sizing.energy_balance import (
     BoolArray,
@@ -34,6 +34,8 @@ from sizing.energy_balance import (
     surplus_phase_h,
     unserved_h,
 )
+
+IntArray = NDArray[np.intp]
 
 _FULL = 1.0 - 1e-9  # of the capacity: what the clock's table resolves
 
@@ -91,7 +93,7 @@ class EqualPower:
 
     morning_h: FloatArray
     evening_h: FloatArray
-    morning_index: FloatArray
+    morning_index: IntArray
     morning_fraction: FloatArray
     always_above: BoolArray
     never_above: BoolArray
@@ -115,20 +117,20 @@ def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
         evening_h=np.where(falls.any(axis=0), evening, np.nan),
         morning_index=first_rise,
         morning_fraction=rise_fraction,
-        always_above=(net_w >= 0.0).all(axis=0),
-        never_above=(net_w <= 0.0).all(axis=0),
+        always_above=np.asarray((net_w >= 0.0).all(axis=0)),
+        never_above=np.asarray((net_w <= 0.0).all(axis=0)),
     )
 
 
-def _fraction_at(index: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
+def _fraction_at(index: IntArray, left: FloatArray, right: FloatArray) -> FloatArray:
     pick = index[np.newaxis]
     return crossing_fraction(
         np.take_along_axis(left, pick, axis=0)[0], np.take_along_axis(right, pick, axis=0)[0]
     )
 
 
-def _time_at(time_h: FloatArray, index: FloatArray, fraction: FloatArray) -> FloatArray:
-    return time_h[index] + fraction * (time_h[index + 1] - time_h[index])
+def _time_at(time_h: FloatArray, index: IntArray, fraction: FloatArray) -> FloatArray:
+    return np.asarray(time_h[index] + fraction * (time_h[index + 1] - time_h[index]))
 
 
 def simulate_cycle(
@@ -160,21 +162,15 @@ def simulate_cycle(
         Arrays of shape ``...``; ``energy_wh`` has a last axis of ``time``.
     """
     time = np.asarray(time_h, float)
-    solar, load = np.broadcast_arrays(
-        np.asarray(solar_power_w, float), np.asarray(load_w, float)
-    )
+    solar, load = np.broadcast_arrays(np.asarray(solar_power_w, float), np.asarray(load_w, float))
     nominal = np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
-    batch = np.broadcast_shapes(
-        solar.shape[:-1], nominal.shape, np.shape(store.energy_max_wh)
-    )
+    batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, np.shape(store.energy_max_wh))
     solar = np.broadcast_to(solar, (*batch, len(time)))
     load = np.broadcast_to(load, (*batch, len(time)))
     nominal = np.broadcast_to(nominal, batch)
     balance = PowerBalance.of(time, solar, load)
     energy_max = np.broadcast_to(store.energy_max_wh, batch)
-    full_store = Store(
-        energy_max, store.charge_efficiency, store.discharge_efficiency, store.clock
-    )
+    full_store = Store(energy_max, store.charge_efficiency, store.discharge_efficiency, store.clock)
     equal = equal_power(time, np.moveaxis(solar - nominal[..., np.newaxis], -1, 0))
     meter = _Meter(balance, full_store, equal)
     for step in march(balance, full_store, periodic_energy_wh(balance, full_store)):
@@ -199,12 +195,10 @@ class _Meter:
         self.surplus = np.zeros(shape)
 
     def record(self, step: Step) -> None:
-        k = step.interval.index
+        k = step.interval.number
         self.energy[k] = step.start_wh
         self.energy[k + 1] = step.end_wh
-        self.lowest = np.minimum(
-            self.lowest, np.minimum(step.before_charge_wh, step.end_wh)
-        )
+        self.lowest = np.minimum(self.lowest, np.minimum(step.before_charge_wh, step.end_wh))
         self.into_store = self.into_store + step.after_charge_wh - step.before_charge_wh
         self.surplus = self.surplus + step.interval.surplus_wh
         self._record_dawn(step)
@@ -212,7 +206,7 @@ class _Meter:
         self._record_missing(step)
 
     def _record_dawn(self, step: Step) -> None:
-        here = self.equal.morning_index == step.interval.index
+        here = self.equal.morning_index == step.interval.number
         if not np.any(here):
             return
         left, right = step.interval.left_w, step.interval.right_w
@@ -291,8 +285,8 @@ class _Meter:
         drawn = self.into_store - (self.energy[-1] - self.energy[0])
         taken = self.into_store / store.charge_efficiency
         return EnergyAccount(
-            solar_wh=np.trapezoid(solar_w, time, axis=-1),
-            load_wh=np.trapezoid(load_w, time, axis=-1),
+            solar_wh=np.asarray(np.trapezoid(solar_w, time, axis=-1)),
+            load_wh=np.asarray(np.trapezoid(load_w, time, axis=-1)),
             unserved_wh=self.unserved,
             stored_wh=self.energy[-1] - self.energy[0],
             charge_loss_wh=taken - self.into_store,

@@ -151,9 +151,7 @@ def _masses(
     modules = aircraft.modules
     modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
-    span_load_kg = (
-        modules_kg + airframe.distributed_battery_fraction * variables.battery_mass_kg
-    )
+    span_load_kg = modules_kg + airframe.distributed_battery_fraction * variables.battery_mass_kg
     propulsion = airframe.propulsion
     return Masses(
         structure=airframe.structure.mass_kg(

@@ -56,7 +56,9 @@ class Store:
             self.clock,
         )
 
-    def charged(self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike) -> FloatArray:
+    def charged(
+        self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
+    ) -> FloatArray:
         """Stored energy after charging from a surplus for some hours [Wh]."""
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.energy_max_wh)
         if self.clock is None:
@@ -104,7 +106,7 @@ class Interval(NamedTuple):
     deficit is not zero.
     """
 
-    index: int
+    number: int
     start_h: float
     hours: float | FloatArray
     left_w: FloatArray
@@ -179,7 +181,7 @@ class PowerBalance:
             deficit = self.deficit_wh[k]
             early = np.where(self.net_w[k] < 0.0, deficit, 0.0)
             yield Interval(
-                index=k,
+                number=k,
                 start_h=float(self.time_h[k]),
                 hours=float(hours[k]),
                 left_w=self.net_w[k],
@@ -319,9 +321,7 @@ def _bracketed(
         trial = np.clip(lower - lower_gain * (upper - lower) / slope, lower, upper)
         gain = final_energy_wh(balance, store, trial) - trial
         best = np.where(done, best, trial)
-        done |= (np.abs(gain) <= tolerance * energy_max) | (
-            upper - lower <= tolerance * energy_max
-        )
+        done |= (np.abs(gain) <= tolerance * energy_max) | (upper - lower <= tolerance * energy_max)
         rises = gain > 0.0
         # Illinois: halve the value kept at the stagnant end so that both ends converge.
         lower_gain, upper_gain = (

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -15,6 +16,7 @@ from sizing.design import Design, DesignVariables, Masses, closed_design, variab
 from sizing.energy_balance import FloatArray
 from sizing.performance import (
     DEFAULT_STEP_H,
+    UNCORRECTED_CAM,
     Performance,
     SolarDay,
     SolarModel,
@@ -31,8 +33,9 @@ _FIRST_SLOTS = 3
 _ROUNDS = 12
 # The program's coarser time step may flatter a design by this much before it is sized again [h].
 _AGREEMENT_H = 0.01
-_GOAL_CUSHION_H = 0.002
+_GOAL_CUSHION_H = 0.01
 _FIRST_MARGIN = 1e-3
+_RESCUES = 3
 _GRID_POINTS = 9
 _GRID_STEP_H = 0.5
 
@@ -92,7 +95,7 @@ def size_aircraft(
     aircraft: Aircraft,
     mission: Mission,
     objective: Objective = Objective.max_excess_time,
-    solar: SolarModel = SolarModel(),
+    solar: SolarModel = UNCORRECTED_CAM,
     *,
     required_excess_time_h: float | None = None,
     day: SolarDay | None = None,
@@ -152,6 +155,7 @@ class _Search:
         self.goal_h, self.margin = required_h + _GOAL_CUSHION_H, _FIRST_MARGIN
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
         self.message = ""
+        self.rescues = 0
         self.chosen: list[int] = []
         self.problem = self._build(min(_FIRST_SLOTS, len(day.scenarios)))
 
@@ -162,8 +166,6 @@ class _Search:
         answer = self._solve_from(starts)
         if answer is None:
             starts = self._grid_starts()
-            answer = self._solve_from(starts)
-        if answer is None:
             return self._explain_failure(starts)
         return self._agree_with_simulator(answer)
 
@@ -179,10 +181,7 @@ class _Search:
             self._tighten(worst, found, claimed)
             retried = self._solve_from([self._variables(answer)])
             if retried is None:
-                starts = [self._variables(answer), *self._grid_starts()]
-                retried = self._solve_from(starts)
-                if retried is None:
-                    return self._explain_failure(starts)
+                return self._explain_failure(self._grid_starts())
             answer = retried
         return self._failed("not_converged", (), None)
 
@@ -194,14 +193,23 @@ class _Search:
         elif found_h <= 0.0 and claimed_h > 2.0 * _AGREEMENT_H:
             self.margin *= 3.0
         else:
-            self.goal_h += max(self.required_h - found_h, 0.0) + _GOAL_CUSHION_H
+            # Where the battery runs empty the missing hours tell nothing of the missing energy.
+            short_h = max(self.required_h - max(found_h, 0.0), 0.0)
+            self.goal_h += short_h + _GOAL_CUSHION_H
             self.margin *= 1.5
 
     # --- solving -----------------------------------------------------------------------------
 
-    def _build(self, slots: int) -> SizingProblem:
+    def _build(self, slots: int, *, exact_hessian: bool = False) -> SizingProblem:
         begun = time.perf_counter()
-        problem = build_problem(self.aircraft, self.mission, self.day, self.objective, slots)
+        problem = build_problem(
+            self.aircraft,
+            self.mission,
+            self.day,
+            self.objective,
+            slots,
+            exact_hessian=exact_hessian,
+        )
         self.build_s += time.perf_counter() - begun
         return problem
 
@@ -243,19 +251,19 @@ class _Search:
     def _variable_bounds(self, elastic: bool) -> tuple[FloatArray, FloatArray]:
         problem = self.problem
         slacks = len(problem.slack_names)
-        lower = [
+        lower: list[ArrayLike] = [
             np.log([r.minimum for r in problem.bounds]),
             np.zeros(problem.slots),
             [self.goal_h],
             np.zeros(slacks),
         ]
-        upper = [
+        upper: list[ArrayLike] = [
             np.log([r.maximum for r in problem.bounds]),
             np.ones(problem.slots),
             [self.goal_h if elastic else 1e4],
             np.full(slacks, np.inf if elastic else 0.0),
         ]
-        return np.concatenate(lower), np.concatenate(upper)
+        return np.hstack(lower), np.hstack(upper)
 
     def _start(self, variables: DesignVariables) -> FloatArray:
         problem = self.problem
@@ -369,16 +377,19 @@ class _Search:
         return tuple(dict.fromkeys(active))
 
     def _explain_failure(self, starts: list[DesignVariables]) -> SizingResult:
-        """Ask the elastic program which requirements are missed, and by how much."""
+        """Ask the elastic program which requirements are missed, and by how much.
+
+        Where it says that none is, its design starts the sizing again.
+        """
+        self.problem = self._build(self.problem.slots, exact_hessian=True)
         elastic = self._solve_from(starts, elastic=True)
         if elastic is None:
-            return self._failed("not_converged", (), None)
+            answer = self._solve_from(starts)
+            return self._failed("not_converged", (), None) if answer is None else self._last(answer)
         slack = elastic["x"][-len(self.problem.slack_names) :]
         if np.max(slack) <= _SLACK_TOLERANCE:
-            answer = self._solve(elastic["x"], elastic=False)
-            if answer is None:
-                return self._failed("not_converged", (), None)
-            return self._agree_with_simulator(answer)
+            answer = self._solve_from([self._variables(elastic), *starts])
+            return self._failed("not_converged", (), None) if answer is None else self._last(answer)
         nearest = self._simulate(self._variables(elastic))
         violations = tuple(
             Violation(name, float(value), self._words(name, float(value), nearest))
@@ -386,6 +397,12 @@ class _Search:
             if value > _SLACK_TOLERANCE
         )
         return self._failed("infeasible", violations, nearest)
+
+    def _last(self, answer: dict[str, Any]) -> SizingResult:
+        self.rescues += 1
+        if self.rescues > _RESCUES:
+            return self._failed("not_converged", (), None)
+        return self._agree_with_simulator(answer)
 
     def _words(self, name: str, shortfall: float, nearest: Performance) -> str:
         worst = nearest.worst_scenario()
@@ -425,9 +442,7 @@ class _Search:
         )
 
     def _report(self) -> SolverReport:
-        return SolverReport(
-            self.iterations, self.solve_s, self.build_s, self.solves, self.message
-        )
+        return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
 
 
 def _telling_scenarios(first: Performance, count: int) -> list[int]:

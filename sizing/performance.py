@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
@@ -19,7 +19,8 @@ from sizing.design import (
 )
 from sizing.endurance import Endurance, longest_flight
 from sizing.energy_balance import FloatArray, Store
-from solar.correction import CorrectionName, ModelName, correction
+from solar.correction import correction
+from solar.names import CorrectionName, ModelName
 from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
 
@@ -37,6 +38,9 @@ class SolarModel:
     def rms_relative(self) -> float:
         """RMS error of the model relative to the mean measured power [-]."""
         return correction(self.model, self.correction).rms_relative
+
+
+UNCORRECTED_CAM = SolarModel()
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
 def solar_day(
     aircraft: Aircraft,
     mission: Mission,
-    solar: SolarModel = SolarModel(),
+    solar: SolarModel = UNCORRECTED_CAM,
     *,
     scenarios: Scenarios | None = None,
     step_h: float = DEFAULT_STEP_H,
@@ -137,7 +141,7 @@ class Performance:
 def performance(
     aircraft: Aircraft,
     mission: Mission,
-    solar: SolarModel = SolarModel(),
+    solar: SolarModel = UNCORRECTED_CAM,
     *,
     day: SolarDay | None = None,
     step_h: float = DEFAULT_STEP_H,
@@ -151,7 +155,7 @@ def performance_of_designs(
     aircraft: Aircraft,
     mission: Mission,
     variables: DesignVariables,
-    solar: SolarModel = SolarModel(),
+    solar: SolarModel = UNCORRECTED_CAM,
     *,
     day: SolarDay | None = None,
     step_h: float = DEFAULT_STEP_H,
@@ -190,10 +194,10 @@ def perpetual_days(
     aircraft: Aircraft,
     mission: Mission,
     latitude_deg: float,
-    solar: SolarModel = SolarModel(),
+    solar: SolarModel = UNCORRECTED_CAM,
     *,
     days: ArrayLike | None = None,
-) -> FloatArray:
+) -> NDArray[np.int_]:
     """Days of the year, ascending, on which the aircraft flies perpetually at a latitude."""
     every = np.arange(1, 366) if days is None else np.asarray(days, int)
     scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)

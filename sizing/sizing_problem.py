@@ -97,14 +97,26 @@ class SizingProblem:
         self, scenarios: list[int], *, elastic: bool, goal_h: float, margin: float
     ) -> FloatArray:
         """Parameter vector with the slots filled by the scenarios of the given indices."""
-        sun = [np.concatenate((self.axis.specific_power[i], self.axis.thermal[i])) for i in scenarios]
+        sun = [
+            np.concatenate((self.axis.specific_power[i], self.axis.thermal[i])) for i in scenarios
+        ]
         return np.concatenate(([float(elastic), margin, goal_h], *sun))
 
 
 def build_problem(
-    aircraft: Aircraft, mission: Mission, day: SolarDay, objective: Objective, slots: int
+    aircraft: Aircraft,
+    mission: Mission,
+    day: SolarDay,
+    objective: Objective,
+    slots: int,
+    *,
+    exact_hessian: bool = False,
 ) -> SizingProblem:
     """Build the program of an aircraft, a mission and an objective.
+
+    The sizing itself makes do with a quasi-Newton Hessian: for a handful of variables it needs few
+    more iterations than exact second derivatives of the charge recursion, and each costs a third.
+    The elastic program, whose slacks reach far, wants the exact one.
 
     Raises
     ------
@@ -142,9 +154,11 @@ def build_problem(
         "f": (1.0 - elastic) * (cost + tie_break) + elastic * ca.dot(weights, slack),
         "g": ca.vertcat(*(value + slack[slack_names.index(c.name)] for c, value in rows)),
     }
+    hessian = "exact" if exact_hessian else "limited-memory"
+    options: dict[str, Any] = _IPOPT_OPTIONS | {"ipopt.hessian_approximation": hessian}
     airframe = aircraft.airframe
     return SizingProblem(
-        solver=ca.nlpsol("sizing", "ipopt", program, _IPOPT_OPTIONS),
+        solver=ca.nlpsol("sizing", "ipopt", program, options),
         objective=objective,
         variable_names=names,
         bounds=bounds,
@@ -215,14 +229,11 @@ _IPOPT_OPTIONS = {
     "error_on_fail": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.max_iter": 200,
+    "ipopt.max_iter": 120,
     "ipopt.tol": 1e-8,
     "ipopt.acceptable_tol": 1e-6,
     "ipopt.acceptable_iter": 8,
     "ipopt.mu_strategy": "adaptive",
-    # A handful of variables: quasi-Newton needs few more iterations than exact second derivatives
-    # of the charge recursion, and each costs a third.
-    "ipopt.hessian_approximation": "limited-memory",
 }
 
 
@@ -240,9 +251,7 @@ def _free_variables(aircraft: Aircraft) -> tuple[tuple[str, ...], tuple[Range, .
     return tuple(chosen), tuple(chosen.values())
 
 
-def _design_rows(
-    aircraft: Aircraft, mission: Mission, design: Design
-) -> list[tuple[str, Any]]:
+def _design_rows(aircraft: Aircraft, mission: Mission, design: Design) -> list[tuple[str, Any]]:
     """Requirements on the design itself; the mass budget, an equation, comes first."""
     airframe, space = aircraft.airframe, aircraft.design_space
     assert isinstance(airframe, ParametricAirframe)
@@ -270,6 +279,7 @@ class ScenarioAxis:
 
     @classmethod
     def of(cls, day: SolarDay, mission: Mission) -> ScenarioAxis:
+        """Axis that covers every scenario of a day."""
         count = round(24.0 / _STEP_H)
         time_h = np.linspace(0.0, 24.0, count + 1)
         power = np.stack(

@@ -16,11 +16,16 @@ from solar.sun import DAYS_PER_YEAR, FloatArray
 
 # Apparent extraterrestrial irradiance [W/m2], optical depth [-], diffuse ratio [-], Jan..Dec.
 # Source: Markus & Morris (1980), ASHRAE type; the set used in the design of AtlantikSolar.
+# (Other prints of the ASHRAE table have 0.063 as the C of November.)
 MONTHLY_A = np.array(
     [1230.0, 1214.0, 1185.0, 1135.0, 1103.0, 1088.0, 1085.0, 1107.0, 1151.0, 1192.0, 1220.0, 1233.0]
 )
-MONTHLY_B = np.array([0.142, 0.144, 0.156, 0.180, 0.196, 0.205, 0.207, 0.201, 0.177, 0.160, 0.149, 0.142])
-MONTHLY_C = np.array([0.058, 0.060, 0.071, 0.097, 0.121, 0.134, 0.136, 0.122, 0.092, 0.073, 0.057, 0.057])
+MONTHLY_B = np.array(
+    [0.142, 0.144, 0.156, 0.180, 0.196, 0.205, 0.207, 0.201, 0.177, 0.160, 0.149, 0.142]
+)
+MONTHLY_C = np.array(
+    [0.058, 0.060, 0.071, 0.097, 0.121, 0.134, 0.136, 0.122, 0.092, 0.073, 0.057, 0.057]
+)
 
 _DAYS_IN_MONTH = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31], float)
 # Day of year 1.0 is the very start of 1 January, so mid-January is day 16.5.
@@ -39,8 +44,10 @@ class Irradiance(NamedTuple):
 
 def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArray:
     """Interpolate twelve mid-month values linearly, periodic over the year."""
-    return np.interp(
-        np.asarray(day_of_year, float), MID_MONTH_DAY, np.asarray(monthly), period=DAYS_PER_YEAR
+    return np.asarray(
+        np.interp(
+            np.asarray(day_of_year, float), MID_MONTH_DAY, np.asarray(monthly), period=DAYS_PER_YEAR
+        )
     )
 
 
@@ -73,7 +80,12 @@ def air_mass(cos_zenith: ArrayLike) -> FloatArray:
 
 
 def pressure_ratio(altitude_m: ArrayLike) -> FloatArray:
-    """Pressure at altitude over pressure at sea level [-], zero above 44.3 km."""
+    """Pressure at altitude over pressure at sea level [-], zero above 44.3 km.
+
+    The tropospheric formula of the clear-sky model, carried on upwards: 5 % below the standard
+    atmosphere at 15 km and 22 % at 20 km, which changes direct light by less than 0.5 % with the
+    sun overhead.
+    """
     h = np.asarray(altitude_m, float)
     return np.asarray(np.maximum(1.0 - h / _SCALE_HEIGHT_M, 0.0) ** _PRESSURE_EXPONENT)
 

@@ -10,13 +10,8 @@ simple models leave out then matters less.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
-ModelName = Literal["CDM", "CAM"]
-CorrectionName = Literal["none", "report"]
-
-MODEL_NAMES: tuple[ModelName, ...] = ("CDM", "CAM")
-CORRECTION_NAMES: tuple[CorrectionName, ...] = ("none", "report")
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 
 
 @dataclass(frozen=True)

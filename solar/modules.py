@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from pydantic import Field, Strict, model_validator
 
 from solar.curves import Curve, shipped_curve
 from solar.schema import Fraction, NonNegativeReal, Record
@@ -17,11 +17,15 @@ STC_TEMPERATURE_C = 25.0
 STC_IRRADIANCE_W_PER_M2 = 1000.0
 
 
+_AngleDeg = Annotated[float, Strict(), Field(ge=0.0, le=90.0, allow_inf_nan=False)]
+_RelativeEfficiency = Annotated[float, Strict(), Field(ge=0.0, le=1.1, allow_inf_nan=False)]
+
+
 class IncidenceTable(Record):
     """Relative efficiency against the angle of incidence, given by the user."""
 
-    aoi_deg: tuple[Annotated[float, Field(ge=0.0, le=90.0)], ...] = Field(min_length=2)
-    relative_efficiency: tuple[Annotated[float, Field(ge=0.0, le=1.1)], ...] = Field(min_length=2)
+    aoi_deg: tuple[_AngleDeg, ...] = Field(min_length=2)
+    relative_efficiency: tuple[_RelativeEfficiency, ...] = Field(min_length=2)
 
     @model_validator(mode="after")
     def _check_table(self) -> IncidenceTable:
@@ -52,8 +56,9 @@ class SolarCell(Record):
 
     def incidence_efficiency(self, cos_aoi: ArrayLike) -> FloatArray:
         """Component efficiency ``eps_gamma`` [-] of direct light; zero for light from behind."""
-        cosine = np.clip(np.asarray(cos_aoi, float), 0.0, 1.0)
-        return _incidence_curve(self.incidence)(np.degrees(np.arccos(cosine)))
+        cosine = np.asarray(cos_aoi, float)
+        angle_deg = np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))
+        return np.where(cosine > 0.0, _incidence_curve(self.incidence)(angle_deg), 0.0)
 
 
 @cache

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solar.clearsky import Irradiance, clear_sky
-from solar.correction import CorrectionName, ModelName, correction
+from solar.correction import correction
 from solar.modules import SolarCell
+from solar.names import CorrectionName, ModelName
 from solar.sun import FloatArray, cos_zenith, declination, hour_angle
 
 

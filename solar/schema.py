@@ -41,4 +41,4 @@ PositiveInteger = Annotated[int, Strict(), Field(gt=0)]
 NonNegativeInteger = Annotated[int, Strict(), Field(ge=0)]
 
 Flag = Annotated[bool, Strict()]
-Text = Annotated[str, Strict(), Field(min_length=1)]
+Text = Annotated[str, Strict(), Field(min_length=1, pattern=r"\S")]

@@ -1,0 +1,1 @@
+"""Speed measured as ratios against peers and bounds in one process."""

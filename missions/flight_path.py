@@ -1,0 +1,486 @@
+"""Loiter paths in steady wind: the attitude of the aircraft along one closed orbit.
+
+Paths are held over the ground at constant airspeed. North-East-Down; angles are radians inside and
+degrees in fields that end in ``_deg``. Yaw counts from north, clockwise; roll is positive with the
+right wing down. Turns are coordinated and legs are flown without bank.
+
+Sources: Beard & McLain, Small Unmanned Aircraft: Theory and Practice (2012), section 2.4 (wind
+triangle) and section 5.2 (coordinated turn); DLMF, section 19.2 (elliptic integrals).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from pydantic import Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
+
+from missions.air import GRAVITY_M_PER_S2
+from solar.schema import NonNegativeReal, PositiveReal, Record
+from solar.sun import FloatArray
+
+MAXIMUM_BANK_DEG = 60.0
+
+Direction: TypeAlias = Literal["clockwise", "counterclockwise", "both"]
+Heading = Annotated[float, Strict(), Field(ge=0.0, le=360.0, allow_inf_nan=False)]
+Pitch = Annotated[float, Strict(), Field(ge=-45.0, le=45.0, allow_inf_nan=False)]
+
+_TAN_MAXIMUM_BANK = math.tan(math.radians(MAXIMUM_BANK_DEG))
+_SIDES: dict[Direction, tuple[int, ...]] = {
+    "clockwise": (1,),
+    "counterclockwise": (-1,),
+    "both": (1, -1),
+}
+
+
+# ---- Descriptions
+
+
+class Wind(Record):
+    """Steady horizontal wind, named like a meteorologist does by where it comes from.
+
+    An easterly wind has ``from_deg`` 90 and blows towards west.
+    """
+
+    speed_m_per_s: NonNegativeReal
+    from_deg: Heading
+
+
+class Circle(Record):
+    """A circle over the ground.
+
+    ``both`` is the average over one orbit in each direction.
+    """
+
+    kind: Literal["circle"] = "circle"
+    radius_m: PositiveReal
+    airspeed_m_per_s: PositiveReal
+    direction: Direction = "both"
+    pitch_deg: Pitch = 0.0
+
+    @model_validator(mode="after")
+    def _check_bank(self) -> Circle:
+        _check_calm_bank("radius_m", self.radius_m, self.airspeed_m_per_s)
+        return self
+
+
+class Racetrack(Record):
+    """Two parallel legs over the ground, joined by half circles.
+
+    ``heading_deg`` is the direction of the first leg over the ground; the second one leads back.
+    ``leg_length_m`` is the length of the straight part.
+    """
+
+    kind: Literal["racetrack"] = "racetrack"
+    leg_length_m: NonNegativeReal
+    turn_radius_m: PositiveReal
+    heading_deg: Heading
+    airspeed_m_per_s: PositiveReal
+    direction: Direction = "both"
+    pitch_deg: Pitch = 0.0
+
+    @model_validator(mode="after")
+    def _check_bank(self) -> Racetrack:
+        _check_calm_bank("turn_radius_m", self.turn_radius_m, self.airspeed_m_per_s)
+        return self
+
+
+class StraightLegs(Record):
+    """Out along ``heading_deg`` over the ground and back, the turns left out.
+
+    Both legs are equally long, so the one against the wind takes longer. Their length sets
+    positions and duration, never the attitude.
+    """
+
+    kind: Literal["straight_legs"] = "straight_legs"
+    heading_deg: Heading
+    airspeed_m_per_s: PositiveReal
+    leg_length_m: PositiveReal = 1000.0
+    pitch_deg: Pitch = 0.0
+
+
+class Level(Record):
+    """An aircraft that is always horizontal, whose heading is irrelevant: that of CDM and CAM."""
+
+    kind: Literal["level"] = "level"
+
+
+FlightPath = Annotated[Circle | Racetrack | StraightLegs | Level, Field(discriminator="kind")]
+
+_MovingPath: TypeAlias = Circle | Racetrack | StraightLegs
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """Attitude and motion along one closed orbit, at the middles of equal steps of time.
+
+    For both turning directions the clockwise orbit comes first, the counterclockwise one follows;
+    each counts its own time from zero, and they take equally long.
+
+    Attributes
+    ----------
+    time_s : ndarray
+        Time since the start of the orbit [s].
+    roll_rad, pitch_rad, yaw_rad : ndarray
+        Euler angles of the sequence 3-2-1 [rad], yaw from 0 to 2 pi.
+    north_m, east_m : ndarray
+        Position over the ground from the middle of the path [m].
+    ground_speed_m_per_s : ndarray
+        Speed over the ground [m/s].
+    weights : ndarray
+        Share of the time that each sample stands for; their sum is 1.
+    duration_s : float
+        Duration of one closed orbit [s].
+    """
+
+    time_s: FloatArray
+    roll_rad: FloatArray
+    pitch_rad: FloatArray
+    yaw_rad: FloatArray
+    north_m: FloatArray
+    east_m: FloatArray
+    ground_speed_m_per_s: FloatArray
+    weights: FloatArray
+    duration_s: float
+
+
+def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
+    """Attitude of the aircraft along one closed orbit in steady wind.
+
+    Parameters
+    ----------
+    path : Circle, Racetrack, StraightLegs or Level
+        Path to fly. A level path is a single sample at rest in the origin, heading north, in
+        whatever wind.
+    wind : Wind
+        Wind at the flight altitude.
+    samples : int
+        Steps of time per orbit, hence twice as many samples for both turning directions. Shares of
+        time spent on a straight leg are resolved to one step.
+
+    Returns
+    -------
+    Orbit
+        Samples that stand for equal times.
+
+    Raises
+    ------
+    ValueError
+        If the wind reaches the airspeed, the bank exceeds 60 degrees, or ``samples`` is below 1.
+
+    Notes
+    -----
+    A circle starts downwind, any other path with its first leg. The body's pitch is constant, and
+    the yaw is the heading of the velocity through the air (no sideslip).
+
+    Source: Beard & McLain (2012), sections 2.4 and 5.2.
+    """
+    if samples < 1:
+        raise ValueError(f"samples must be at least 1 (got {samples})")
+    if isinstance(path, Level):
+        return _level_orbit()
+    _check_wind(path, wind)
+    _check_bank(path, wind)
+    motion = _Motion(
+        path.airspeed_m_per_s, wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi
+    )
+    sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
+    pitch = math.radians(path.pitch_deg)
+    return _joined([_fly(_segments(path, motion, side), motion, pitch, samples) for side in sides])
+
+
+def largest_wind_m_per_s(path: FlightPath) -> float:
+    """Wind [m/s] that the speed must stay below on a path, from whatever direction.
+
+    The aircraft comes back only if the wind is slower than its airspeed, and its bank, which is
+    steepest downwind, is at most 60 degrees. Infinite for a level path.
+    """
+    if isinstance(path, Level):
+        return math.inf
+    speed = path.airspeed_m_per_s
+    if isinstance(path, StraightLegs):
+        return speed
+    return min(speed, math.sqrt(_radius_m(path) * GRAVITY_M_PER_S2 * _TAN_MAXIMUM_BANK) - speed)
+
+
+# ---- Limits
+
+
+def _radius_m(path: Circle | Racetrack) -> float:
+    return path.radius_m if isinstance(path, Circle) else path.turn_radius_m
+
+
+def _least_radius_m(ground_speed: float) -> float:
+    """Radius at which the bank reaches its limit with the wind from straight behind [m]."""
+    return ground_speed**2 / (GRAVITY_M_PER_S2 * _TAN_MAXIMUM_BANK)
+
+
+def _rounded_up(value: float) -> str:
+    return f"{math.ceil(value * 10.0) / 10.0:.1f}"
+
+
+def _check_calm_bank(key: str, radius: float, airspeed: float) -> None:
+    least = _least_radius_m(airspeed)
+    if radius < least:
+        raise PydanticCustomError(
+            "tight_turn",
+            f"must be at least {_rounded_up(least)} m: at {airspeed:g} m/s a smaller turn needs "
+            f"more than {MAXIMUM_BANK_DEG:g} deg of bank (got {radius:g})",
+            {"key": key},
+        )
+
+
+def _check_wind(path: _MovingPath, wind: Wind) -> None:
+    # The mean velocity through the air of any closed orbit is minus the wind, so no path allows
+    # more; below the airspeed, every course can be held.
+    if wind.speed_m_per_s >= path.airspeed_m_per_s:
+        raise ValueError(
+            f"the wind of {wind.speed_m_per_s:g} m/s is not below the airspeed of "
+            f"{path.airspeed_m_per_s:g} m/s, so the aircraft cannot hold its position; on this "
+            f"path the wind must stay below {largest_wind_m_per_s(path):.4g} m/s"
+        )
+
+
+def _check_bank(path: _MovingPath, wind: Wind) -> None:
+    """Refuse turns that are too tight: each orbit turns through the downwind course."""
+    if isinstance(path, StraightLegs):
+        return
+    radius = _radius_m(path)
+    fastest = path.airspeed_m_per_s + wind.speed_m_per_s
+    if radius < _least_radius_m(fastest):
+        bank = math.degrees(math.atan(fastest**2 / (GRAVITY_M_PER_S2 * radius)))
+        raise ValueError(
+            f"a turn of {radius:g} m radius at {path.airspeed_m_per_s:g} m/s in a wind of "
+            f"{wind.speed_m_per_s:g} m/s needs {bank:.1f} deg of bank, more than "
+            f"{MAXIMUM_BANK_DEG:g} deg; the radius must be at least "
+            f"{_rounded_up(_least_radius_m(fastest))} m"
+        )
+
+
+# ---- Motion in wind
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Wind triangle at constant airspeed: motion for a given course over the ground."""
+
+    airspeed: float
+    wind: float
+    downwind: float  # course [rad]
+
+    @property
+    def margin(self) -> float:
+        """Airspeed squared minus wind squared [m2/s2], exact also when they are close."""
+        return (self.airspeed - self.wind) * (self.airspeed + self.wind)
+
+    def headway(self, course: FloatArray) -> FloatArray:
+        """Velocity through the air along the course [m/s]."""
+        along = self.wind * np.cos(course - self.downwind)
+        return np.asarray(np.sqrt(self.margin + along**2))
+
+    def ground_speed(self, course: FloatArray) -> FloatArray:
+        """Speed over the ground [m/s]."""
+        along = self.wind * np.cos(course - self.downwind)
+        total = self.headway(course) + np.abs(along)
+        # Equal to headway + along in both cases, but free of cancellation against the wind.
+        return np.where(along < 0.0, self.margin / total, total)
+
+    def yaw(self, course: FloatArray) -> FloatArray:
+        """Heading [rad], from 0 to 2 pi: the course plus the crab angle into the wind."""
+        across = -self.wind * np.sin(course - self.downwind)
+        return np.mod(course - np.arcsin(across / self.airspeed), 2.0 * np.pi)
+
+    def roll(self, course: FloatArray, curvature: FloatArray) -> FloatArray:
+        """Bank of a coordinated turn [rad] for a curvature of the ground track [1/m].
+
+        The velocity through the air turns at ``V_g^2 / (R sqrt(V^2 - w_n^2))``: derivative of the
+        heading with respect to the course, ``V_g / sqrt(V^2 - w_n^2)``, times ``V_g / R``.
+        """
+        yaw_rate = curvature * self.ground_speed(course) ** 2 / self.headway(course)
+        return np.asarray(np.arctan(self.airspeed * yaw_rate / GRAVITY_M_PER_S2))
+
+    def turn_clock(self, angle: FloatArray) -> FloatArray:
+        """Time per radius to turn from downwind through an angle [s/m]; odd in the angle.
+
+        ``1 / V_g = (sqrt(V^2 - w^2 sin^2) - w cos) / (V^2 - w^2)`` integrates to the incomplete
+        elliptic integral of the second kind (DLMF 19.2.5).
+        """
+        from scipy.special import ellipeinc
+
+        elliptic = ellipeinc(angle, (self.wind / self.airspeed) ** 2)
+        return np.asarray(
+            (self.airspeed * elliptic - self.wind * np.sin(angle)) / self.margin, float
+        )
+
+
+# ---- Segments of a path
+
+
+class _Track(NamedTuple):
+    """Ground track: course [rad], curvature [1/m], position [m]."""
+
+    course: FloatArray
+    curvature: FloatArray
+    north: FloatArray
+    east: FloatArray
+
+
+@dataclass(frozen=True)
+class _Leg:
+    """Straight line over the ground, shifted to the right of the middle of the path."""
+
+    motion: _Motion
+    course: float
+    length: float
+    right: float
+
+    @cached_property
+    def ground_speed(self) -> float:
+        return float(self.motion.ground_speed(np.asarray(self.course)))
+
+    @property
+    def duration(self) -> float:
+        return self.length / self.ground_speed
+
+    def at(self, elapsed: FloatArray) -> _Track:
+        ahead = self.ground_speed * elapsed - 0.5 * self.length
+        cos, sin = math.cos(self.course), math.sin(self.course)
+        return _Track(
+            course=np.full_like(elapsed, self.course),
+            curvature=np.zeros_like(elapsed),
+            north=ahead * cos - self.right * sin,
+            east=ahead * sin + self.right * cos,
+        )
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """Arc over the ground, to the right for ``side`` 1 and to the left for -1."""
+
+    motion: _Motion
+    start_course: float
+    sweep: float
+    radius: float
+    side: int
+    centre_north: float = 0.0
+    centre_east: float = 0.0
+
+    @cached_property
+    def table(self) -> tuple[FloatArray, FloatArray]:
+        """Angle turned since downwind [rad], counted in the turning direction, and its time [s]."""
+        first = self.side * (self.start_course - self.motion.downwind)
+        angle = np.linspace(first, first + self.sweep, 65)
+        return angle, self.radius * self.motion.turn_clock(angle)
+
+    @property
+    def duration(self) -> float:
+        _, clock = self.table
+        return float(clock[-1] - clock[0])
+
+    def at(self, elapsed: FloatArray) -> _Track:
+        course = self.motion.downwind + self.side * self._angle(elapsed)
+        return _Track(
+            course=course,
+            curvature=np.full_like(elapsed, self.side / self.radius),
+            north=self.centre_north + self.side * self.radius * np.sin(course),
+            east=self.centre_east - self.side * self.radius * np.cos(course),
+        )
+
+    def _angle(self, elapsed: FloatArray) -> FloatArray:
+        """Invert the time of the turn by Newton's method, kept within one cell of the table."""
+        angles, clock = self.table
+        target = clock[0] + elapsed
+        cell = np.clip(np.searchsorted(clock, target, side="right"), 1, len(clock) - 1)
+        low, high = angles[cell - 1], angles[cell]
+        angle = np.asarray(np.interp(target, clock, angles), float)
+        # Nearly always over after four steps; a wind just below the airspeed bends the time so
+        # sharply that some steps are bisections.
+        for _ in range(60):
+            late = self.radius * self.motion.turn_clock(angle) - target
+            low, high = np.where(late < 0.0, angle, low), np.where(late > 0.0, angle, high)
+            speed = self.motion.ground_speed(self.motion.downwind + angle)
+            newton = angle - late * speed / self.radius
+            inside = (newton >= low) & (newton <= high)
+            previous, angle = angle, np.where(inside, newton, 0.5 * (low + high))
+            if np.all(np.abs(angle - previous) < 1e-13):
+                break
+        return angle
+
+
+def _segments(path: _MovingPath, motion: _Motion, side: int) -> list[_Leg | _Turn]:
+    if isinstance(path, Circle):
+        return [_Turn(motion, motion.downwind, 2.0 * math.pi, path.radius_m, side)]
+    out = math.radians(path.heading_deg)
+    if isinstance(path, StraightLegs):
+        return [_Leg(motion, course, path.leg_length_m, 0.0) for course in (out, out + math.pi)]
+    return [part for half in (0, 1) for part in _half_racetrack(path, motion, side, half)]
+
+
+def _half_racetrack(path: Racetrack, motion: _Motion, side: int, half: int) -> tuple[_Leg, _Turn]:
+    """Leg and the turn at its end; the second half is the first one turned round."""
+    course = math.radians(path.heading_deg) + side * half * math.pi
+    ahead = 0.5 * path.leg_length_m
+    leg = _Leg(motion, course, path.leg_length_m, -side * path.turn_radius_m)
+    turn = _Turn(
+        motion,
+        start_course=course,
+        sweep=math.pi,
+        radius=path.turn_radius_m,
+        side=side,
+        centre_north=ahead * math.cos(course),
+        centre_east=ahead * math.sin(course),
+    )
+    return leg, turn
+
+
+# ---- Sampling
+
+
+def _fly(segments: list[_Leg | _Turn], motion: _Motion, pitch: float, samples: int) -> Orbit:
+    """Sample the closed sequence of segments at the middles of equal steps of time."""
+    ends = np.cumsum([segment.duration for segment in segments])
+    duration = float(ends[-1])
+    time = np.asarray((np.arange(samples) + 0.5) * (duration / samples), float)
+    parts = np.split(time, np.searchsorted(time, ends[:-1]))
+    starts = np.concatenate(([0.0], ends[:-1]))
+    tracks = [s.at(part - t0) for s, part, t0 in zip(segments, parts, starts, strict=True)]
+    track = _Track(*(np.concatenate(values) for values in zip(*tracks, strict=True)))
+    return Orbit(
+        time_s=time,
+        roll_rad=motion.roll(track.course, track.curvature),
+        pitch_rad=np.full(samples, pitch),
+        yaw_rad=motion.yaw(track.course),
+        north_m=track.north,
+        east_m=track.east,
+        ground_speed_m_per_s=motion.ground_speed(track.course),
+        weights=np.full(samples, 1.0 / samples),
+        duration_s=duration,
+    )
+
+
+def _joined(laps: list[Orbit]) -> Orbit:
+    """One orbit after the other, of one duration."""
+
+    def every(name: str) -> FloatArray:
+        return np.concatenate([getattr(lap, name) for lap in laps])
+
+    return Orbit(
+        time_s=every("time_s"),
+        roll_rad=every("roll_rad"),
+        pitch_rad=every("pitch_rad"),
+        yaw_rad=every("yaw_rad"),
+        north_m=every("north_m"),
+        east_m=every("east_m"),
+        ground_speed_m_per_s=every("ground_speed_m_per_s"),
+        weights=every("weights") / len(laps),
+        duration_s=laps[0].duration_s,
+    )
+
+
+def _level_orbit() -> Orbit:
+    zero = np.zeros(1)
+    return Orbit(zero, zero, zero, zero, zero, zero, zero, weights=np.ones(1), duration_s=0.0)

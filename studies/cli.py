@@ -1,0 +1,402 @@
+"""The command ``solar-uav``.
+
+Heavy packages are imported inside the commands that use them, so that help texts appear at once.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from solar._version import __version__
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+
+if TYPE_CHECKING:
+    from missions.mission import Mission
+    from sizing.performance import SolarModel
+    from studies.library import LoadedAircraft, LoadedMission
+
+DEFAULT_MISSION = "rafz-july"
+EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Latitude(click.ParamType[float]):
+    """Latitude in degrees, -90 to 90."""
+
+    name = "deg"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read the number and check its range; NaN is outside."""
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            self.fail(f"{value!r} is not a number", param, ctx)
+        if not -90.0 <= number <= 90.0:
+            self.fail(f"must be from -90 to 90 (got {value})", param, ctx)
+        return number
+
+
+class MonthDay(click.ParamType[int]):
+    """A date MM-DD, as a day of year."""
+
+    name = "mm-dd"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Read the date."""
+        from missions.dates import day_of_year
+
+        try:
+            return day_of_year(str(value))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
+def solar_options(command: Command) -> Command:
+    """Options of the solar power model, shared by all studies."""
+    for option in (
+        click.option(
+            "--set",
+            "overrides",
+            metavar="KEY=VALUE",
+            multiple=True,
+            help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
+            "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
+        ),
+        click.option(
+            "--correction",
+            type=click.Choice(CORRECTION_NAMES),
+            default="none",
+            show_default=True,
+            help="Correct the model's systematic error as measured in flight.",
+        ),
+        click.option(
+            "--model",
+            type=click.Choice(MODEL_NAMES),
+            default="CAM",
+            show_default=True,
+            help="Solar power model.",
+        ),
+        click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables."),
+    ):
+        command = option(command)
+    return command
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="solar-uav")
+def cli() -> None:
+    """Size solar-electric aircraft and predict how long they stay up."""
+
+
+@cli.command()
+@click.argument("aircraft")
+@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@click.option("--latitude", type=Latitude(), help="Latitude instead of the mission's.")
+@click.option("--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's.")
+@click.option("--date", type=MonthDay(), help="Date instead of the mission's.")
+@click.option("--csv", "csv_file", type=click.Path(), help="Write the cycle over time as CSV.")
+@click.option("--plot", "plot_file", type=click.Path(), help="Draw the cycle (png, svg, pdf).")
+@solar_options
+def analyse(
+    aircraft: str,
+    mission: str,
+    latitude: float | None,
+    day_of_year: int | None,
+    date: int | None,
+    csv_file: str | None,
+    plot_file: str | None,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Analyse how long AIRCRAFT (name or file) flies, there and then."""
+    from studies import analysis as study
+
+    if day_of_year is not None and date is not None:
+        raise click.UsageError("give --day-of-year or --date, not both")
+    image_format = _image_format(plot_file)
+    craft, where = _load(aircraft, mission, overrides)
+    day = day_of_year if day_of_year is not None else date
+    placed = _placed(where.mission, latitude, day)
+    _refuse_polar_night(placed, where, options=latitude is not None or day is not None)
+    replay = latitude is None and day is None
+    result = study.analyse(craft.aircraft, placed, _solar_model(model, correction), replay=replay)
+    record = study.to_json(result)
+    if csv_file is not None:
+        from missions.configfile import write_text_atomically
+
+        write_text_atomically(csv_file, study.trajectory_table(result).to_csv(index=False))
+    if plot_file is not None and image_format is not None:
+        from missions.configfile import write_bytes_atomically
+        from studies import plots
+
+        flight = result.flight
+        figure = (
+            plots.cycle_figure(result) if flight is None else plots.flight_figure(result, flight)
+        )
+        write_bytes_atomically(plot_file, plots.to_bytes(figure, image_format))
+    if as_json:
+        _print_json(record)
+        return
+    from studies.tables import print_analysis
+
+    print_analysis(_console(), result, record)
+
+
+@cli.command()
+@click.argument("aircraft")
+@click.option("--mission", "-m", required=True, help="Name or file.")
+@click.option(
+    "--objective",
+    type=click.Choice(OBJECTIVE_NAMES),
+    default=OBJECTIVE_NAMES[0],
+    show_default=True,
+    help="What to optimise.",
+)
+@click.option(
+    "--required-excess-time",
+    "required_h",
+    type=click.FloatRange(0.0, 1000.0),
+    metavar="HOURS",
+    help="Excess time that every scenario must have, instead of the mission's.",
+)
+@click.option("--out", "out_dir", type=click.Path(), help="Folder for the sized aircraft's files.")
+@solar_options
+def size(
+    aircraft: str,
+    mission: str,
+    objective: str,
+    required_h: float | None,
+    out_dir: str | None,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Find the best design of AIRCRAFT (name or file) for a mission."""
+    from sizing.aircraft import MeasuredAirframe
+    from sizing.optimiser import size_aircraft
+    from sizing.sizing_problem import Objective
+    from studies import sizing_study
+
+    craft, where = _load(aircraft, mission, overrides)
+    if isinstance(craft.aircraft.airframe, MeasuredAirframe):
+        from missions.configfile import located_error
+
+        raise located_error(
+            craft.document,
+            ("airframe", "kind"),
+            "a measured aircraft cannot be sized; allowed: parametric",
+        )
+    _refuse_polar_night(where.mission, where, options=False)
+    if required_h is not None and required_h != required_h:
+        raise click.BadParameter("must be a number of hours", param_hint="--required-excess-time")
+    result = size_aircraft(
+        craft.aircraft,
+        where.mission,
+        Objective(objective),
+        _solar_model(model, correction),
+        required_excess_time_h=required_h,
+    )
+    record = sizing_study.to_json(result, craft.aircraft, where.mission)
+    if out_dir is not None and result.feasible:
+        from studies.sizing_files import write_sizing
+
+        write_sizing(Path(out_dir), result, record, craft, where.mission)
+    if as_json:
+        _print_json(record)
+    else:
+        from studies.tables import print_sizing
+
+        print_sizing(_console(), result, record)
+        if out_dir is not None and result.feasible:
+            click.echo(f"written to {out_dir}")
+    if not result.feasible:
+        sys.exit(EXIT_FAILED)
+
+
+@cli.command(name="list")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def list_(as_json: bool) -> None:
+    """List the aircraft and missions that ship with the package."""
+    from studies.library import find_document, shipped_names
+
+    shipped = {
+        kind: {
+            name: str(find_document(kind, name).data.get("description", ""))
+            for name in shipped_names(kind)
+        }
+        for kind in ("aircraft", "mission")
+    }
+    if as_json:
+        _print_json(shipped)
+        return
+    for kind, entries in shipped.items():
+        click.secho(kind if kind == "aircraft" else "missions", bold=True)
+        for name, description in entries.items():
+            click.echo(f"  {name:24} {description}")
+
+
+@cli.command()
+@click.argument("name")
+def init(name: str) -> None:
+    """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
+    from studies.starters import write_starters
+
+    for path in write_starters(name, Path.cwd()):
+        click.echo(f"wrote {path.name}")
+    click.echo(f"try: solar-uav size {name}.yaml --mission {name}-mission.yaml")
+
+
+@cli.command()
+@click.argument("files", nargs=-1, required=True)
+def validate(files: tuple[str, ...]) -> None:
+    """Check aircraft and mission FILES and say everything that is wrong with them."""
+    from missions.configfile import InputError, read_yaml
+    from missions.configfile import validate as check
+    from missions.mission import Mission
+    from sizing.aircraft import Aircraft
+    from studies.library import document_kind
+
+    wrong = False
+    for file in files:
+        try:
+            document = read_yaml(file)
+            kind = document_kind(document)
+            if kind == "aircraft":
+                check(document, Aircraft)
+            else:
+                check(document, Mission)
+            click.echo(f"{file}: valid {kind}")
+        except InputError as error:
+            click.echo(str(error), err=True)
+            wrong = True
+    if wrong:
+        sys.exit(EXIT_BAD_INPUT)
+
+
+@cli.command()
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
+def published(as_json: bool, markdown_file: str | None) -> None:
+    """Compare published numbers with computed ones; exit code 1 if one is missed."""
+    from studies import published as study
+
+    rows = study.comparisons()
+    if markdown_file is not None:
+        from missions.configfile import write_text_atomically
+
+        write_text_atomically(markdown_file, study.markdown(rows))
+    if as_json:
+        _print_json([row.record() for row in rows])
+    else:
+        from studies.tables import print_published
+
+        print_published(_console(), rows)
+    if not all(row.met for row in rows):
+        sys.exit(EXIT_FAILED)
+
+
+def _load(
+    aircraft: str, mission: str, overrides: tuple[str, ...]
+) -> tuple[LoadedAircraft, LoadedMission]:
+    """Load both files and report what is wrong with either of them together."""
+    from missions.configfile import InputError
+    from studies.library import load_aircraft, load_mission, split_overrides
+
+    of_aircraft, of_mission = split_overrides(overrides)
+    try:
+        craft = load_aircraft(aircraft, of_aircraft)
+    except InputError as error:
+        try:
+            load_mission(mission, of_mission)
+        except InputError as second:
+            raise InputError([*error.problems, *second.problems]) from None
+        raise
+    return craft, load_mission(mission, of_mission)
+
+
+def _placed(mission: Mission, latitude_deg: float | None, day: int | None) -> Mission:
+    """Mission moved to another latitude or day."""
+    from missions.dates import date_code
+    from missions.mission import Dates
+
+    update: dict[str, Any] = {}
+    if latitude_deg is not None:
+        update["latitude_deg"] = latitude_deg
+    if day is not None:
+        update["dates"] = Dates(on=date_code(day))
+    return mission.model_copy(update=update)
+
+
+def _refuse_polar_night(mission: Mission, where: LoadedMission, *, options: bool) -> None:
+    """Refuse scenarios in which the sun never rises: there is nothing to analyse or to size."""
+    from missions.configfile import located_error
+
+    scenarios = mission.scenarios()
+    dark = scenarios.in_polar_night()
+    if not dark.any():
+        return
+    label = scenarios.label(int(dark.argmax()))
+    message = f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
+    if options:
+        raise click.UsageError(f"--latitude/--date: {message}")
+    raise located_error(where.document, ("latitude_deg",), message)
+
+
+def _solar_model(model: str, correction: str) -> SolarModel:
+    from sizing.performance import SolarModel
+
+    return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
+
+
+def _image_format(path: str | None) -> str | None:
+    if path is None:
+        return None
+    from studies.formats import IMAGE_FORMATS, image_format
+
+    found = image_format(path)
+    if found is None:
+        allowed = ", ".join(f".{f}" for f in IMAGE_FORMATS)
+        raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
+    return found
+
+
+def _console() -> Any:
+    from rich.console import Console
+
+    return Console(highlight=False)
+
+
+def _print_json(record: Any) -> None:
+    click.echo(json.dumps(record, indent=2, allow_nan=False))
+
+
+def main() -> None:
+    """Run the command; a user's mistake ends as one clear message and exit code 2."""
+    try:
+        cli.main(standalone_mode=True)
+    except ValueError as error:
+        from missions.configfile import InputError
+
+        if not isinstance(error, InputError):
+            raise
+        click.echo(str(error), err=True)
+        sys.exit(EXIT_BAD_INPUT)
+    except OSError as error:
+        click.echo(f"solar-uav: {error}", err=True)
+        sys.exit(EXIT_FAILED)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,113 @@
+"""Shipped aircraft and missions, and finding either by name or by path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from missions.configfile import (
+    Document,
+    InputError,
+    Problem,
+    parse_yaml,
+    read_yaml,
+    validate,
+    with_overrides,
+)
+
+if TYPE_CHECKING:
+    from missions.mission import Mission
+    from sizing.aircraft import Aircraft
+
+Kind = Literal["aircraft", "mission"]
+
+_PACKAGES: dict[Kind, str] = {"aircraft": "sizing", "mission": "missions"}
+_MISSION_PREFIX = "mission."
+_AIRCRAFT_PREFIX = "aircraft."
+
+
+@dataclass(frozen=True)
+class LoadedAircraft:
+    """A validated aircraft and the document it came from."""
+
+    aircraft: Aircraft
+    document: Document
+
+
+@dataclass(frozen=True)
+class LoadedMission:
+    """A validated mission and the document it came from."""
+
+    mission: Mission
+    document: Document
+
+
+def shipped_names(kind: Kind) -> list[str]:
+    """Names of the shipped aircraft or missions, sorted."""
+    folder = resources.files(_PACKAGES[kind]).joinpath("library")
+    return sorted(
+        f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith(".yaml")
+    )
+
+
+def find_document(kind: Kind, name_or_path: str) -> Document:
+    """Read an aircraft or mission by path, or by the name of a shipped one.
+
+    Raises
+    ------
+    InputError
+        If there is neither such a file nor a shipped one of that name.
+    """
+    names = shipped_names(kind)
+    if name_or_path in names and not Path(name_or_path).is_file():
+        source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name_or_path}.yaml")
+        return parse_yaml(source.read_text(encoding="utf-8"), f"{name_or_path} (shipped)")
+    if not Path(name_or_path).exists():
+        raise InputError([_unknown(kind, name_or_path, names)])
+    return read_yaml(name_or_path)
+
+
+def _unknown(kind: Kind, name: str, names: Sequence[str]) -> Problem:
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, names, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    message = (
+        f"there is no such file and no shipped {kind} of that name{hint} "
+        f"(shipped: {', '.join(names)})"
+    )
+    return Problem(source=name, line=None, column=None, key="", message=message)
+
+
+def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Sort ``key=value`` overrides into those of the aircraft and those of the mission."""
+    of_mission = [o for o in overrides if o.startswith(_MISSION_PREFIX)]
+    of_aircraft = [o.removeprefix(_AIRCRAFT_PREFIX) for o in overrides if o not in of_mission]
+    return of_aircraft, [o.removeprefix(_MISSION_PREFIX) for o in of_mission]
+
+
+def load_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAircraft:
+    """Load an aircraft by name or path; ``overrides`` are ``dotted.key=value`` texts."""
+    from sizing.aircraft import Aircraft
+
+    document = with_overrides(find_document("aircraft", name_or_path), overrides)
+    return LoadedAircraft(validate(document, Aircraft), document)
+
+
+def load_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMission:
+    """Load a mission by name or path; ``overrides`` are ``dotted.key=value`` texts."""
+    from missions.mission import Mission
+
+    document = with_overrides(find_document("mission", name_or_path), overrides)
+    return LoadedMission(validate(document, Mission), document)
+
+
+def document_kind(document: Document) -> Kind:
+    """Whether a document describes an aircraft or a mission, judged by its keys."""
+    keys = set(document.data)
+    aircraft = len(keys & {"airframe", "battery", "modules", "power", "design_space"})
+    mission = len(keys & {"latitude_deg", "dates", "altitude_m", "air", "payload", "launch"})
+    return "aircraft" if aircraft >= mission else "mission"

@@ -1,0 +1,163 @@
+"""Figures: drawn on their own canvas, returned as bytes, never shown."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sizing.calendar_run import CalendarRun
+from sizing.performance import Performance, SolarModel
+from studies.analysis import Analysis
+
+# Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
+SUN, LOAD, CHARGE, NIGHT = "#E69F00", "#0072B2", "#009E73", "#DDDDDD"
+
+
+def to_bytes(figure: Figure, image_format: str) -> bytes:
+    """Image of a figure."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=image_format, dpi=150)
+    return buffer.getvalue()
+
+
+def caption(solar: SolarModel) -> str:
+    """Model and correction, for every figure."""
+    corrected = "uncorrected" if solar.correction == "none" else f"correction: {solar.correction}"
+    return f"{solar.model}, {corrected}"
+
+
+def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
+    """State of charge and power over the cycle of a scenario, the worst one by default."""
+    perf = analysis.performance
+    index = analysis.worst if scenario is None else scenario
+    figure = Figure(figsize=(8.0, 5.6), layout="constrained")
+    power_axes, charge_axes = figure.subplots(2, 1, sharex=True)
+    _draw_power(power_axes, perf, index)
+    _draw_charge(charge_axes, analysis, index)
+    for axes in (power_axes, charge_axes):
+        _shade_night(axes, perf, index)
+        axes.grid(alpha=0.3)
+    charge_axes.set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
+    where = perf.day.scenarios.label(index)
+    figure.suptitle(f"{analysis.aircraft.name}, {where} ({caption(perf.solar)})")
+    return figure
+
+
+def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
+    time_h = perf.day.time_h
+    solar, load = perf.solar_power_w[index], perf.load_w[index]
+    band = perf.solar.rms_relative
+    axes.fill_between(
+        time_h,
+        solar * (1 - band),
+        solar * (1 + band),
+        color=SUN,
+        alpha=0.2,
+        linewidth=0,
+        label=f"RMS error of the model, {100 * band:.0f} %",
+    )
+    axes.plot(time_h, solar, color=SUN, label="solar power")
+    axes.plot(time_h, load, color=LOAD, label="load")
+    for name, hour, side in (
+        ("$t_{eq}$", perf.cycle.equal_power_morning_h[index], "right"),
+        ("$t_{eq,2}$", perf.cycle.equal_power_evening_h[index], "left"),
+    ):
+        if np.isfinite(hour):
+            level = float(np.interp(hour, time_h, load))
+            axes.plot([hour], [level], "o", color="black", markersize=4)
+            shift = -4 if side == "right" else 4
+            axes.annotate(name, (hour, level), (shift, 6), textcoords="offset points", ha=side)
+    axes.set(ylabel="power [W]", ylim=(0, None))
+    axes.legend(loc="upper left", fontsize="small")
+
+
+def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
+    perf = analysis.performance
+    energy_max = float(perf.design.battery_energy_wh)
+    time_h = perf.day.time_h
+    low, high = (p.cycle.energy_wh[index] / energy_max for p in (analysis.low, analysis.high))
+    axes.fill_between(time_h, 100 * low, 100 * high, color=CHARGE, alpha=0.2, linewidth=0)
+    axes.plot(time_h, 100 * perf.cycle.energy_wh[index] / energy_max, color=CHARGE)
+    full = perf.cycle.full_charge_h[index]
+    if np.isfinite(full):
+        axes.axvline(full, color="black", linestyle=":", linewidth=1)
+        axes.annotate("full", (full, 50), (4, 0), textcoords="offset points")
+        margin = perf.cycle.charge_margin_h[index]
+        axes.annotate(
+            "",
+            (full + margin, 60),
+            (full, 60),
+            arrowprops={"arrowstyle": "<->", "color": "black", "shrinkA": 0, "shrinkB": 0},
+        )
+        axes.annotate(f"charge margin {margin:.1f} h", (full + margin / 2, 63), ha="center")
+    excess = perf.cycle.excess_time_h[index]
+    if np.isfinite(excess):
+        dawn = perf.cycle.equal_power_morning_h[index]
+        at = dawn if np.isfinite(dawn) else 12.0
+        lowest = 100 * perf.cycle.minimum_state_of_charge[index]
+        axes.annotate(
+            f"excess time {excess:.1f} h",
+            (at, lowest),
+            (0, -14),
+            textcoords="offset points",
+            ha="center",
+        )
+    axes.set(ylabel="state of charge [%]", ylim=(-12, 105), yticks=range(0, 101, 20))
+
+
+def _shade_night(axes: Axes, perf: Performance, index: int) -> None:
+    sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
+    for start, end in ((0.0, sunrise), (sunset, 24.0)):
+        if end > start:
+            axes.axvspan(start, end, color=NIGHT, zorder=0, linewidth=0)
+
+
+def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
+    """State of charge and power of a replayed flight over local time."""
+    figure = Figure(figsize=(9.0, 5.6), layout="constrained")
+    power_axes, charge_axes = figure.subplots(2, 1, sharex=True)
+    power_axes.plot(flight.clock_h, flight.solar_power_w, color=SUN, label="solar power")
+    power_axes.plot(flight.clock_h, flight.load_w, color=LOAD, label="load")
+    power_axes.set(ylabel="power [W]", ylim=(0, None))
+    power_axes.legend(loc="upper left", fontsize="small")
+    charge_axes.plot(flight.clock_h, 100 * flight.state_of_charge, color=CHARGE)
+    for hour in flight.full_charge_clock_h:
+        charge_axes.axvline(hour, color="black", linestyle=":", linewidth=1)
+        charge_axes.annotate("full", (hour, 50), (4, 0), textcoords="offset points")
+    dark = flight.solar_power_w <= 0.0
+    for axes in (power_axes, charge_axes):
+        axes.fill_between(
+            flight.clock_h,
+            0,
+            1,
+            where=dark,
+            transform=axes.get_xaxis_transform(),
+            color=NIGHT,
+            zorder=0,
+            linewidth=0,
+        )
+        axes.grid(alpha=0.3)
+    charge_axes.set(
+        xlabel=f"local time since midnight of the launch day, {flight.launch.date} [h]",
+        ylabel="state of charge [%]",
+        ylim=(0, 105),
+        xlim=(flight.clock_h[0], flight.clock_h[-1]),
+    )
+    solar = analysis.performance.solar
+    figure.suptitle(f"{analysis.aircraft.name}, {analysis.mission.name} ({caption(solar)})")
+    return figure
+
+
+def mass_figure(masses_kg: dict[str, float], title: str) -> Figure:
+    """Mass budget as horizontal bars, heaviest first."""
+    items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
+    figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+    axes = figure.subplots()
+    bars = axes.barh([k for k, _ in items], [v for _, v in items], color=LOAD)
+    axes.bar_label(bars, fmt="%.2f kg", padding=3)
+    axes.set(xlabel="mass [kg]", title=title)
+    axes.margins(x=0.15)
+    return figure

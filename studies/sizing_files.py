@@ -1,0 +1,67 @@
+"""Files of a sizing: the sized aircraft, tables and figures, written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from missions.configfile import OutputError, parse_yaml, validate
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.optimiser import SizingResult
+from studies import plots, sizing_study
+from studies.analysis import analyse
+from studies.library import LoadedAircraft
+
+
+def write_sizing(
+    folder: Path,
+    result: SizingResult,
+    record: dict[str, Any],
+    craft: LoadedAircraft,
+    mission: Mission,
+) -> None:
+    """Write the files of an optimum into a folder; existing files of these names are replaced.
+
+    Everything is made beside the folder first, so that a failure leaves it as it was.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    """
+    assert result.design is not None
+    assert result.simulated is not None
+    text = sizing_study.sized_yaml(craft.document, result.design, result, mission)
+    sized = validate(parse_yaml(text, "sized aircraft"), Aircraft)
+    analysis = analyse(sized, mission, result.simulated.solar, replay=False)
+    masses = plots.mass_figure(result.design.masses._asdict(), f"{sized.name}: mass budget")
+    contents: dict[str, bytes] = {
+        "aircraft.yaml": text.encode(),
+        "result.json": json.dumps(record, indent=2, allow_nan=False).encode(),
+        "scenarios.csv": _csv(sizing_study.scenario_table(result.simulated)),
+        "masses.csv": _csv(sizing_study.mass_table(result.design)),
+        "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
+        "masses.png": plots.to_bytes(masses, "png"),
+    }
+    _place(folder, contents)
+
+
+def _csv(table: Any) -> bytes:
+    return str(table.to_csv(index=False)).encode()
+
+
+def _place(folder: Path, contents: dict[str, bytes]) -> None:
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as name:
+            staging = Path(name)
+            for file, data in contents.items():
+                (staging / file).write_bytes(data)
+            folder.mkdir(exist_ok=True)
+            for file in contents:
+                (staging / file).replace(folder / file)
+    except OSError as error:
+        raise OutputError(f"cannot write to {folder}: {error.strerror or error}") from None

@@ -1,0 +1,170 @@
+"""Tables for the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from missions.dates import date_label, day_of_year
+from missions.mission import latitude_label
+from sizing.optimiser import SizingResult
+from studies.analysis import Analysis, clock_label
+from studies.published import Comparison
+
+
+def hours(value: float | None, missing: str = "-") -> str:
+    """Hours with two decimals."""
+    return missing if value is None else f"{value:.2f} h"
+
+
+def print_analysis(console: Console, analysis: Analysis, record: dict[str, Any]) -> None:
+    """One analysis: the worst scenario in full, the others as rows, the flight if there is one."""
+    solar = analysis.performance.solar
+    where = analysis.performance.day.scenarios.label(analysis.worst)
+    several = len(record["scenarios"]) > 1
+    worst = " (worst scenario)" if several else ""
+    title = f"{record['aircraft']} at {where}{worst}: {record['status'].replace('_', ' ')}"
+    table = Table(title=title, show_header=False, title_style="bold", title_justify="left")
+    table.add_column()
+    table.add_column(justify="right")
+    for label, text in _analysis_rows(record):
+        table.add_row(label, text)
+    console.print(table)
+    if several:
+        console.print(_scenario_table(record["scenarios"]))
+    if "flight" in record:
+        console.print(_flight_table(record["flight"]))
+    band = record["uncertainty"]
+    console.print(
+        f"{solar.model}, correction: {solar.correction}; the model's RMS error of "
+        f"{100 * band['solar_power_rms_relative']:.0f} % of the mean power puts the excess time "
+        f"between {hours(band['excess_time_low_h'], 'no end')} and "
+        f"{hours(band['excess_time_high_h'], 'no end')}.",
+        style="dim",
+    )
+
+
+def _analysis_rows(record: dict[str, Any]) -> list[tuple[str, str]]:
+    lit = record["status"] == "always_lit"
+    endless = record["status"] in ("perpetual", "always_lit")
+    endurance = hours(record["endurance_h"], "no end" if endless else "over a year")
+    if record["best_launch_h"] is not None:
+        endurance += f", launched {clock_label(record['best_launch_h'])}"
+    return [
+        ("excess time", hours(record["excess_time_h"], "no end" if lit else "-")),
+        ("charge margin", hours(record["charge_margin_h"])),
+        ("endurance", endurance),
+        ("minimum state of charge", f"{100 * record['minimum_state_of_charge']:.1f} %"),
+        ("load", f"{record['power_out_w']:.1f} W"),
+        ("solar energy of the day", f"{record['solar_energy_wh']:.0f} Wh"),
+        (
+            "sunrise, sunset (solar time)",
+            f"{clock_label(record['sunrise_h'])}, {clock_label(record['sunset_h'])}",
+        ),
+        (
+            "equal power, morning and evening",
+            f"{clock_label(record['equal_power_morning_h'])}, "
+            f"{clock_label(record['equal_power_evening_h'])}",
+        ),
+        ("full charge", clock_label(record["full_charge_h"])),
+    ]
+
+
+def _scenario_table(records: list[dict[str, Any]]) -> Table:
+    table = Table(title="all scenarios", title_justify="left")
+    table.add_column("latitude")
+    table.add_column("date")
+    for name in ("excess time", "charge margin", "min. charge", "endurance"):
+        table.add_column(name, justify="right")
+    for r in records:
+        endless = r["status"] in ("perpetual", "always_lit")
+        table.add_row(
+            latitude_label(r["latitude_deg"]),
+            date_label(r["day_of_year"]),
+            hours(r["excess_time_h"], "no end"),
+            hours(r["charge_margin_h"]),
+            f"{100 * r['minimum_state_of_charge']:.1f} %",
+            hours(r["endurance_h"], "no end" if endless else "over a year"),
+        )
+    return table
+
+
+def _flight_table(flight: dict[str, Any]) -> Table:
+    first_day = day_of_year(flight["launch"].split()[0])
+    table = Table(title="flight on the calendar", show_header=False, title_justify="left")
+    table.add_column()
+    table.add_column(justify="right")
+    table.add_row("launch (local time)", flight["launch"])
+    for hour in flight["full_charge_clock_h"]:
+        table.add_row("full charge", clock_label(hour, first_day=first_day))
+    table.add_row("minimum state of charge", f"{100 * flight['minimum_state_of_charge']:.1f} %")
+    table.add_row("flown", hours(flight["duration_h"]))
+    table.add_row("state of charge at the end", f"{100 * flight['final_state_of_charge']:.1f} %")
+    if flight["empty_clock_h"] is not None:
+        table.add_row("battery empty", clock_label(flight["empty_clock_h"], first_day=first_day))
+    return table
+
+
+def print_sizing(console: Console, result: SizingResult, record: dict[str, Any]) -> None:
+    """One sizing: the design, its masses, what limits it; or why there is none."""
+    title = f"{record['aircraft']} sized for {record['mission']}: {result.status}"
+    console.print(title.replace("_", " "), style="bold")
+    if result.design is None:
+        for violation in result.violations:
+            console.print(f"  {violation.requirement}: {violation.text}")
+        return
+    table = Table(show_header=False)
+    table.add_column()
+    table.add_column(justify="right")
+    simulated = record["simulated"]
+    worst = record["worst_scenario"]["label"]
+    for label, text in (
+        ("wingspan", f"{record['wingspan_m']:.3f} m"),
+        ("aspect ratio", f"{record['aspect_ratio']:.2f}"),
+        ("battery mass", f"{record['battery_mass_kg']:.3f} kg"),
+        ("module area", f"{record['module_area_m2']:.3f} m2"),
+        ("total mass", f"{record['total_mass_kg']:.3f} kg"),
+        ("airspeed", f"{record['airspeed_m_per_s']:.2f} m/s"),
+        ("load", f"{record['power_out_w']:.1f} W"),
+        (f"objective {result.objective.value}", f"{result.objective_value:.4g}"),
+        (f"excess time simulated, {worst}", hours(simulated["excess_time_h"], "no end")),
+        ("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"),
+    ):
+        table.add_row(label, text)
+    console.print(table)
+    masses = Table(title="mass budget", title_justify="left")
+    masses.add_column("item")
+    masses.add_column("kg", justify="right")
+    for item, mass in record["masses_kg"].items():
+        masses.add_row(item, f"{mass:.3f}")
+    console.print(masses)
+    console.print("limited by: " + "; ".join(result.active_constraints))
+    solver = result.solver
+    console.print(
+        f"{solver.iterations} iterations in {solver.solves} solves, "
+        f"{1000 * solver.time_s:.0f} ms (built in {1000 * solver.build_time_s:.0f} ms)",
+        style="dim",
+    )
+
+
+def print_published(console: Console, rows: list[Comparison]) -> None:
+    """Published beside computed numbers."""
+    table = Table(title="published and computed", title_justify="left")
+    table.add_column("quantity")
+    table.add_column("source")
+    for name in ("published", "computed", "difference", "allowed"):
+        table.add_column(name, justify="right")
+    table.add_column("met")
+    for r in rows:
+        table.add_row(
+            r.quantity,
+            r.source,
+            f"{r.published:.4g} {r.unit}",
+            f"{r.computed:.4g}",
+            f"{r.difference:+.2g}",
+            f"{r.allowed:.2g}",
+            "yes" if r.met else "no",
+        )
+    console.print(table)

@@ -1,0 +1,538 @@
+"""Loiter paths in wind: closure, the wind triangle, coordinated turns, symmetries and limits."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+from scipy.integrate import quad
+
+from missions.air import GRAVITY_M_PER_S2
+from missions.flight_path import (
+    Circle,
+    Direction,
+    FlightPath,
+    Level,
+    Orbit,
+    Racetrack,
+    StraightLegs,
+    Wind,
+    largest_wind_m_per_s,
+    orbit,
+)
+from solar.attitude import direction_cosines
+
+FloatArray = NDArray[np.float64]
+
+TAN_60 = np.sqrt(3.0)
+EASTERLY = Wind(speed_m_per_s=4.0, from_deg=90.0)
+CALM = Wind(speed_m_per_s=0.0, from_deg=0.0)
+
+
+def circle(direction: Direction = "clockwise", **changes: Any) -> Circle:
+    values = {"radius_m": 60.0, "airspeed_m_per_s": 10.0, **changes}
+    return Circle(direction=direction, **values)
+
+
+def racetrack(direction: Direction = "clockwise", **changes: Any) -> Racetrack:
+    values = {
+        "leg_length_m": 250.0,
+        "turn_radius_m": 60.0,
+        "heading_deg": 40.0,
+        "airspeed_m_per_s": 10.0,
+        **changes,
+    }
+    return Racetrack(direction=direction, **values)
+
+
+def legs(**changes: Any) -> StraightLegs:
+    return StraightLegs(**{"heading_deg": 40.0, "airspeed_m_per_s": 10.0, **changes})
+
+
+def wind_ned(wind: Wind) -> FloatArray:
+    towards = np.radians(wind.from_deg + 180.0)
+    return wind.speed_m_per_s * np.array([np.cos(towards), np.sin(towards)])
+
+
+def headings(lap: Orbit) -> FloatArray:
+    """Unit vectors of the heading, north and east on the last axis."""
+    return np.stack([np.cos(lap.yaw_rad), np.sin(lap.yaw_rad)], axis=-1)
+
+
+def positions(lap: Orbit) -> FloatArray:
+    return np.stack([lap.north_m, lap.east_m], axis=-1)
+
+
+def ground_velocities(lap: Orbit) -> FloatArray:
+    """Central differences of the positions, all round the closed orbit."""
+    step = lap.duration_s / len(lap.time_s)
+    place = positions(lap)
+    return (np.roll(place, -1, axis=0) - np.roll(place, 1, axis=0)) / (2.0 * step)
+
+
+@st.composite
+def winds(draw: st.DrawFn, airspeed: float = 10.0, share: float = 0.8) -> Wind:
+    """Wind up to a share of the airspeed, from anywhere."""
+    return Wind(
+        speed_m_per_s=airspeed * draw(st.floats(0.0, share)), from_deg=draw(st.floats(0.0, 360.0))
+    )
+
+
+@st.composite
+def circles(draw: st.DrawFn, share: float = 0.8) -> tuple[Circle, Wind]:
+    """Circle of one direction and a wind, with a bank up to the limit."""
+    speed = draw(st.floats(5.0, 40.0))
+    wind = draw(winds(speed, share))
+    least = (speed + wind.speed_m_per_s) ** 2 / (GRAVITY_M_PER_S2 * TAN_60)
+    radius = least * draw(st.floats(1.000001, 100.0))
+    way: Direction = draw(st.sampled_from(["clockwise", "counterclockwise"]))
+    return circle(way, radius_m=radius, airspeed_m_per_s=speed), wind
+
+
+@st.composite
+def paths(draw: st.DrawFn) -> tuple[Circle | Racetrack | StraightLegs, Wind]:
+    """Any moving path with a wind that it allows."""
+    ring, wind = draw(circles())
+    common = {"airspeed_m_per_s": ring.airspeed_m_per_s, "heading_deg": draw(st.floats(0.0, 360.0))}
+    length = ring.radius_m * draw(st.floats(0.01, 20.0))
+    others = (
+        racetrack(ring.direction, turn_radius_m=ring.radius_m, leg_length_m=length, **common),
+        legs(leg_length_m=length, **common),
+    )
+    return draw(st.sampled_from([ring, *others])), wind
+
+
+# ---- Circle
+
+
+@pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
+def test_calm_circle_has_constant_bank_and_yaw_rate(direction: Direction) -> None:
+    lap = orbit(circle(direction), CALM)
+    side = 1.0 if direction == "clockwise" else -1.0
+    # Rounding.
+    assert lap.duration_s == pytest.approx(2.0 * np.pi * 60.0 / 10.0, rel=1e-14)
+    assert lap.roll_rad == pytest.approx(
+        np.full(72, side * np.arctan(10.0**2 / (GRAVITY_M_PER_S2 * 60.0))), rel=1e-14
+    )
+    assert np.diff(np.unwrap(lap.yaw_rad)) == pytest.approx(
+        np.full(71, side * 2.0 * np.pi / 72), abs=1e-12
+    )
+    assert lap.ground_speed_m_per_s == pytest.approx(np.full(72, 10.0), rel=1e-14)
+
+
+@given(circles(share=0.999))
+def test_ground_track_is_the_circle(case: tuple[Circle, Wind]) -> None:
+    path, wind = case
+    lap = orbit(path, wind)
+    # Rounding.
+    assert np.hypot(lap.north_m, lap.east_m) == pytest.approx(np.full(72, path.radius_m), rel=1e-14)
+
+
+@given(circles())
+def test_time_agrees_with_quadrature(case: tuple[Circle, Wind]) -> None:
+    path, wind = case
+    towards = np.radians(wind.from_deg + 180.0)
+
+    def slowness(turned: float) -> float:
+        # Positive root of |V_g t - w| = V for V_g, from the companion matrix.
+        along = wind.speed_m_per_s * np.cos(turned)
+        squares = wind.speed_m_per_s**2 - path.airspeed_m_per_s**2
+        return path.radius_m / float(np.max(np.roots([1.0, -2.0 * along, squares])))
+
+    lap = orbit(path, wind, samples=7)
+    side = 1.0 if path.direction == "clockwise" else -1.0
+    course = np.arctan2(side * lap.north_m, -side * lap.east_m)  # from the place on the circle
+    turned = np.mod(side * (course - towards), 2.0 * np.pi)
+    # The bound that the quadrature is asked for.
+    accuracy = {"epsabs": 0.0, "epsrel": 1e-11}
+    whole = 2.0 * quad(slowness, 0.0, np.pi, **accuracy)[0]
+    assert lap.duration_s == pytest.approx(whole, rel=1e-9)
+    for time, angle in zip(lap.time_s, turned, strict=True):
+        assert time == pytest.approx(quad(slowness, 0.0, angle, **accuracy)[0], rel=1e-9)
+
+
+@given(circles(share=0.7))
+def test_banked_flight_closes_the_circle(case: tuple[Circle, Wind]) -> None:
+    path, wind = case
+    lap = orbit(path, wind, samples=720)
+    rate = GRAVITY_M_PER_S2 * np.tan(lap.roll_rad) / path.airspeed_m_per_s
+    turned = float(rate @ lap.weights) * lap.duration_s
+    # Equal weights integrate smooth periodic functions with an error that falls exponentially in
+    # the number of samples; at this wind it is down to rounding.
+    assert abs(turned) == pytest.approx(2.0 * np.pi, rel=1e-9)
+    drift = path.airspeed_m_per_s * (lap.weights @ headings(lap)) + wind_ned(wind)
+    assert np.abs(drift) == pytest.approx(np.zeros(2), abs=1e-9 * path.airspeed_m_per_s)
+
+
+@given(circles())
+def test_bank_turns_the_yaw(case: tuple[Circle, Wind]) -> None:
+    path, wind = case
+    lap = orbit(path, wind, samples=7200)
+    step = lap.duration_s / 7200
+    yaw = np.unwrap(lap.yaw_rad)
+    rate = (yaw[2:] - yaw[:-2]) / (2.0 * step)
+    expected = GRAVITY_M_PER_S2 * np.tan(lap.roll_rad[1:-1]) / path.airspeed_m_per_s
+    # Second-order differences, relative to the greatest rate: the yaw turns by up to 0.01 rad in
+    # a step, and its square over 6 with room for the bends of the rate is below 1e-4.
+    assert rate == pytest.approx(expected, abs=1e-4 * np.max(np.abs(expected)))
+
+
+def test_bank_is_steepest_downwind() -> None:
+    lap = orbit(circle(), EASTERLY, samples=72)
+    steepest, mildest = np.argmax(lap.roll_rad), np.argmin(lap.roll_rad)
+    # Half a step of time from downwind, and from upwind.
+    assert lap.yaw_rad[steepest] == pytest.approx(np.radians(270.0), abs=0.1)
+    assert lap.yaw_rad[mildest] == pytest.approx(np.radians(90.0), abs=0.1)
+    assert lap.ground_speed_m_per_s[steepest] == pytest.approx(14.0, abs=0.05)
+    assert lap.ground_speed_m_per_s[mildest] == pytest.approx(6.0, abs=0.05)
+    fine = orbit(circle(), EASTERLY, samples=7200)
+    # Against the bank at (V + w)^2 / R; half a step off its maximum is 1e-6.
+    assert np.max(np.tan(fine.roll_rad)) == pytest.approx(
+        14.0**2 / (60.0 * GRAVITY_M_PER_S2), rel=1e-5
+    )
+
+
+@pytest.mark.parametrize("path", [circle(), racetrack()])
+def test_clockwise_turns_bank_to_the_right(path: Circle | Racetrack) -> None:
+    lap = orbit(path, EASTERLY)
+    assert np.all(lap.roll_rad >= 0.0)
+    assert np.max(lap.roll_rad) > 0.1
+    # The lower wing points into the circle.
+    wing = direction_cosines(lap.roll_rad, lap.pitch_rad, lap.yaw_rad)[..., 1]
+    assert np.all(wing[:, 2] >= 0.0)
+
+
+@pytest.mark.parametrize("wind_share", [0.99, 0.9999, 1.0 - 1e-9])
+def test_circle_in_wind_of_almost_the_airspeed(wind_share: float) -> None:
+    wind = Wind(speed_m_per_s=10.0 * wind_share, from_deg=20.0)
+    lap = orbit(circle(), wind, samples=72)
+    assert np.all(lap.ground_speed_m_per_s > 0.0)
+    # From downwind once round, forwards all the way.
+    course = np.unwrap(np.arctan2(lap.north_m, -lap.east_m))
+    assert np.all(np.diff(course) > 0.0)
+    assert course[-1] - course[0] < 2.0 * np.pi
+    # Nearly all the time goes into flying upwind: the crab angle is where the samples are.
+    assert headings(lap) @ -wind_ned(wind) == pytest.approx(
+        np.full(72, wind.speed_m_per_s), rel=0.2
+    )
+
+
+# ---- All paths
+
+
+@given(paths())
+def test_airspeed_is_held(case: tuple[Circle | Racetrack | StraightLegs, Wind]) -> None:
+    path, wind = case
+    lap = orbit(path, wind, samples=7200)
+    ground = ground_velocities(lap)
+    air = ground - wind_ned(wind)
+    # Differences reach across a jump of bank, or the reversal of the straight legs, there only.
+    course_step = np.abs(np.diff(np.unwrap(lap.yaw_rad), append=lap.yaw_rad[0]))
+    banked = np.abs(lap.roll_rad) > 0.0
+    smooth = (np.roll(banked, 1) == banked) & (np.roll(banked, -1) == banked)
+    smooth &= (np.mod(course_step, 2.0 * np.pi) < 0.1) | (len(smooth) == 0)
+    if isinstance(path, StraightLegs):
+        turn = np.argmax(np.abs(np.diff(lap.yaw_rad)))
+        smooth = np.ones(7200, bool)
+        smooth[[0, -1, turn, turn + 1]] = False
+    # Second-order differences: a step turns the course by up to 0.005 rad, its square over 6 is
+    # 4e-6 of a ground speed of up to 1.8 V; allowing for the changes of the ground speed, 5e-5.
+    accuracy = 5e-5 * path.airspeed_m_per_s
+    speed = np.linalg.norm(air, axis=1)[smooth]
+    assert speed == pytest.approx(np.full(speed.shape, path.airspeed_m_per_s), abs=accuracy)
+    assert air[smooth] == pytest.approx(path.airspeed_m_per_s * headings(lap)[smooth], abs=accuracy)
+    assert np.linalg.norm(ground, axis=1)[smooth] == pytest.approx(
+        lap.ground_speed_m_per_s[smooth], abs=accuracy
+    )
+
+
+@given(paths())
+def test_mean_velocity_through_the_air_is_minus_the_wind(
+    case: tuple[Circle | Racetrack | StraightLegs, Wind],
+) -> None:
+    path, wind = case
+    lap = orbit(path, wind, samples=2000)
+    mean = path.airspeed_m_per_s * (lap.weights @ headings(lap))
+    # The mean ground velocity of a closed orbit is zero. Each leg's end falls somewhere in a step
+    # of time: up to half a step of up to 2 V at both ends of the straight legs.
+    assert mean == pytest.approx(-wind_ned(wind), abs=2.0 * path.airspeed_m_per_s / 2000)
+    # Hence the heading points into the wind on average: by w / V.
+    if wind.speed_m_per_s > 0.1:
+        assert mean @ wind_ned(wind) < 0.0
+
+
+@given(paths(), st.floats(0.0, 360.0))
+def test_turning_wind_and_path_turns_the_orbit(
+    case: tuple[Circle | Racetrack | StraightLegs, Wind], turn_deg: float
+) -> None:
+    path, wind = case
+    turned_path: Circle | Racetrack | StraightLegs = path
+    if not isinstance(path, Circle):
+        heading = np.mod(path.heading_deg + turn_deg, 360.0)
+        turned_path = path.model_copy(update={"heading_deg": float(heading)})
+    from_deg = float(np.mod(wind.from_deg + turn_deg, 360.0))
+    before = orbit(path, wind, samples=24)
+    after = orbit(
+        turned_path, Wind(speed_m_per_s=wind.speed_m_per_s, from_deg=from_deg), samples=24
+    )
+    turn = direction_cosines(0.0, 0.0, np.radians(turn_deg))
+    # Rounding of angles of up to 1000 degrees, grown by the inversion of the time.
+    assert after.duration_s == pytest.approx(before.duration_s, rel=1e-11)
+    assert after.roll_rad == pytest.approx(before.roll_rad, abs=1e-10)
+    assert headings(after) == pytest.approx(headings(before) @ turn[:2, :2].T, abs=1e-10)
+    size = np.max(np.abs(positions(before)))
+    assert positions(after) == pytest.approx(positions(before) @ turn[:2, :2].T, abs=1e-10 * size)
+
+
+@given(paths())
+def test_directions_mirror_each_other(
+    case: tuple[Circle | Racetrack | StraightLegs, Wind],
+) -> None:
+    path, wind = case
+    mirrored = wind.model_copy(update={"from_deg": 360.0 - wind.from_deg})
+    changes: dict[str, Any] = {}
+    if not isinstance(path, Circle):
+        changes["heading_deg"] = 360.0 - path.heading_deg
+    if not isinstance(path, StraightLegs):
+        other = "clockwise" if path.direction == "counterclockwise" else "counterclockwise"
+        changes["direction"] = other
+    here = orbit(path, wind, samples=24)
+    there = orbit(path.model_copy(update=changes), mirrored, samples=24)
+    # Rounding, as in the test above.
+    assert there.duration_s == pytest.approx(here.duration_s, rel=1e-11)
+    assert there.roll_rad == pytest.approx(-here.roll_rad, abs=1e-10)
+    assert headings(there) == pytest.approx(headings(here) * [1.0, -1.0], abs=1e-10)
+    size = np.max(np.abs(positions(here)))
+    assert positions(there) == pytest.approx(positions(here) * [1.0, -1.0], abs=1e-10 * size)
+
+
+@pytest.mark.parametrize("make", [circle, racetrack])
+def test_both_directions_follow_each_other(make: Any) -> None:
+    both = orbit(make("both", pitch_deg=3.0), EASTERLY)
+    laps = [orbit(make(way, pitch_deg=3.0), EASTERLY) for way in ("clockwise", "counterclockwise")]
+    # A racetrack turns through the same courses either way; the order of the sums differs.
+    assert laps[0].duration_s == pytest.approx(laps[1].duration_s, rel=1e-13)
+    assert both.duration_s == laps[0].duration_s
+    for field in dataclasses.fields(Orbit):
+        if field.name not in ("duration_s", "weights"):
+            joined = np.concatenate([getattr(lap, field.name) for lap in laps])
+            assert np.array_equal(getattr(both, field.name), joined), field.name
+    assert len(both.weights) == 144
+    assert circle().direction == "clockwise"
+    assert Circle(radius_m=60.0, airspeed_m_per_s=10.0).direction == "both"
+
+
+@given(paths(), st.integers(1, 100))
+def test_orbit_is_well_formed(
+    case: tuple[Circle | Racetrack | StraightLegs, Wind], samples: int
+) -> None:
+    path, wind = case
+    lap = orbit(path, wind, samples=samples)
+    for field in dataclasses.fields(Orbit):
+        values = getattr(lap, field.name)
+        assert np.all(np.isfinite(values))
+        assert field.name == "duration_s" or values.shape == (samples,)
+    assert lap.weights == pytest.approx(np.full(samples, 1.0 / samples))
+    assert np.sum(lap.weights) == pytest.approx(1.0)
+    steps = np.diff(lap.time_s, prepend=-lap.time_s[0])
+    assert steps == pytest.approx(np.full(samples, lap.duration_s / samples))
+    assert np.all((lap.yaw_rad >= 0.0) & (lap.yaw_rad <= 2.0 * np.pi))
+    assert np.all(np.abs(np.degrees(lap.roll_rad)) <= 60.0)
+    slowest = path.airspeed_m_per_s - wind.speed_m_per_s
+    # Rounding.
+    assert np.all(lap.ground_speed_m_per_s >= slowest * (1.0 - 1e-12))
+
+
+def test_pitch_is_constant() -> None:
+    for path in (circle(pitch_deg=4.0), racetrack(pitch_deg=4.0), legs(pitch_deg=4.0)):
+        assert np.all(orbit(path, EASTERLY).pitch_rad == np.radians(4.0))
+
+
+# ---- Racetrack, straight legs, level
+
+
+@pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
+def test_racetrack_without_legs_is_a_circle(direction: Direction) -> None:
+    # The racetrack starts on its heading, the circle downwind: here the same.
+    track = orbit(racetrack(direction, leg_length_m=0.0, heading_deg=270.0), EASTERLY)
+    ring = orbit(circle(direction), EASTERLY)
+    # Rounding, grown by the inversion of the time.
+    assert track.duration_s == pytest.approx(ring.duration_s, rel=1e-12)
+    assert track.roll_rad == pytest.approx(ring.roll_rad, abs=1e-11)
+    assert track.yaw_rad == pytest.approx(ring.yaw_rad, abs=1e-11)
+    assert positions(track) == pytest.approx(positions(ring), abs=1e-9)
+
+
+def test_racetrack_lies_on_its_stadium() -> None:
+    lap = orbit(racetrack(), EASTERLY, samples=500)
+    towards = np.radians(40.0)
+    ahead = positions(lap) @ [np.cos(towards), np.sin(towards)]
+    right = positions(lap) @ [-np.sin(towards), np.cos(towards)]
+    beyond = np.maximum(np.abs(ahead) - 125.0, 0.0)
+    # Rounding.
+    assert np.hypot(beyond, right) == pytest.approx(np.full(500, 60.0), rel=1e-12)
+    straight = np.abs(ahead) < 125.0
+    assert np.all(lap.roll_rad[straight] == 0.0)
+    assert np.all(lap.roll_rad[~straight] > 0.0)
+    # The first leg leads along the heading, on the left of a clockwise racetrack.
+    assert right[0] == pytest.approx(-60.0)
+    assert ahead[1] > ahead[0]
+
+
+def test_racetrack_flies_on_without_a_jump() -> None:
+    lap = orbit(racetrack(), EASTERLY, samples=500)
+    jumps = np.linalg.norm(positions(lap) - np.roll(positions(lap), 1, axis=0), axis=1)
+    # No step is longer than the fastest ground speed allows.
+    assert np.max(jumps) <= 14.0 * lap.duration_s / 500
+    yaw = np.unwrap(lap.yaw_rad)
+    # The yaw turns once round, one step short of it.
+    assert yaw[-1] - yaw[0] == pytest.approx(2.0 * np.pi, abs=0.05)
+
+
+def test_straight_legs_along_the_wind() -> None:
+    lap = orbit(legs(heading_deg=90.0, leg_length_m=840.0), EASTERLY, samples=1000)
+    # Upwind at 10 - 4 m/s, downwind at 10 + 4 m/s, without crab angle.
+    assert lap.duration_s == pytest.approx(840.0 / 6.0 + 840.0 / 14.0)
+    upwind = lap.ground_speed_m_per_s < 10.0
+    assert np.sum(lap.weights[upwind]) == pytest.approx(0.7, abs=1e-3)
+    assert lap.yaw_rad[upwind] == pytest.approx(np.full(upwind.sum(), np.pi / 2.0))
+    assert lap.yaw_rad[~upwind] == pytest.approx(np.full((~upwind).sum(), 1.5 * np.pi))
+    assert np.all(lap.roll_rad == 0.0)
+
+
+def test_straight_legs_across_the_wind_crab_into_it() -> None:
+    lap = orbit(legs(heading_deg=0.0), EASTERLY)
+    crab = np.arcsin(0.4)
+    expected = np.repeat([crab, np.pi - crab], 36)
+    assert lap.yaw_rad == pytest.approx(expected)
+    assert lap.ground_speed_m_per_s == pytest.approx(np.full(72, np.sqrt(84.0)))
+
+
+@given(paths())
+def test_leg_length_does_not_change_the_attitude_of_straight_legs(
+    case: tuple[Circle | Racetrack | StraightLegs, Wind],
+) -> None:
+    path, wind = case
+    short = legs(airspeed_m_per_s=path.airspeed_m_per_s, leg_length_m=10.0)
+    long = short.model_copy(update={"leg_length_m": 20.0})
+    one, two = orbit(short, wind), orbit(long, wind)
+    assert np.array_equal(one.yaw_rad, two.yaw_rad)
+    assert two.duration_s == pytest.approx(2.0 * one.duration_s)
+
+
+def test_level_aircraft_is_horizontal_in_any_wind() -> None:
+    lap = orbit(Level(), Wind(speed_m_per_s=50.0, from_deg=10.0))
+    assert lap.weights.tolist() == [1.0]
+    matrix = direction_cosines(lap.roll_rad, lap.pitch_rad, lap.yaw_rad)
+    assert np.array_equal(matrix, np.eye(3)[None])
+    assert largest_wind_m_per_s(Level()) == np.inf
+
+
+# ---- What is refused
+
+
+@pytest.mark.parametrize("path", [circle(), circle("both"), racetrack(), legs()])
+@pytest.mark.parametrize("speed", [10.0, 12.5])
+def test_wind_of_the_airspeed_is_refused(
+    path: Circle | Racetrack | StraightLegs, speed: float
+) -> None:
+    limit = largest_wind_m_per_s(path)
+    words = f"wind of {speed:g} m/s .* airspeed of 10 m/s.* below {limit:.4g} m/s"
+    with pytest.raises(ValueError, match=words):
+        orbit(path, Wind(speed_m_per_s=speed, from_deg=0.0))
+
+
+def test_steep_bank_is_refused_with_the_radius_needed() -> None:
+    tight = circle(radius_m=7.0)
+    # (10 + 3)^2 / (g 7) is the tangent of 67.9 degrees; (10 + 3)^2 / (g tan 60) is 9.95 m.
+    words = re.escape("7 m radius at 10 m/s in a wind of 3 m/s needs 67.9 deg of bank")
+    with pytest.raises(ValueError, match=words + ".* at least 10.0 m"):
+        orbit(tight, Wind(speed_m_per_s=3.0, from_deg=0.0))
+    with pytest.raises(ValueError, match="at least 10.0 m"):
+        orbit(racetrack(turn_radius_m=7.0), Wind(speed_m_per_s=3.0, from_deg=0.0))
+    orbit(circle(radius_m=10.0), Wind(speed_m_per_s=3.0, from_deg=0.0))
+
+
+@pytest.mark.parametrize("path", [circle(), circle(radius_m=8.0), racetrack(), legs()])
+def test_largest_wind_is_the_limit(path: Circle | Racetrack | StraightLegs) -> None:
+    limit = largest_wind_m_per_s(path)
+    orbit(path, Wind(speed_m_per_s=limit * 0.999, from_deg=77.0))
+    with pytest.raises(ValueError, match=r"must stay below|radius must be at least"):
+        orbit(path, Wind(speed_m_per_s=limit * 1.001, from_deg=77.0))
+
+
+@pytest.mark.parametrize(
+    "make", [lambda r: circle(radius_m=r), lambda r: racetrack(turn_radius_m=r)]
+)
+def test_turn_too_tight_even_in_calm_air_is_refused(make: Any) -> None:
+    # 10^2 / (g tan 60) is 5.89 m.
+    with pytest.raises(ValidationError, match=r"at least 5\.9 m: at 10 m/s .* \(got 5\)"):
+        make(5.0)
+    make(5.9)
+
+
+def test_samples_below_one_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"samples must be at least 1 \(got 0\)"):
+        orbit(circle(), CALM, samples=0)
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ({"kind": "circle", "radius_m": 60, "airspeed_m_per_s": 10}, Circle),
+        (
+            {
+                "kind": "racetrack",
+                "leg_length_m": 100,
+                "turn_radius_m": 60,
+                "heading_deg": 0,
+                "airspeed_m_per_s": 10,
+            },
+            Racetrack,
+        ),
+        ({"kind": "straight_legs", "heading_deg": 360, "airspeed_m_per_s": 10}, StraightLegs),
+        ({"kind": "level"}, Level),
+    ],
+)
+def test_kind_selects_the_path(values: dict[str, Any], expected: type) -> None:
+    adapter: TypeAdapter[Any] = TypeAdapter(FlightPath)
+    path = adapter.validate_python(values)
+    assert type(path) is expected
+    with pytest.raises(ValidationError, match="frozen"):
+        path.kind = "circle"
+    with pytest.raises(ValidationError, match="Extra inputs"):
+        adapter.validate_python({**values, "zzz": 1})
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"kind": "dive"},
+        {"radius_m": 60.0, "airspeed_m_per_s": 10.0},
+        {"kind": "circle", "radius_m": 0.0, "airspeed_m_per_s": 10.0},
+        {"kind": "circle", "radius_m": "60", "airspeed_m_per_s": 10.0},
+        {"kind": "circle", "radius_m": 60.0, "airspeed_m_per_s": -1.0},
+        {"kind": "circle", "radius_m": 60.0, "airspeed_m_per_s": 10.0, "direction": "left"},
+        {"kind": "circle", "radius_m": 60.0, "airspeed_m_per_s": 10.0, "pitch_deg": 90.0},
+        {"kind": "straight_legs", "heading_deg": 361.0, "airspeed_m_per_s": 10.0},
+        {"kind": "straight_legs", "heading_deg": float("nan"), "airspeed_m_per_s": 10.0},
+        {"kind": "level", "airspeed_m_per_s": 10.0},
+    ],
+)
+def test_bad_descriptions_are_refused(values: dict[str, Any]) -> None:
+    adapter: TypeAdapter[Any] = TypeAdapter(FlightPath)
+    with pytest.raises(ValidationError):
+        adapter.validate_python(values)
+
+
+@pytest.mark.parametrize("changes", [{"speed_m_per_s": -1.0}, {"from_deg": 361.0}])
+def test_bad_winds_are_refused(changes: dict[str, float]) -> None:
+    with pytest.raises(ValidationError):
+        Wind(**{"speed_m_per_s": 1.0, "from_deg": 0.0, **changes})
