@@ -20,6 +20,7 @@ from missions.air import (
     air_at,
     standard_air,
 )
+from missions.flight_path import FlightPath, Heading, Wind, orbit
 from solar.schema import (
     Fraction,
     NonNegativeReal,
@@ -181,6 +182,8 @@ class Mission(Record):
     turbulence: Turbulence = Turbulence()
     payload: Payload = Payload()
     wind_m_per_s: NonNegativeReal = 0.0
+    wind_from_deg: Heading = 90.0
+    flight_path: FlightPath | None = None
     required_excess_time_h: NonNegativeReal = 0.0
     launch: Launch | None = None
 
@@ -199,6 +202,22 @@ class Mission(Record):
                 "latitude_range", "a launch needs a single latitude", {"key": "latitude_deg"}
             )
         return self
+
+    @model_validator(mode="after")
+    def _check_flight_path(self) -> Mission:
+        if self.flight_path is not None:
+            try:
+                orbit(self.flight_path, self.wind, samples=4)
+            except ValueError as error:
+                raise PydanticCustomError(
+                    "flight_path", "{text}", {"key": "flight_path", "text": str(error)}
+                ) from None
+        return self
+
+    @property
+    def wind(self) -> Wind:
+        """Steady wind that the flight path is flown in."""
+        return Wind(speed_m_per_s=self.wind_m_per_s, from_deg=self.wind_from_deg)
 
     def latitudes(self) -> list[float]:
         """Latitudes of the mission [deg]."""

@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 from sizing.aerodynamics import DragPolar
 from sizing.battery import Battery
 from sizing.structure import SparStructure, Structure
+from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
 
@@ -80,9 +81,14 @@ Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator=
 
 
 class SolarModules(SolarCell):
-    """Solar modules: area, efficiencies, and the mass of modules and tracker."""
+    """Solar modules: area, efficiencies, and the mass of modules and tracker.
+
+    ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
+    surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.
+    """
 
     area_m2: NonNegativeReal
+    geometry: ModuleGeometry | None = None
     mass_kg_per_m2: NonNegativeReal = 0.59
     mppt_mass_kg_per_w: NonNegativeReal = 1.0 / 2368.0
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.cycle import Cycle, Status, simulate_cycle
@@ -20,7 +21,7 @@ from sizing.design import (
 from sizing.endurance import Endurance, longest_flight
 from sizing.energy_balance import FloatArray, Store
 from solar.correction import correction
-from solar.names import CorrectionName, ModelName
+from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
 
@@ -86,20 +87,82 @@ def solar_day(
     """Specific power of an aircraft's modules in the mission's (or other) scenarios."""
     chosen = mission.scenarios() if scenarios is None else scenarios
     time_h = day_axis_h(step_h)
-    noon_day = chosen.noon_day
-    power = horizontal_specific_power(
-        chosen.latitude_deg[:, np.newaxis],
-        noon_day[:, np.newaxis],
-        time_h,
-        cell=aircraft.modules,
-        module_temperature_c=mission.module_temperature_c(),
-        altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
-        model=solar.model,
-        correct=solar.correction,
-    )
-    times = sun_times(chosen.latitude_deg, declination(noon_day))
-    return SolarDay(chosen, time_h, power, times.sunrise_h, times.sunset_h)
+    times = sun_times(chosen.latitude_deg, declination(chosen.noon_day))
+    power = modelled_power(aircraft, mission, solar.model, chosen, time_h)
+    if solar.correction == "loiter":
+        power = power * loiter_ratio(aircraft, mission, solar.model, chosen, time_h, power)
+    corrected = power * correction(solar.model, solar.correction).factor
+    return SolarDay(chosen, time_h, corrected, times.sunrise_h, times.sunset_h)
+
+
+def modelled_power(
+    aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
+) -> FloatArray:
+    """Specific power of a model, uncorrected, over scenarios and time [W/m2].
+
+    VM and FM are averaged over the mission's flight path.
+
+    Raises
+    ------
+    ValueError
+        If VM or FM lack the aircraft's module geometry or the mission's flight path.
+    """
+    if model not in ATTITUDE_MODELS:
+        return horizontal_specific_power(
+            scenarios.latitude_deg[:, np.newaxis],
+            scenarios.noon_day[:, np.newaxis],
+            time_h,
+            cell=aircraft.modules,
+            module_temperature_c=mission.module_temperature_c(),
+            altitude_m=mission.altitude_m,
+            clearness=mission.clearness,
+            model=model,
+        )
+    geometry, path = aircraft.modules.geometry, mission.flight_path
+    if geometry is None:
+        raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
+    if path is None:
+        raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
+    rows = [
+        mean_power_on_path(
+            model,
+            float(latitude),
+            float(noon_day),
+            time_h,
+            geometry=geometry,
+            cell=aircraft.modules,
+            path=path,
+            wind=mission.wind,
+            ambient_temperature_c=float(mission.air_state().temperature_c),
+            module_temperature_c=mission.module_temperature_c(),
+            altitude_m=mission.altitude_m,
+            clearness=mission.clearness,
+        )
+        for latitude, noon_day in zip(scenarios.latitude_deg, scenarios.noon_day, strict=True)
+    ]
+    return np.stack(rows)
+
+
+def loiter_ratio(
+    aircraft: Aircraft,
+    mission: Mission,
+    model: ModelName,
+    scenarios: Scenarios,
+    time_h: FloatArray,
+    power: FloatArray,
+) -> FloatArray:
+    """Daily energy of the Full Model on the flight path over that of a model, per scenario.
+
+    The single numbers of the report hold for one morning; this ratio holds for the latitude, the
+    day, the wind and the path at hand. It is 1 where no sun is seen. Shape ``(scenario, 1)``.
+    """
+    if model == "FM":
+        return np.ones((len(scenarios), 1))
+    full = modelled_power(aircraft, mission, "FM", scenarios, time_h)
+    ours = np.trapezoid(power, time_h, axis=-1)
+    theirs = np.trapezoid(full, time_h, axis=-1)
+    lit = ours > 0.0
+    return np.where(lit, theirs / np.where(lit, ours, 1.0), 1.0)[:, np.newaxis]
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Annotated
+from functools import cached_property
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
 from solar.curves import Curve, shipped_curve
-from solar.schema import Fraction, NonNegativeReal, Record
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
 from solar.sun import FloatArray
 
 STC_TEMPERATURE_C = 25.0
@@ -21,25 +21,48 @@ _AngleDeg = Annotated[float, Strict(), Field(ge=0.0, le=90.0, allow_inf_nan=Fals
 _RelativeEfficiency = Annotated[float, Strict(), Field(ge=0.0, le=1.1, allow_inf_nan=False)]
 
 
-class IncidenceTable(Record):
-    """Relative efficiency against the angle of incidence, given by the user."""
+class _Table(Record):
+    """A curve given by the user as two lists of equal length."""
+
+    @model_validator(mode="after")
+    def _check_table(self) -> Self:
+        (x_name, x), (y_name, y) = ((name, getattr(self, name)) for name in type(self).model_fields)
+        if len(x) != len(y):
+            raise ValueError(f"{x_name} and {y_name} must have the same length")
+        if np.any(np.diff(x) <= 0.0):
+            raise ValueError(f"{x_name} must increase strictly")
+        return self
+
+
+class IncidenceTable(_Table):
+    """Relative efficiency against the angle of incidence of direct light."""
 
     aoi_deg: tuple[_AngleDeg, ...] = Field(min_length=2)
     relative_efficiency: tuple[_RelativeEfficiency, ...] = Field(min_length=2)
 
-    @model_validator(mode="after")
-    def _check_table(self) -> IncidenceTable:
-        if len(self.aoi_deg) != len(self.relative_efficiency):
-            raise ValueError("aoi_deg and relative_efficiency must have the same length")
-        if np.any(np.diff(self.aoi_deg) <= 0.0):
-            raise ValueError("aoi_deg must increase strictly")
-        return self
+
+class LowLightTable(_Table):
+    """Relative efficiency at 25 C against the irradiance on the module."""
+
+    irradiance_w_per_m2: tuple[NonNegativeReal, ...] = Field(min_length=2)
+    relative_efficiency: tuple[_RelativeEfficiency, ...] = Field(min_length=2)
+
+
+class MpptTable(_Table):
+    """Tracker efficiency against its load relative to the rated power."""
+
+    relative_load: tuple[NonNegativeReal, ...] = Field(min_length=2)
+    mppt_efficiency: tuple[Fraction, ...] = Field(min_length=2)
 
 
 class SolarCell(Record):
     """Efficiencies of module and maximum-power-point tracker (eq. 6-13 of the report).
 
-    The defaults are those of AtlantikSolar AS-2: SunPower E60 cells, foil covered.
+    The defaults are those of AtlantikSolar AS-2: SunPower E60 cells, foil covered. The constants
+    ``mppt_efficiency`` and the curves ``mppt`` and ``low_light`` exclude each other: the simple
+    models use the former, the Full Model the latter. ``rated_power_w_per_m2`` is the power at which
+    the modules are ``temperature_rise_k`` warmer than the air (265 W of 1.35 m2, 12 K) and to which
+    the tracker's load is related.
     """
 
     efficiency_stc: Fraction = 0.237
@@ -48,6 +71,10 @@ class SolarCell(Record):
     temperature_coefficient_per_k: NonNegativeReal = 0.003
     diffuse_efficiency: Fraction = 0.83
     incidence: IncidenceTable | None = None
+    low_light: LowLightTable | None = None
+    mppt: MpptTable | None = None
+    rated_power_w_per_m2: PositiveReal = 196.3
+    temperature_rise_k: NonNegativeReal = 12.0
 
     def temperature_efficiency(self, module_temperature_c: ArrayLike) -> FloatArray:
         """Component efficiency ``eps_T`` [-]: linear in the temperature above 25 C (eq. 9)."""
@@ -58,11 +85,33 @@ class SolarCell(Record):
         """Component efficiency ``eps_gamma`` [-] of direct light; zero for light from behind."""
         cosine = np.asarray(cos_aoi, float)
         angle_deg = np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))
-        return np.where(cosine > 0.0, _incidence_curve(self.incidence)(angle_deg), 0.0)
+        return np.where(cosine > 0.0, self._incidence_curve(angle_deg), 0.0)
 
+    def low_light_efficiency(self, irradiance_w_per_m2: ArrayLike) -> FloatArray:
+        """Component efficiency ``eps_I`` [-] of the irradiance on a module."""
+        return self._low_light_curve(irradiance_w_per_m2)
 
-@cache
-def _incidence_curve(table: IncidenceTable | None) -> Curve:
-    if table is None:
-        return shipped_curve("incidence_sunpower_glass")
-    return Curve(x=table.aoi_deg, y=table.relative_efficiency)
+    def tracker_efficiency(self, relative_load: ArrayLike) -> FloatArray:
+        """Efficiency of the power tracker [-] at a load relative to the rated power."""
+        return self._mppt_curve(relative_load)
+
+    @cached_property
+    def _incidence_curve(self) -> Curve:
+        table = self.incidence
+        if table is None:
+            return shipped_curve("incidence_sunpower_glass")
+        return Curve(x=table.aoi_deg, y=table.relative_efficiency)
+
+    @cached_property
+    def _low_light_curve(self) -> Curve:
+        table = self.low_light
+        if table is None:
+            return shipped_curve("low_light_sunpower_c60")
+        return Curve(x=table.irradiance_w_per_m2, y=table.relative_efficiency)
+
+    @cached_property
+    def _mppt_curve(self) -> Curve:
+        table = self.mppt
+        if table is None:
+            return shipped_curve("mppt_atlantiksolar")
+        return Curve(x=table.relative_load, y=table.mppt_efficiency)

@@ -7,11 +7,14 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-ModelName = Literal["CDM", "CAM"]
-CorrectionName = Literal["none", "report"]
+ModelName = Literal["CDM", "CAM", "VM", "FM"]
+CorrectionName = Literal["none", "report", "loiter"]
 
 MODEL_NAMES: tuple[ModelName, ...] = get_args(ModelName)
 CORRECTION_NAMES: tuple[CorrectionName, ...] = get_args(CorrectionName)
+
+# Models that know the attitude: they need module surfaces on the aircraft and a flight path.
+ATTITUDE_MODELS: tuple[ModelName, ...] = ("VM", "FM")
 
 # The objectives of sizing; their formulation is in sizing.sizing_problem.
 OBJECTIVE_NAMES = ("max_excess_time", "min_wingspan", "min_mass")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from solar._version import __version__
-from solar.names import CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
 
 if TYPE_CHECKING:
     from missions.mission import Mission
@@ -129,15 +129,16 @@ def analyse(
     day = day_of_year if day_of_year is not None else date
     placed = _placed(where.mission, latitude, day)
     _refuse_polar_night(placed, where, options=latitude is not None or day is not None)
+    _require_path(model, correction, craft, where)
     replay = latitude is None and day is None
     result = study.analyse(craft.aircraft, placed, _solar_model(model, correction), replay=replay)
     record = study.to_json(result)
     if csv_file is not None:
-        from missions.configfile import write_text_atomically
+        from missions.output_files import write_text_atomically
 
         write_text_atomically(csv_file, study.trajectory_table(result).to_csv(index=False))
     if plot_file is not None and image_format is not None:
-        from missions.configfile import write_bytes_atomically
+        from missions.output_files import write_bytes_atomically
         from studies import plots
 
         flight = result.flight
@@ -199,6 +200,7 @@ def size(
             "a measured aircraft cannot be sized; allowed: parametric",
         )
     _refuse_polar_night(where.mission, where, options=False)
+    _require_path(model, correction, craft, where)
     if required_h is not None and required_h != required_h:
         raise click.BadParameter("must be a number of hours", param_hint="--required-excess-time")
     result = size_aircraft(
@@ -262,9 +264,10 @@ def init(name: str) -> None:
 @click.argument("files", nargs=-1, required=True)
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""
-    from missions.configfile import InputError, read_yaml
     from missions.configfile import validate as check
     from missions.mission import Mission
+    from missions.problems import InputError
+    from missions.yaml_document import read_yaml
     from sizing.aircraft import Aircraft
     from studies.library import document_kind
 
@@ -294,7 +297,7 @@ def published(as_json: bool, markdown_file: str | None) -> None:
 
     rows = study.comparisons()
     if markdown_file is not None:
-        from missions.configfile import write_text_atomically
+        from missions.output_files import write_text_atomically
 
         write_text_atomically(markdown_file, study.markdown(rows))
     if as_json:
@@ -307,11 +310,40 @@ def published(as_json: bool, markdown_file: str | None) -> None:
         sys.exit(EXIT_FAILED)
 
 
+@cli.command(name="reproduce-report")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.option("--out", "out_dir", type=click.Path(), help="Folder for figure, table and JSON.")
+def reproduce_report(as_json: bool, out_dir: str | None) -> None:
+    """Fly the report's verification morning and compare all four models with it."""
+    from studies import report_reproduction as study
+
+    aircraft, mission = study.reference()
+    result = study.reproduce(aircraft, mission)
+    varied = study.sensitivities(aircraft, mission)
+    record = study.to_json(result, mission, varied)
+    if out_dir is not None:
+        from studies.plots import to_bytes
+        from studies.sizing_files import place_files
+
+        contents = {
+            "report.json": json.dumps(record, indent=2).encode(),
+            "report.md": study.markdown(result, varied).encode(),
+            "report.png": to_bytes(study.figure(aircraft, mission), "png"),
+        }
+        place_files(Path(out_dir), contents)
+    if as_json:
+        _print_json(record)
+        return
+    from studies.tables import print_reproduction
+
+    print_reproduction(_console(), record)
+
+
 def _load(
     aircraft: str, mission: str, overrides: tuple[str, ...]
 ) -> tuple[LoadedAircraft, LoadedMission]:
     """Load both files and report what is wrong with either of them together."""
-    from missions.configfile import InputError
+    from missions.problems import InputError
     from studies.library import load_aircraft, load_mission, split_overrides
 
     of_aircraft, of_mission = split_overrides(overrides)
@@ -354,6 +386,21 @@ def _refuse_polar_night(mission: Mission, where: LoadedMission, *, options: bool
     raise located_error(where.document, ("latitude_deg",), message)
 
 
+def _require_path(model: str, correction: str, craft: LoadedAircraft, where: LoadedMission) -> None:
+    """Refuse VM, FM and the loiter correction without module surfaces and a flight path."""
+    if model not in ATTITUDE_MODELS and correction != "loiter":
+        return
+    from missions.configfile import located_error
+
+    asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
+    if craft.aircraft.modules.geometry is None:
+        message = f"{asked} needs the module surfaces: add geometry with its surfaces"
+        raise located_error(craft.document, ("modules",), message)
+    if where.mission.flight_path is None:
+        message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
+        raise located_error(where.document, ("name",), message)
+
+
 def _solar_model(model: str, correction: str) -> SolarModel:
     from sizing.performance import SolarModel
 
@@ -387,7 +434,7 @@ def main() -> None:
     try:
         cli.main(standalone_mode=True)
     except ValueError as error:
-        from missions.configfile import InputError
+        from missions.problems import InputError
 
         if not isinstance(error, InputError):
             raise

@@ -8,15 +8,10 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from missions.configfile import (
-    Document,
-    InputError,
-    Problem,
-    parse_yaml,
-    read_yaml,
-    validate,
-    with_overrides,
-)
+from missions.configfile import validate
+from missions.overrides import with_overrides
+from missions.problems import InputError, Problem
+from missions.yaml_document import Document, parse_yaml, read_yaml
 
 if TYPE_CHECKING:
     from missions.mission import Mission

@@ -7,8 +7,10 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from missions.configfile import OutputError, parse_yaml, validate
+from missions.configfile import validate
 from missions.mission import Mission
+from missions.output_files import OutputError
+from missions.yaml_document import parse_yaml
 from sizing.aircraft import Aircraft
 from sizing.optimiser import SizingResult
 from studies import plots, sizing_study
@@ -46,14 +48,21 @@ def write_sizing(
         "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
         "masses.png": plots.to_bytes(masses, "png"),
     }
-    _place(folder, contents)
+    place_files(folder, contents)
 
 
 def _csv(table: Any) -> bytes:
     return str(table.to_csv(index=False)).encode()
 
 
-def _place(folder: Path, contents: dict[str, bytes]) -> None:
+def place_files(folder: Path, contents: dict[str, bytes]) -> None:
+    """Write files into a folder: all of them, or none.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    """
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as name:

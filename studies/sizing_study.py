@@ -7,8 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from missions.configfile import Document, to_yaml
 from missions.mission import Mission
+from missions.output_files import to_yaml
+from missions.yaml_document import Document
 from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables
 from sizing.optimiser import SizingResult

@@ -6,7 +6,8 @@ import re
 from importlib import resources
 from pathlib import Path
 
-from missions.configfile import InputError, Problem, write_text_atomically
+from missions.output_files import write_text_atomically
+from missions.problems import InputError, Problem
 
 
 def write_starters(name: str, folder: Path) -> list[Path]:

@@ -168,3 +168,45 @@ def print_published(console: Console, rows: list[Comparison]) -> None:
             "yes" if r.met else "no",
         )
     console.print(table)
+
+
+def print_reproduction(console: Console, record: dict[str, Any]) -> None:
+    """Report's table and windows, published beside computed, and what the assumptions are worth."""
+    table = Table(title="mean solar power, published and computed", title_justify="left")
+    table.add_column("mean")
+    for name in ("published", "computed", "difference", "flight"):
+        table.add_column(name, justify="right")
+    for model, row in record["models"].items():
+        _add_power_row(table, f"{model}, whole period", row, record["measured_w"])
+    for row in record["windows"]:
+        name = f"FM, {row['from_h']:g} to {row['to_h']:g} h"
+        _add_power_row(table, name, row, row["measured_w"])
+    console.print(table)
+    spread = Table(title="one assumption changed at a time [W]", title_justify="left")
+    spread.add_column("assumption")
+    models = list(record["models"])
+    for name in (*models, *(f"FM {w['from_h']:g} h" for w in record["windows"])):
+        spread.add_column(name, justify="right")
+    for case in record["sensitivities"]:
+        values = [case["models_w"][m] for m in models] + case["windows_w"]
+        spread.add_row(f"{case['assumption']} {case['value']}", *(f"{v:.1f}" for v in values))
+    console.print(spread)
+    path = record["assumptions"]["flight_path"]
+    console.print(
+        f"Assumed: {path['kind']} of {path['radius_m']:g} m at {path['airspeed_m_per_s']:g} m/s, "
+        f"pitch {path['pitch_deg']:g} deg, wind {record['assumptions']['wind_m_per_s']:g} m/s from "
+        f"{record['assumptions']['wind_from_deg']:g} deg, air "
+        f"{record['assumptions']['ambient_temperature_c']:g} C.",
+        style="dim",
+    )
+
+
+def _add_power_row(table: Table, name: str, row: dict[str, Any], measured_w: float) -> None:
+    published, computed = row["published_w"], row["computed_w"]
+    table.add_row(
+        name,
+        f"{published:.2f} W",
+        f"{computed:.2f} W",
+        f"{100 * (computed / published - 1):+.1f} %",
+        f"{measured_w:.1f} W",
+    )

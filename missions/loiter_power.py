@@ -1,0 +1,91 @@
+"""Solar power averaged over a loiter path: VM and FM where only a flight path is known.
+
+The orbit is flown once; for each position of the sun the power is averaged over its attitudes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.flight_path import FlightPath, Wind, orbit
+from solar.attitude import direction_cosines
+from solar.clearsky import Irradiance, clear_sky
+from solar.full_model import full_model, verification_model
+from solar.geometry import ModuleGeometry
+from solar.modules import SolarCell
+from solar.names import ModelName
+from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_vector_ned
+
+# Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
+# within 1e-4 of the limit (docs/full-model.md).
+ORBIT_SAMPLES = 36
+
+
+def mean_power_on_path(
+    model: ModelName,
+    latitude_deg: float,
+    noon_day: float,
+    time_solar_h: ArrayLike,
+    *,
+    geometry: ModuleGeometry,
+    cell: SolarCell,
+    path: FlightPath,
+    wind: Wind,
+    ambient_temperature_c: float,
+    module_temperature_c: float,
+    altitude_m: float = 0.0,
+    clearness: float = 1.0,
+    samples: int = ORBIT_SAMPLES,
+) -> FloatArray:
+    """Specific power of VM or FM over a day, averaged over the path [W/m2].
+
+    Parameters
+    ----------
+    model : {"VM", "FM"}
+        Solar power model.
+    latitude_deg, noon_day : float
+        Latitude [deg] and fractional day of year of the day's noon.
+    time_solar_h : array_like, shape (time,)
+        Local solar time [h].
+    geometry, cell
+        Module surfaces and efficiencies.
+    path, wind
+        Flight path and the wind it is flown in.
+    ambient_temperature_c, module_temperature_c : float
+        Temperature of the air (FM) and constant temperature of the modules (VM) [C].
+    altitude_m, clearness : float
+        Altitude [m] and factor on the clear-sky irradiance.
+    samples : int
+        Attitudes per turning direction.
+
+    Returns
+    -------
+    ndarray, shape (time,)
+        Specific power [W/m2].
+
+    Raises
+    ------
+    ValueError
+        If the model does not know attitudes, or the wind is too strong for the path.
+    """
+    if model not in ("VM", "FM"):
+        raise ValueError(f"model {model} does not depend on the flight path; choose VM or FM")
+    time_h = np.asarray(time_solar_h, float)
+    sun_declination, hour = declination(noon_day), hour_angle(time_h)
+    cosine = cos_zenith(latitude_deg, sun_declination, hour)
+    lit = cosine > 0.0
+    flown = orbit(path, wind, samples=samples)
+    to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
+    sun = sun_vector_ned(latitude_deg, sun_declination, hour[lit])[:, np.newaxis, :]
+    clear = clear_sky(noon_day, latitude_deg, cosine[lit], altitude_m)
+    light = Irradiance(*(clearness * part[:, np.newaxis] for part in clear))
+    if model == "VM":
+        power = verification_model(light, sun, to_ned, geometry, cell, module_temperature_c)
+    else:
+        power = full_model(
+            light, sun, to_ned, geometry, cell, ambient_temperature_c
+        ).specific_power_w_per_m2
+    result = np.zeros(time_h.shape)
+    result[lit] = power @ flown.weights
+    return result

@@ -1,0 +1,117 @@
+"""Mistakes of the user with their places, and how keys and values are spelled in messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+__all__ = [
+    "OVERRIDE",
+    "InputError",
+    "KeyPath",
+    "Problem",
+    "dotted",
+    "file_error",
+    "printable",
+    "shortened",
+    "shown",
+]
+
+KeyPath: TypeAlias = tuple[str | int, ...]
+
+OVERRIDE = "--set "  # begins the source of a problem of a value given on the command line
+
+_SHOWN_LENGTH = 40
+_SPECIAL_FLOATS = {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One mistake of the user and its place.
+
+    Parameters
+    ----------
+    source : str
+        File name, or ``--set KEY`` for a value given on the command line.
+    line, column : int or None
+        Place in the file, counted from 1; None when the problem has no line.
+    key : str
+        Dotted path of the key, empty when the problem concerns the whole file.
+    message : str
+        What is wrong and what is allowed.
+    """
+
+    source: str
+    line: int | None
+    column: int | None
+    key: str
+    message: str
+
+    def __str__(self) -> str:
+        """Return the problem as one line of text."""
+        parts = [self.source]
+        if self.line is not None:
+            parts[0] += f":{self.line}"
+            if self.column is not None:
+                parts[0] += f":{self.column}"
+        if self.key and self.source != OVERRIDE + self.key:
+            parts.append(self.key)
+        return ": ".join([*parts, self.message])
+
+
+class InputError(ValueError):
+    """Mistakes of the user in a file or an override; ``problems`` holds them sorted by line."""
+
+    problems: tuple[Problem, ...]
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(sorted(problems, key=_order))
+        super().__init__(self.problems)
+
+    def __str__(self) -> str:
+        """Return one problem per line."""
+        return "\n".join(str(problem) for problem in self.problems)
+
+
+def file_error(source: str, message: str) -> InputError:
+    """Return an error that concerns a whole file."""
+    return InputError([Problem(source, None, None, "", message)])
+
+
+def _order(problem: Problem) -> tuple[float, float]:
+    """Sort by place; problems of overrides have no line and come last."""
+    if problem.line is None:
+        return (float("inf"), 0) if problem.source.startswith(OVERRIDE) else (0, 0)
+    return (problem.line, problem.column or 0)
+
+
+def printable(text: str) -> str:
+    """Escape what would break a one-line message (line breaks, lone surrogates)."""
+    return text if text.isprintable() else text.encode("unicode_escape").decode("ascii")
+
+
+def shortened(text: str) -> str:
+    """Cut a text to the length that messages show."""
+    return text if len(text) <= _SHOWN_LENGTH else text[: _SHOWN_LENGTH - 3] + "..."
+
+
+def dotted(path: Iterable[str | int]) -> str:
+    """Spell the path of a key."""
+    return ".".join(shortened(printable(str(part))) for part in path)
+
+
+def shown(value: object) -> str:
+    """Spell a value the way it stands in the file, shortened."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        text = float.__repr__(value)
+        return _SPECIAL_FLOATS.get(text, text)
+    if isinstance(value, Mapping):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)}"
+    return shortened(repr(value))

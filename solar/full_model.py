@@ -1,0 +1,168 @@
+"""Verification Model (VM) and Full Model (FM): solar power of an aircraft in any attitude.
+
+Source: Oettershagen's report on solar power models, eq. 2 to 13 and table 2. Both return power per
+module area like the horizontal models of :mod:`solar.power`; the Full Model also returns every
+component efficiency, so that it can be seen what drives the power.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solar.attitude import direction_cosines
+from solar.clearsky import Irradiance
+from solar.geometry import ModuleGeometry, cos_angle_of_incidence
+from solar.modules import SolarCell
+from solar.power import conceptual_analysis_model
+from solar.sun import FloatArray
+
+_ITERATIONS = 60
+_TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True)
+class Attitudes:
+    """Attitudes over time, or those of one closed orbit with their shares of its time.
+
+    Roll, pitch and yaw are Euler angles 3-2-1 [rad]; ``weights`` add up to one along the last axis.
+    """
+
+    roll_rad: FloatArray
+    pitch_rad: FloatArray
+    yaw_rad: FloatArray
+    weights: FloatArray
+
+    def to_ned(self) -> FloatArray:
+        """Rotations from body axes to North-East-Down, shape ``(..., 3, 3)``."""
+        return direction_cosines(self.roll_rad, self.pitch_rad, self.yaw_rad)
+
+
+@dataclass(frozen=True)
+class ModulePower:
+    """Power of the Full Model and what it is made of.
+
+    Arrays without a surface have the shape of sun and attitude together, those ``_by_surface`` one
+    more axis. Power and irradiance are per module area [W/m2]; temperatures in degrees Celsius;
+    efficiencies relative, except ``module_efficiency`` (electric power before the tracker over the
+    light that falls on the modules).
+    """
+
+    specific_power_w_per_m2: FloatArray
+    irradiance_w_per_m2: FloatArray
+    module_efficiency: FloatArray
+    mppt_efficiency: FloatArray
+    temperature_efficiency: FloatArray
+    module_temperature_c: FloatArray
+    cos_aoi_by_surface: FloatArray
+    irradiance_by_surface_w_per_m2: FloatArray
+    incidence_efficiency_by_surface: FloatArray
+    low_light_efficiency_by_surface: FloatArray
+
+
+def verification_model(
+    irradiance: Irradiance,
+    sun_vector: ArrayLike,
+    to_ned: ArrayLike,
+    geometry: ModuleGeometry,
+    cell: SolarCell,
+    module_temperature_c: ArrayLike,
+) -> FloatArray:
+    """Specific power of the Verification Model: the CAM on the central wing's flat surface.
+
+    Parameters
+    ----------
+    irradiance : Irradiance
+        Direct normal and diffuse horizontal irradiance [W/m2].
+    sun_vector : array_like, shape (..., 3)
+        Unit vector to the sun, North-East-Down.
+    to_ned : array_like, shape (..., 3, 3)
+        Rotation from body axes to North-East-Down, see :meth:`Attitudes.to_ned`.
+    geometry : ModuleGeometry
+        Module surfaces; the central wing's mean normal is used.
+    cell : SolarCell
+        Module and tracker efficiencies.
+    module_temperature_c : array_like
+        Constant module temperature [C].
+
+    Returns
+    -------
+    ndarray
+        Specific power [W/m2], broadcast shape of irradiance, sun and attitude.
+    """
+    normal = np.asarray(to_ned, float) @ geometry.central_wing_normal()
+    cosine = cos_angle_of_incidence(normal, sun_vector)
+    return conceptual_analysis_model(irradiance, cosine, cell, module_temperature_c)
+
+
+def full_model(
+    irradiance: Irradiance,
+    sun_vector: ArrayLike,
+    to_ned: ArrayLike,
+    geometry: ModuleGeometry,
+    cell: SolarCell,
+    ambient_temperature_c: ArrayLike,
+) -> ModulePower:
+    """Specific power and component efficiencies of the Full Model.
+
+    Every surface meets the light at its own angle; its efficiency falls with little light and at
+    flat angles; the modules warm up with the power they give (eq. 9 and 10), and the tracker's
+    efficiency follows its load. Power, temperature and load are solved for together.
+
+    Parameters are those of :func:`verification_model`, with the temperature of the air.
+    """
+    normals = np.einsum("...ij,sj->...si", np.asarray(to_ned, float), geometry.normals())
+    sun = np.asarray(sun_vector, float)[..., np.newaxis, :]
+    cosine = cos_angle_of_incidence(normals, sun)
+    direct = np.asarray(irradiance.dni)[..., np.newaxis] * np.maximum(cosine, 0.0)
+    diffuse = np.asarray(irradiance.dhi)[..., np.newaxis]
+    light = direct + diffuse
+    low_light = cell.low_light_efficiency(light)
+    incidence = cell.incidence_efficiency(cosine)
+    useful = direct * incidence * cell.camber_efficiency + diffuse * cell.diffuse_efficiency
+    shares = geometry.area_shares
+    at_25_c = (useful * low_light) @ shares * cell.efficiency_stc
+    power, temperature = _balanced_power(at_25_c, cell, np.asarray(ambient_temperature_c, float))
+    before_tracker = at_25_c * cell.temperature_efficiency(temperature)
+    falling = light @ shares
+    return ModulePower(
+        specific_power_w_per_m2=power,
+        irradiance_w_per_m2=falling,
+        module_efficiency=_ratio(before_tracker, falling),
+        mppt_efficiency=_ratio(power, before_tracker),
+        temperature_efficiency=cell.temperature_efficiency(temperature),
+        module_temperature_c=temperature,
+        cos_aoi_by_surface=cosine,
+        irradiance_by_surface_w_per_m2=light,
+        incidence_efficiency_by_surface=incidence,
+        low_light_efficiency_by_surface=low_light,
+    )
+
+
+def _balanced_power(
+    at_25_c: FloatArray, cell: SolarCell, ambient_c: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Power behind the tracker and module temperature that agree with each other.
+
+    The temperature takes back a few per cent of what it rises by, and the tracker's curve is flat
+    where it is loaded, so that plain iteration settles to the last digits within a few rounds.
+    """
+    rated = cell.rated_power_w_per_m2
+    power = at_25_c * cell.mppt_efficiency
+    for _ in range(_ITERATIONS):
+        temperature = ambient_c + cell.temperature_rise_k * power / rated
+        before = at_25_c * cell.temperature_efficiency(temperature)
+        found = before * cell.tracker_efficiency(before / rated)
+        settled = np.max(np.abs(found - power), initial=0.0) <= _TOLERANCE * rated
+        power = found
+        if settled:
+            break
+    return power, np.asarray(ambient_c + cell.temperature_rise_k * power / rated)
+
+
+def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
+    """Quotient, zero where there is no light at all."""
+    lit = denominator > 0.0
+    return np.where(lit, numerator / np.where(lit, denominator, 1.0), 0.0)

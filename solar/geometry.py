@@ -1,0 +1,119 @@
+"""Solar module surfaces of an aircraft: orientation, and the angle at which light meets them.
+
+Body axes are x forward, y right, z down; the inertial frame is North-East-Down. Source:
+Oettershagen's report, eq. 2 and 3 and table 1.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field, Strict, model_validator
+
+from solar.schema import PositiveReal, Real, Record, Text
+from solar.sun import FloatArray
+
+_Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
+
+
+class ModuleOutline(Record):
+    """Where a module lies on the wing, in body axes from the wing root's leading edge [m].
+
+    ``inboard_m`` and ``outboard_m`` count along the span from the symmetry plane (a central module
+    reaches from minus to plus), ``front_m`` and ``rear_m`` aft along the chord.
+    """
+
+    inboard_m: Real
+    outboard_m: Real
+    front_m: Real
+    rear_m: Real
+
+    @model_validator(mode="after")
+    def _check_order(self) -> ModuleOutline:
+        if self.inboard_m >= self.outboard_m or self.front_m >= self.rear_m:
+            raise ValueError("inboard_m must be below outboard_m, and front_m below rear_m")
+        return self
+
+
+class ModuleSurface(Record):
+    """One flat, module-covered surface of the wing.
+
+    ``pitch_deg`` is relative to the chord line, positive where the surface faces aft (nose up).
+    The dihedral of a left or right surface raises its outer end.
+    """
+
+    name: Text
+    area_m2: PositiveReal
+    side: Literal["left", "centre", "right"]
+    dihedral_deg: _Angle = 0.0
+    pitch_deg: _Angle = 0.0
+    outline: ModuleOutline | None = None
+
+    @model_validator(mode="after")
+    def _check_side(self) -> ModuleSurface:
+        if self.side == "centre" and self.dihedral_deg != 0.0:
+            raise ValueError("a surface in the centre has no dihedral: give side: left or right")
+        return self
+
+
+class ModuleGeometry(Record):
+    """All module surfaces, and the pitch of the wing's chord line to the body's x axis."""
+
+    wing_incidence_deg: _Angle = 0.0
+    surfaces: tuple[ModuleSurface, ...] = Field(min_length=1)
+
+    @property
+    def area_m2(self) -> float:
+        """Area of all surfaces [m2]."""
+        return sum(s.area_m2 for s in self.surfaces)
+
+    @property
+    def area_shares(self) -> FloatArray:
+        """Share of each surface in the whole area [-]."""
+        return np.array([s.area_m2 for s in self.surfaces]) / self.area_m2
+
+    def normals(self) -> FloatArray:
+        """Unit normals of the surfaces in body axes, shape ``(surface, 3)``."""
+        sides = {"left": 1.0, "centre": 0.0, "right": -1.0}
+        roll = np.radians([sides[s.side] * s.dihedral_deg for s in self.surfaces])
+        pitch = np.radians([s.pitch_deg + self.wing_incidence_deg for s in self.surfaces])
+        return surface_normal(roll, pitch)
+
+    def central_wing_normal(self) -> FloatArray:
+        """Unit normal of the central wing in body axes: the mean of its module surfaces.
+
+        An aircraft without surfaces in the centre takes the mean of all, in which the dihedral of
+        the two sides cancels.
+        """
+        central = np.array([s.side == "centre" for s in self.surfaces])
+        shares = np.where(central, self.area_shares, 0.0) if central.any() else self.area_shares
+        mean = shares @ self.normals()
+        return np.asarray(mean / np.linalg.norm(mean))
+
+
+def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
+    """Upward normal of a flat surface that is pitched, then rolled, in body axes; ``(..., 3)``.
+
+    A level surface has the normal ``[0, 0, -1]``. Pitching its nose up turns the normal aft; a
+    positive roll (right side down) turns it to the right.
+    """
+    phi, theta = np.broadcast_arrays(np.asarray(roll, float), np.asarray(pitch, float))
+    return np.stack(
+        (
+            -np.sin(theta) * np.cos(phi),
+            np.sin(phi),
+            -np.cos(theta) * np.cos(phi),
+        ),
+        axis=-1,
+    )
+
+
+def cos_angle_of_incidence(normals: ArrayLike, sun_vector: ArrayLike) -> FloatArray:
+    """Cosine of the angle between surface normals and the sun, negative from behind.
+
+    Both are unit vectors on the last axis and in the same frame; the others broadcast.
+    """
+    products = np.asarray(normals, float) * np.asarray(sun_vector, float)
+    return np.asarray(products.sum(axis=-1))
