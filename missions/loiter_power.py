@@ -5,16 +5,18 @@ The orbit is flown once; for each position of the sun the power is averaged over
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import NamedTuple
 
-from missions.flight_path import FlightPath, Wind, orbit
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from missions.flight_path import FlightPath, Orbit, Wind, orbit
 from solar.attitude import direction_cosines
 from solar.clearsky import Irradiance, clear_sky
-from solar.full_model import full_model, verification_model
+from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
-from solar.names import ModelName
+from solar.names import ATTITUDE_MODELS, ModelName
 from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_vector_ned
 
 # Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
@@ -69,23 +71,80 @@ def mean_power_on_path(
     ValueError
         If the model does not know attitudes, or the wind is too strong for the path.
     """
-    if model not in ("VM", "FM"):
+    if model not in ATTITUDE_MODELS:
         raise ValueError(f"model {model} does not depend on the flight path; choose VM or FM")
     time_h = np.asarray(time_solar_h, float)
+    flown = orbit(path, wind, samples=samples)
+    seen = _sky(latitude_deg, noon_day, time_h, altitude_m, clearness, flown)
+    if model == "VM":
+        power = verification_model(
+            seen.light, seen.sun, seen.to_ned, geometry, cell, module_temperature_c
+        )
+    else:
+        power = full_model(
+            seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c
+        ).specific_power_w_per_m2
+    result = np.zeros(time_h.shape)
+    result[seen.lit] = power @ flown.weights
+    return result
+
+
+def module_power_on_path(
+    latitude_deg: float,
+    noon_day: float,
+    time_solar_h: ArrayLike,
+    *,
+    geometry: ModuleGeometry,
+    cell: SolarCell,
+    path: FlightPath,
+    wind: Wind,
+    ambient_temperature_c: float,
+    altitude_m: float = 0.0,
+    clearness: float = 1.0,
+    samples: int = ORBIT_SAMPLES,
+) -> tuple[NDArray[np.bool_], Orbit, ModulePower]:
+    """Full Model with its component efficiencies at every attitude of the path.
+
+    Parameters are those of :func:`mean_power_on_path`.
+
+    Returns
+    -------
+    lit : ndarray of bool, shape (time,)
+        Times with the sun above the horizon; the power covers these alone.
+    orbit : Orbit
+        Attitudes and their weights.
+    power : ModulePower
+        Arrays of shape ``(lit time, attitude)``, by surface with one more axis.
+    """
+    flown = orbit(path, wind, samples=samples)
+    time_h = np.asarray(time_solar_h, float)
+    seen = _sky(latitude_deg, noon_day, time_h, altitude_m, clearness, flown)
+    power = full_model(seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c)
+    return seen.lit, flown, power
+
+
+class _Sky(NamedTuple):
+    """Sun and light at the lit times, ready to meet the attitudes on the second axis."""
+
+    lit: NDArray[np.bool_]
+    sun: FloatArray
+    light: Irradiance
+    to_ned: FloatArray
+
+
+def _sky(
+    latitude_deg: float,
+    noon_day: float,
+    time_h: FloatArray,
+    altitude_m: float,
+    clearness: float,
+    flown: Orbit,
+) -> _Sky:
     sun_declination, hour = declination(noon_day), hour_angle(time_h)
     cosine = cos_zenith(latitude_deg, sun_declination, hour)
     lit = cosine > 0.0
-    flown = orbit(path, wind, samples=samples)
-    to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
     sun = sun_vector_ned(latitude_deg, sun_declination, hour[lit])[:, np.newaxis, :]
     clear = clear_sky(noon_day, latitude_deg, cosine[lit], altitude_m)
     light = Irradiance(*(clearness * part[:, np.newaxis] for part in clear))
-    if model == "VM":
-        power = verification_model(light, sun, to_ned, geometry, cell, module_temperature_c)
-    else:
-        power = full_model(
-            light, sun, to_ned, geometry, cell, ambient_temperature_c
-        ).specific_power_w_per_m2
-    result = np.zeros(time_h.shape)
-    result[lit] = power @ flown.weights
-    return result
+    to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
+    return _Sky(lit, sun, light, to_ned)

@@ -310,6 +310,61 @@ def published(as_json: bool, markdown_file: str | None) -> None:
         sys.exit(EXIT_FAILED)
 
 
+@cli.command(name="loiter-correction")
+@click.argument("aircraft", default="atlantiksolar-as2")
+@click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
+def loiter_correction(
+    aircraft: str, mission: str, as_json: bool, markdown_file: str | None
+) -> None:
+    """Tabulate how the errors of CDM and CAM change with latitude, season and wind."""
+    craft, where = _load(aircraft, mission, ())
+    _require_path("FM", "none", craft, where)
+    from studies import model_transfer as study
+
+    winds = _flyable_winds(where.mission, study.WINDS_M_PER_S)
+    errors = study.transferred_errors(craft.aircraft, where.mission, winds_m_per_s=winds)
+    if markdown_file is not None:
+        from missions.output_files import write_text_atomically
+
+        write_text_atomically(markdown_file, study.markdown(errors))
+    if as_json:
+        _print_json(study.to_json(errors))
+    else:
+        from studies.tables import print_transfer
+
+        print_transfer(_console(), errors)
+
+
+@cli.command()
+@click.argument("aircraft")
+@click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
+@click.option("--csv", "csv_file", type=click.Path(), help="Write the table over time as CSV.")
+@click.option("--plot", "plot_file", type=click.Path(), help="Draw it (png, svg, pdf).")
+def efficiencies(aircraft: str, mission: str, csv_file: str | None, plot_file: str | None) -> None:
+    """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
+    image = _image_format(plot_file)
+    craft, where = _load(aircraft, mission, ())
+    _require_path("FM", "none", craft, where)
+    _refuse_polar_night(where.mission, where, options=False)
+    from studies import component_efficiencies as study
+
+    data = study.component_efficiencies(craft.aircraft, where.mission)
+    if csv_file is not None:
+        from missions.output_files import write_text_atomically
+
+        write_text_atomically(csv_file, data.to_dataframe().to_csv())
+    if plot_file is not None and image is not None:
+        from missions.output_files import write_bytes_atomically
+        from studies.plots import to_bytes
+
+        write_bytes_atomically(plot_file, to_bytes(study.figure(data), image))
+    from studies.tables import print_efficiencies
+
+    print_efficiencies(_console(), data)
+
+
 @cli.command(name="reproduce-report")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for figure, table and JSON.")
@@ -384,6 +439,15 @@ def _refuse_polar_night(mission: Mission, where: LoadedMission, *, options: bool
     if options:
         raise click.UsageError(f"--latitude/--date: {message}")
     raise located_error(where.document, ("latitude_deg",), message)
+
+
+def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[float]:
+    """Those of the winds that the mission's flight path can be held in."""
+    from missions.flight_path import largest_wind_m_per_s
+
+    assert mission.flight_path is not None
+    limit = largest_wind_m_per_s(mission.flight_path)
+    return [w for w in winds_m_per_s if w < limit]
 
 
 def _require_path(model: str, correction: str, craft: LoadedAircraft, where: LoadedMission) -> None:

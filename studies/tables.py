@@ -11,6 +11,7 @@ from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
 from sizing.optimiser import SizingResult
 from studies.analysis import Analysis, clock_label
+from studies.model_transfer import TransferredError
 from studies.published import Comparison
 
 
@@ -210,3 +211,47 @@ def _add_power_row(table: Table, name: str, row: dict[str, Any], measured_w: flo
         f"{100 * (computed / published - 1):+.1f} %",
         f"{measured_w:.1f} W",
     )
+
+
+def print_transfer(console: Console, errors: list[TransferredError]) -> None:
+    """Errors of the simple models against the Full Model on the path, by place, season and wind."""
+    winds = sorted({e.wind_m_per_s for e in errors})
+    table = Table(title="error of daily solar energy [%]", title_justify="left")
+    for name in ("model", "latitude", "date"):
+        table.add_column(name)
+    for wind in winds:
+        table.add_column(f"{wind:g} m/s", justify="right")
+    rows: dict[tuple[str, float, int], list[str]] = {}
+    for e in errors:
+        spread = f" ± {100 * e.half_range:.1f}" if e.wind_m_per_s > 0 else ""
+        key = (e.model, e.latitude_deg, e.day_of_year)
+        rows.setdefault(key, []).append(f"{100 * e.error:+.1f}{spread}")
+    for (model, latitude, day), cells in rows.items():
+        table.add_row(model, latitude_label(latitude), date_label(day), *cells)
+    console.print(table)
+    console.print("±: half the range over eight wind directions", style="dim")
+
+
+def print_efficiencies(console: Console, data: Any) -> None:
+    """Component efficiencies of the Full Model at every full hour of the lit day."""
+    table = Table(
+        title=f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM)", title_justify="left"
+    )
+    names = {
+        "time": "solar time",
+        "specific_power": "W/m2",
+        "module_efficiency": "module",
+        "incidence_efficiency": "incidence",
+        "low_light_efficiency": "low light",
+        "temperature_efficiency": "temperature",
+        "mppt_efficiency": "tracker",
+    }
+    for label in names.values():
+        table.add_column(label, justify="right")
+    means = data.mean("surface")
+    for index, hour in enumerate(means["time"].to_numpy()):
+        if abs(hour - round(hour)) > 1e-6:
+            continue
+        values = [float(means[name][index]) for name in names if name != "time"]
+        table.add_row(clock_label(hour), f"{values[0]:.1f}", *(f"{v:.3f}" for v in values[1:]))
+    console.print(table)

@@ -48,9 +48,7 @@ def test_perpetual_season_is_the_published_half_year() -> None:
     assert 150 <= len(days) <= 228
     # Centred on 21 June within ten days: the air's turbidity is not symmetric about it.
     assert abs((days[0] + days[-1]) / 2.0 - day_of_year("06-21")) <= 10.0
-    corrected = perpetual_days(
-        as2(), mission("rafz-july"), 47.6, SolarModel("CAM", "report")
-    )
+    corrected = perpetual_days(as2(), mission("rafz-july"), 47.6, SolarModel("CAM", "report"))
     # With the published error of the model taken off, the season is nearer to the half-year.
     assert abs(len(corrected) - 183) < abs(len(days) - 183)
 

@@ -87,8 +87,7 @@ CASES = {
 
 # ---- dense grid through the simulator, refined around its best point
 
-_POINTS = 13
-_ROUNDS = 6
+_ROUNDS = 7
 
 
 def grid_optimum(case: Case) -> float:
@@ -99,7 +98,7 @@ def grid_optimum(case: Case) -> float:
     bounds = [space.wingspan_m, space.battery_mass_kg, space.module_area_m2]
     if space.aspect_ratio is not None:
         bounds.append(space.aspect_ratio)
-    points = _POINTS if len(bounds) == 3 else 8
+    points = 13 if len(bounds) == 3 and len(case.mission.scenarios()) == 1 else 8
     lower = np.log([b.minimum for b in bounds])
     upper = np.log([b.maximum for b in bounds])
     low, high = lower.copy(), upper.copy()
@@ -119,9 +118,7 @@ def grid_optimum(case: Case) -> float:
     return best_value if case.objective is MAX_EXCESS else -best_value
 
 
-def _merit(
-    case: Case, airframe: ParametricAirframe, mesh: FloatArray, day: Any
-) -> FloatArray:
+def _merit(case: Case, airframe: ParametricAirframe, mesh: FloatArray, day: Any) -> FloatArray:
     """Objective to be maximised; minus infinity where a requirement is not met."""
     space = case.plane.design_space
     aspect = mesh[3] if len(mesh) > 3 else np.full(mesh.shape[1], airframe.aspect_ratio)

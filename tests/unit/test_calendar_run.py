@@ -141,9 +141,7 @@ def test_dark_run_lasts_as_long_as_the_battery() -> None:
         latitude_deg=80.0,
     )
     run = calendar_run(AS2, polar)
-    assert run.empty_clock_h == pytest.approx(
-        2.918 * 251.0 * 0.97 / float(run.load_w[0]), rel=1e-9
-    )
+    assert run.empty_clock_h == pytest.approx(2.918 * 251.0 * 0.97 / float(run.load_w[0]), rel=1e-9)
 
 
 def test_full_charge_is_noted_once_a_day() -> None:

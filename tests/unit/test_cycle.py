@@ -472,4 +472,3 @@ def test_halving_the_time_step_changes_nothing(
     for name in ("solar_wh", "curtailed_wh", "charge_loss_wh", "discharge_loss_wh", "unserved_wh"):
         difference = getattr(coarse.account, name) - getattr(fine.account, name)
         assert abs(float(difference)) <= 1e-3 * float(fine.account.solar_wh), name
-

@@ -35,7 +35,9 @@ def battery(energy_wh: float, limit: ChargeLimit | None = None) -> Battery:
     )
 
 
-def plain_flights(solar: FloatArray, load: float, pack: Battery, launches: FloatArray) -> FloatArray:
+def plain_flights(
+    solar: FloatArray, load: float, pack: Battery, launches: FloatArray
+) -> FloatArray:
     """Flight times [h] by Euler steps of a minute, all launches at once, at most 40 days."""
     full, eta_c, eta_d = pack.energy_wh, pack.charge_efficiency, pack.discharge_efficiency
     energy = np.full(len(launches), full)
@@ -48,9 +50,7 @@ def plain_flights(solar: FloatArray, load: float, pack: Battery, launches: Float
         if isinstance(pack.charge_limit, RuleChargeLimit):
             rule = pack.charge_limit
             way = np.maximum(energy / full - rule.taper_start, 0.0) / (1.0 - rule.taper_start)
-            gain = np.minimum(
-                gain, full * rule.c_rate_per_h * rule.relative_rate_at_full**way
-            )
+            gain = np.minimum(gain, full * rule.c_rate_per_h * rule.relative_rate_at_full**way)
         after = energy + STEP_H * np.where(net > 0.0, gain, net / eta_d)
         ended = (after < 0.0) & np.isnan(flown)
         part = energy / np.where(ended, energy - after, 1.0)
@@ -126,9 +126,12 @@ def test_perpetual_flight_has_no_end() -> None:
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
 def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: ChargeLimit) -> None:
     rng = np.random.default_rng(3)
-    count = 30
+    count = 12
     energies = np.array([50.0, 150.0, 400.0, 401.0, 900.0, 2000.0])
-    suns = [sun(x, int(d), HOURLY) for x, d in zip(rng.uniform(-70, 70, count), rng.integers(1, 366, count), strict=True)]
+    suns = [
+        sun(x, int(d), HOURLY)
+        for x, d in zip(rng.uniform(-70, 70, count), rng.integers(1, 366, count), strict=True)
+    ]
     shape = (count, len(energies), len(HOURLY))
     solar = np.broadcast_to(np.stack(suns)[:, np.newaxis, :], shape).reshape(-1, shape[-1])
     load = np.repeat(rng.uniform(25.0, 150.0, count), len(energies))
@@ -139,7 +142,7 @@ def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: Ch
     # A cycle that misses nothing flies for ever; one that misses hours comes down.
     assert np.all(np.isinf(found[cycle.excess_time_h > 0.0]))
     assert np.all(np.isfinite(found[cycle.missing_h > 0.5]))
-    assert 10 < np.isfinite(found).sum() < found.size - 10
+    assert 5 < np.isfinite(found).sum() < found.size - 5
     # Never shorter than the battery alone; rounding.
     assert np.all(found >= store.energy_max_wh * 0.97 / load * (1.0 - 1e-9))
     hours = np.where(np.isinf(found), 1e6, found).reshape(count, -1)
@@ -150,11 +153,11 @@ def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: Ch
 def test_batch_equals_scalars() -> None:
     loads = np.array([30.0, 43.0, 60.0, 43.0])
     energies = np.array([200.0, 300.0, 900.0, 250.0])
-    solar = np.stack([sun(47.6, 355), sun(47.6, 196), sun(0.0, 80), sun(47.6, 196)])
-    watts = loads[:, np.newaxis] * np.ones_like(TIME)
-    batch = longest_flight(TIME, solar, watts, Store.of(battery(1.0), energies))
+    solar = np.stack([sun(47.6, 355, HOURLY), sun(47.6, 196, HOURLY), sun(0.0, 80, HOURLY), sun(47.6, 196, HOURLY)])
+    watts = loads[:, np.newaxis] * np.ones_like(HOURLY)
+    batch = longest_flight(HOURLY, solar, watts, Store.of(battery(1.0), energies))
     for i in range(4):
-        one = longest_flight(TIME, solar[i], watts[i], Store.of(battery(1.0), energies[i]))
+        one = longest_flight(HOURLY, solar[i], watts[i], Store.of(battery(1.0), energies[i]))
         # The same arithmetic element by element, but days are skipped per batch: rounding.
         np.testing.assert_allclose(batch.endurance_h[i], one.endurance_h, rtol=1e-9)
         np.testing.assert_allclose(batch.launch_h[i], one.launch_h, atol=1e-9)

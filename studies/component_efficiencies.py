@@ -1,0 +1,118 @@
+"""What drives the power of the Full Model over the day: component efficiencies and a figure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from missions.loiter_power import module_power_on_path
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.performance import day_axis_h
+from solar._version import __version__
+
+if TYPE_CHECKING:
+    from sizing.energy_balance import FloatArray
+
+_LABELS = {
+    "incidence_efficiency": ("angle of incidence", "#D55E00"),
+    "low_light_efficiency": ("low light", "#0072B2"),
+    "temperature_efficiency": ("temperature", "#CC79A7"),
+    "mppt_efficiency": ("power tracker", "#009E73"),
+}
+
+
+def component_efficiencies(
+    aircraft: Aircraft, mission: Mission, scenario: int = 0, *, step_h: float = 1.0 / 12.0
+) -> xr.Dataset:
+    """Component efficiencies of the Full Model over a day, averaged over the flight path.
+
+    Efficiencies are weighted with the time of the orbit, by surface on the dimension ``surface``.
+
+    Raises
+    ------
+    ValueError
+        If the aircraft has no module geometry or the mission no flight path.
+    """
+    geometry, path = aircraft.modules.geometry, mission.flight_path
+    if geometry is None or path is None:
+        raise ValueError("component efficiencies need modules.geometry and a flight_path")
+    time_h = day_axis_h(step_h)
+    scenarios = mission.scenarios()
+    lit, orbit, power = module_power_on_path(
+        float(scenarios.latitude_deg[scenario]),
+        float(scenarios.noon_day[scenario]),
+        time_h,
+        geometry=geometry,
+        cell=aircraft.modules,
+        path=path,
+        wind=mission.wind,
+        ambient_temperature_c=float(mission.air_state().temperature_c),
+        altitude_m=mission.altitude_m,
+        clearness=mission.clearness,
+    )
+
+    def mean(values: FloatArray) -> FloatArray:
+        return np.tensordot(values, orbit.weights, axes=([1], [0]))
+
+    aoi_deg = np.degrees(np.arccos(np.clip(power.cos_aoi_by_surface, -1.0, 1.0)))
+    time_only = {
+        "specific_power": (mean(power.specific_power_w_per_m2), "W m-2", "specific power"),
+        "irradiance": (mean(power.irradiance_w_per_m2), "W m-2", "irradiance on the modules"),
+        "module_temperature": (mean(power.module_temperature_c), "degC", "module temperature"),
+        "module_efficiency": (mean(power.module_efficiency), "1", "module efficiency"),
+        "mppt_efficiency": (mean(power.mppt_efficiency), "1", "power tracker efficiency"),
+        "temperature_efficiency": (mean(power.temperature_efficiency), "1", "eps_T"),
+    }
+    by_surface = {
+        "aoi": (mean(aoi_deg), "degree", "angle of incidence"),
+        "incidence_efficiency": (mean(power.incidence_efficiency_by_surface), "1", "eps_gamma"),
+        "low_light_efficiency": (mean(power.low_light_efficiency_by_surface), "1", "eps_I"),
+    }
+    attributes = {
+        "aircraft": aircraft.name,
+        "mission": mission.name,
+        "scenario": scenarios.label(scenario),
+        "model": "FM",
+        "version": __version__,
+    }
+    return xr.Dataset(
+        {
+            **{k: ("time", v, {"units": u, "long_name": n}) for k, (v, u, n) in time_only.items()},
+            **{
+                k: (("time", "surface"), v, {"units": u, "long_name": n})
+                for k, (v, u, n) in by_surface.items()
+            },
+        },
+        coords={
+            "time": ("time", time_h[lit], {"units": "h", "long_name": "solar time"}),
+            "surface": [s.name for s in geometry.surfaces],
+        },
+        attrs=attributes,
+    )
+
+
+def figure(data: xr.Dataset) -> Figure:
+    """Component efficiencies over solar time; by surface as a band around their mean."""
+    canvas = Figure(figsize=(8.0, 4.8), layout="constrained")
+    axes = canvas.subplots()
+    time_h = data["time"].to_numpy()
+    for name, (label, colour) in _LABELS.items():
+        values = data[name].to_numpy()
+        if values.ndim == 2:
+            low, high = values.min(axis=1), values.max(axis=1)
+            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0)
+            values = values.mean(axis=1)
+        axes.plot(time_h, values, color=colour, label=label)
+    axes.set(
+        xlabel="solar time [h]",
+        ylabel="component efficiency [-]",
+        ylim=(0, 1.05),
+        title=f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM, uncorrected)",
+    )
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower center", ncols=2)
+    return canvas
