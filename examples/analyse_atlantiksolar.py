@@ -1,4 +1,4 @@
-"""Analyse a built aircraft: how long does AtlantikSolar AS-2 fly in July, and how sure is that?
+"""Analyse a built aircraft: how long AtlantikSolar AS-2 flies in July, and how sure that is.
 
 Run with: python examples/analyse_atlantiksolar.py
 """

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
+from solar.attitude import direction_cosines
 from solar.schema import PositiveReal, Real, Record, Text
 from solar.sun import FloatArray
 
@@ -78,8 +79,11 @@ class ModuleGeometry(Record):
         """Unit normals of the surfaces in body axes, shape ``(surface, 3)``."""
         sides = {"left": 1.0, "centre": 0.0, "right": -1.0}
         roll = np.radians([sides[s.side] * s.dihedral_deg for s in self.surfaces])
-        pitch = np.radians([s.pitch_deg + self.wing_incidence_deg for s in self.surfaces])
-        return surface_normal(roll, pitch)
+        pitch = np.radians([s.pitch_deg for s in self.surfaces])
+        # A module is pitched in its wing panel, the panel has a dihedral, and the whole wing is set
+        # on the body at its incidence.
+        set_on_body = direction_cosines(0.0, np.radians(self.wing_incidence_deg), 0.0)
+        return np.asarray(surface_normal(roll, pitch) @ set_on_body.T)
 
     def central_wing_normal(self) -> FloatArray:
         """Unit normal of the central wing in body axes: the mean of its module surfaces.
@@ -102,8 +106,8 @@ def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
     phi, theta = np.broadcast_arrays(np.asarray(roll, float), np.asarray(pitch, float))
     return np.stack(
         (
-            -np.sin(theta) * np.cos(phi),
-            np.sin(phi),
+            -np.sin(theta),
+            np.cos(theta) * np.sin(phi),
             -np.cos(theta) * np.cos(phi),
         ),
         axis=-1,

@@ -326,7 +326,7 @@ def excess(solar: FloatArray, load: float, pack: Battery) -> float:
     return float(cycle.excess_time_h)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(latitude=latitudes, day=days, load=loads, more=st.floats(1.0, 1.5), limit=limits)
 def test_excess_time_grows_with_module_area(
     latitude: float, day: int, load: float, more: float, limit: ChargeLimit
@@ -337,7 +337,7 @@ def test_excess_time_grows_with_module_area(
     assert excess(power * more, load, pack) >= excess(power, load, pack) - 2e-3
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(latitude=latitudes, day=days, load=loads, more=st.floats(1.0, 1.5), limit=limits)
 def test_excess_time_falls_with_the_load(
     latitude: float, day: int, load: float, more: float, limit: ChargeLimit
@@ -348,7 +348,7 @@ def test_excess_time_falls_with_the_load(
     assert excess(power, load * more, pack) <= excess(power, load, pack) + 2e-3
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     latitude=latitudes,
     day=days,

@@ -282,7 +282,7 @@ def test_load_profile_by_hand() -> None:
     assert design.nominal_load_w(rough) == pytest.approx(35.8 * 1.2 + 6.0, rel=1e-9)
 
 
-@given(rise=st.floats(0.0, 12.0), time=st.floats(0.0, 24.0))
+@given(rise=st.floats(0.0, 11.9), time=st.floats(0.0, 24.0))
 def test_thermals_are_a_triangle_over_the_lit_day(rise: float, time: float) -> None:
     shape = float(thermal_shape(np.asarray([time]), rise, 24.0 - rise)[0])
     assert 0.0 <= shape <= 1.0
@@ -291,3 +291,10 @@ def test_thermals_are_a_triangle_over_the_lit_day(rise: float, time: float) -> N
         assert shape == pytest.approx(0.0, abs=1e-6)
     mirrored = float(thermal_shape(np.asarray([24.0 - time]), rise, 24.0 - rise)[0])
     assert mirrored == pytest.approx(shape, abs=1e-6)
+
+
+def test_polar_night_has_no_thermals() -> None:
+    # Sunrise and sunset are both 12 h there; a day without length has no thermals, not even at
+    # the node on noon.
+    shape = thermal_shape(np.linspace(0.0, 24.0, 289), 12.0, 12.0)
+    assert np.all(np.asarray(shape) == 0.0)

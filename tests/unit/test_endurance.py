@@ -125,8 +125,8 @@ def test_perpetual_flight_has_no_end() -> None:
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
 def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: ChargeLimit) -> None:
-    rng = np.random.default_rng(3)
-    count = 12
+    rng = np.random.default_rng(5)
+    count = 8
     energies = np.array([50.0, 150.0, 400.0, 401.0, 900.0, 2000.0])
     suns = [
         sun(x, int(d), HOURLY)
@@ -134,7 +134,7 @@ def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: Ch
     ]
     shape = (count, len(energies), len(HOURLY))
     solar = np.broadcast_to(np.stack(suns)[:, np.newaxis, :], shape).reshape(-1, shape[-1])
-    load = np.repeat(rng.uniform(25.0, 150.0, count), len(energies))
+    load = np.repeat(rng.uniform(20.0, 90.0, count), len(energies))
     watts = load[:, np.newaxis] * np.ones_like(HOURLY)
     store = Store.of(battery(1.0, limit), np.tile(energies, count))
     found = longest_flight(HOURLY, solar, watts, store).endurance_h
@@ -153,7 +153,14 @@ def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: Ch
 def test_batch_equals_scalars() -> None:
     loads = np.array([30.0, 43.0, 60.0, 43.0])
     energies = np.array([200.0, 300.0, 900.0, 250.0])
-    solar = np.stack([sun(47.6, 355, HOURLY), sun(47.6, 196, HOURLY), sun(0.0, 80, HOURLY), sun(47.6, 196, HOURLY)])
+    solar = np.stack(
+        [
+            sun(47.6, 355, HOURLY),
+            sun(47.6, 196, HOURLY),
+            sun(0.0, 80, HOURLY),
+            sun(47.6, 196, HOURLY),
+        ]
+    )
     watts = loads[:, np.newaxis] * np.ones_like(HOURLY)
     batch = longest_flight(HOURLY, solar, watts, Store.of(battery(1.0), energies))
     for i in range(4):

@@ -157,7 +157,7 @@ def test_time_must_increase_and_be_the_last_axis() -> None:
 # ---- conservation
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(case=cases())
 def test_energy_account_closes(case: Case) -> None:
     cycle = simulate_cycle(*case)
@@ -188,7 +188,7 @@ def test_stored_energy_stays_within_the_battery(case: Case) -> None:
     assert np.all((cycle.charge_margin_h >= 0.0) & (cycle.charge_margin_h <= 24.0 + 1e-9))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(case=cases(), start=st.floats(0.0, 1.0))
 def test_every_step_conserves_energy_from_any_start(case: Case, start: float) -> None:
     store = case.store
@@ -226,7 +226,7 @@ def test_fuller_battery_stays_fuller_and_never_gains(case: Case, start: float, m
     assert np.all(end_high - end_low <= high - low + 1e-9 * full)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(case=cases(), start=st.floats(0.0, 1.0))
 def test_no_limit_never_charges_less_than_a_limit(case: Case, start: float) -> None:
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
@@ -254,23 +254,23 @@ def test_cycle_repeats_itself(case: Case) -> None:
     assert np.all(np.abs(again - energy) <= 1e-9 * case.store.energy_max_wh)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(case=cases())
 def test_cycle_is_what_repetition_from_empty_leads_to(case: Case) -> None:
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
     store = case.store
     energy = np.zeros_like(store.energy_max_wh)
-    for _ in range(400):
+    for _ in range(200):
         previous, energy = energy, final_energy_wh(balance, store, energy)
     settled = np.abs(energy - previous) <= 1e-13 * store.energy_max_wh
     found = periodic_energy_wh(balance, store)
-    # Where a cycle gains 1e-9 or less 400 cycles do not tell; elsewhere both are the same number
+    # Where a cycle gains 1e-9 or less 200 cycles do not tell; elsewhere both are the same number
     # to the tolerance of the search, divided by one cycle's contraction.
     difference = np.abs(found - energy) / store.energy_max_wh
     assert np.all(difference[settled] <= 1e-6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(case=cases())
 def test_batch_equals_its_elements(case: Case) -> None:
     batch = simulate_cycle(*case)

@@ -188,16 +188,16 @@ def test_polar_day_is_infinite_where_the_midnight_sun_carries_it() -> None:
 
 
 def test_perpetual_days_are_those_whose_cycle_is_perpetual() -> None:
-    every_tenth = np.arange(1, 366, 10)
-    found = perpetual_days(AS2, mission(), 47.6, days=every_tenth).tolist()
+    some_days = np.arange(1, 366, 24)
+    found = perpetual_days(AS2, mission(), 47.6, days=some_days).tolist()
     expected = []
-    for day in every_tenth.tolist():
+    for day in some_days.tolist():
         month_day = np.datetime64("2015-01-01") + (day - 1)
         date = str(month_day)[5:]
         if performance(AS2, mission(dates={"on": date})).cycle.perpetual[0]:
             expected.append(day)
     assert found == expected
-    assert 0 < len(found) < len(every_tenth)
+    assert 0 < len(found) < len(some_days)
 
 
 STEPS = [

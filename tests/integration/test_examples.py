@@ -1,0 +1,76 @@
+"""The examples and the documentation do what they say."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from studies import published
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+PYTHON_API = ROOT / "docs" / "python-api.md"
+VALIDATION = ROOT / "docs" / "validation.md"
+
+# Far above the seconds that they take, so that a busy machine does not fail the test.
+TIMEOUT_S = 120
+
+
+def run_python(*arguments: str, folder: Path) -> str:
+    """Run this interpreter in a folder away from any source and return what it prints."""
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def python_blocks(page: Path) -> list[str]:
+    return re.findall(r"^```python\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("analyse_atlantiksolar.py", r"CAM, correction none  : excess time \d+\.\d\d h"),
+        ("size_an_aircraft.py", r"margin of 4 h: optimal\n  wingspan \d+\.\d\d m"),
+    ],
+)
+def test_example_runs_and_prints_its_result(name: str, expected: str, tmp_path: Path) -> None:
+    printed = run_python(str(EXAMPLES / name), folder=tmp_path)
+    assert re.search(expected, printed), printed
+    assert not list(tmp_path.iterdir()), "an example leaves files behind"
+
+
+def test_every_example_is_tested() -> None:
+    assert sorted(path.name for path in EXAMPLES.glob("*.py")) == [
+        "analyse_atlantiksolar.py",
+        "size_an_aircraft.py",
+    ]
+
+
+@pytest.mark.parametrize("number", range(len(python_blocks(PYTHON_API))))
+def test_python_block_of_the_documentation_runs(number: int, tmp_path: Path) -> None:
+    printed = run_python("-c", python_blocks(PYTHON_API)[number], folder=tmp_path)
+    assert printed.strip(), "the block prints nothing"
+
+
+def test_python_page_has_blocks() -> None:
+    assert len(python_blocks(PYTHON_API)) >= 5
+
+
+def test_published_table_of_the_documentation_is_up_to_date() -> None:
+    page = VALIDATION.read_text(encoding="utf-8")
+    tables = re.findall(r"<!-- published -->\n(.*?)<!-- /published -->", page, re.S)
+    assert len(tables) == 1, "docs/validation.md: expected one table between its markers"
+    assert tables[0].strip() == published.markdown(published.comparisons()).strip(), (
+        "docs/validation.md is stale: put the output of `solar-uav published --markdown FILE` there"
+    )

@@ -1,0 +1,109 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pvlib import irradiance
+from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
+
+from solar.attitude import direction_cosines
+from solar.geometry import (
+    ModuleGeometry,
+    ModuleSurface,
+    cos_angle_of_incidence,
+    surface_normal,
+)
+from solar.sun import cos_zenith, declination, hour_angle, sun_vector_ned
+
+angles = st.floats(-1.4, 1.4)
+
+
+def surface(
+    side: str, dihedral: float = 0.0, pitch: float = 0.0, area: float = 1.0
+) -> ModuleSurface:
+    return ModuleSurface(name=side, area_m2=area, side=side, dihedral_deg=dihedral, pitch_deg=pitch)
+
+
+def test_level_surface_looks_up() -> None:
+    assert surface_normal(0.0, 0.0) == pytest.approx([0.0, 0.0, -1.0])
+
+
+@given(angles, angles)
+def test_normal_is_the_rotated_level_one(roll: float, pitch: float) -> None:
+    # Pitched about y, then rolled about x: an independent implementation of the rotations.
+    expected = Rotation.from_euler("yx", [pitch, roll]).apply([0.0, 0.0, -1.0])
+    assert surface_normal(roll, pitch) == pytest.approx(expected, abs=1e-12)  # rounding
+
+
+def test_dihedral_turns_the_outer_surfaces_inwards() -> None:
+    geometry = ModuleGeometry(surfaces=(surface("left", 6.0), surface("right", 6.0)))
+    left, right = geometry.normals()
+    # The left wing's upper side faces right (y positive), the right wing's faces left.
+    assert left[1] == pytest.approx(np.sin(np.radians(6.0)))
+    assert right == pytest.approx(left * [1.0, -1.0, 1.0])
+
+
+def test_incidence_turns_the_whole_wing() -> None:
+    geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(surface("left", 6.0, 9.4),))
+    # Module pitch about y, dihedral about x, incidence about y: rotations of an independent tool.
+    turns = Rotation.from_euler("yxy", [9.4, 6.0, 5.7], degrees=True)
+    assert geometry.normals()[0] == pytest.approx(turns.apply([0.0, 0.0, -1.0]), abs=1e-12)
+
+
+def test_nose_up_pitch_and_incidence_add_and_face_aft() -> None:
+    geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(surface("centre", pitch=9.4),))
+    (normal,) = geometry.normals()
+    assert normal[0] == pytest.approx(-np.sin(np.radians(5.7 + 9.4)))
+
+
+def test_central_wing_is_the_mean_of_the_centre() -> None:
+    geometry = ModuleGeometry(
+        wing_incidence_deg=5.7,
+        surfaces=(
+            surface("left", 6.0, 30.0),
+            surface("centre", pitch=-0.5),
+            surface("centre", pitch=9.4),
+        ),
+    )
+    # Two equal surfaces: their mean normal lies half-way between both pitches.
+    assert geometry.central_wing_normal() == pytest.approx(
+        surface_normal(0.0, np.radians(5.7 + 4.45)), abs=1e-12
+    )
+
+
+def test_without_a_centre_the_dihedral_cancels() -> None:
+    geometry = ModuleGeometry(surfaces=(surface("left", 6.0, 2.0), surface("right", 6.0, 2.0)))
+    assert geometry.central_wing_normal()[1] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_area_shares_add_up() -> None:
+    geometry = ModuleGeometry(surfaces=(surface("left", area=0.5), surface("right", area=1.5)))
+    assert geometry.area_m2 == pytest.approx(2.0)
+    assert geometry.area_shares == pytest.approx([0.25, 0.75])
+
+
+@given(angles, angles, st.floats(0.0, 6.28), st.floats(0.0, 24.0), st.floats(-80.0, 80.0))
+def test_angle_of_incidence_equals_pvlib(
+    roll: float, pitch: float, yaw: float, hour: float, latitude: float
+) -> None:
+    normal = direction_cosines(roll, pitch, yaw) @ np.array([0.0, 0.0, -1.0])
+    dec, w = declination(172.5), hour_angle(hour)
+    sun = sun_vector_ned(latitude, dec, w)
+    ours = np.degrees(np.arccos(np.clip(cos_angle_of_incidence(normal, sun), -1.0, 1.0)))
+    tilt = np.degrees(np.arccos(np.clip(-normal[2], -1.0, 1.0)))
+    azimuth = np.degrees(np.arctan2(normal[1], normal[0])) % 360.0
+    zenith = np.degrees(np.arccos(np.clip(cos_zenith(latitude, dec, w), -1.0, 1.0)))
+    sun_azimuth = np.degrees(np.arctan2(sun[1], sun[0])) % 360.0
+    theirs = irradiance.aoi_projection(tilt, azimuth, zenith, sun_azimuth)
+    # 1e-9 in the cosine: arccos loses half the digits at grazing and head-on angles.
+    assert np.cos(np.radians(ours)) == pytest.approx(theirs, abs=1e-9)
+
+
+def test_centre_with_dihedral_is_refused() -> None:
+    with pytest.raises(ValidationError, match="no dihedral"):
+        surface("centre", dihedral=3.0)
+
+
+def test_geometry_needs_a_surface() -> None:
+    with pytest.raises(ValidationError):
+        ModuleGeometry(surfaces=())

@@ -1,0 +1,101 @@
+import numpy as np
+import pytest
+
+from missions.flight_path import Circle, FlightPath, Level, StraightLegs, Wind
+from missions.loiter_power import mean_power_on_path, module_power_on_path
+from solar.geometry import ModuleGeometry, ModuleSurface
+from solar.modules import SolarCell
+from solar.power import horizontal_specific_power
+
+TIME_H = np.linspace(0.0, 24.0, 97)
+FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))
+AFT = ModuleGeometry(
+    surfaces=(ModuleSurface(name="aft", area_m2=1.0, side="centre", pitch_deg=10.0),)
+)
+CIRCLE = Circle(radius_m=100.0, airspeed_m_per_s=8.6)
+CALM = Wind(speed_m_per_s=0.0, from_deg=0.0)
+
+
+def mean(
+    model: str, geometry: ModuleGeometry, path: FlightPath, wind: Wind, samples: int = 36
+) -> np.ndarray:
+    return mean_power_on_path(
+        model,  # type: ignore[arg-type]
+        47.6,
+        182.5,
+        TIME_H,
+        geometry=geometry,
+        cell=SolarCell(),
+        path=path,
+        wind=wind,
+        ambient_temperature_c=20.0,
+        module_temperature_c=20.0,
+        samples=samples,
+    )
+
+
+def test_level_path_with_a_flat_wing_is_the_analysis_model() -> None:
+    cam = horizontal_specific_power(
+        47.6, 182.5, TIME_H, cell=SolarCell(), module_temperature_c=20.0, model="CAM"
+    )
+    assert mean("VM", FLAT, Level(), CALM) == pytest.approx(cam, rel=1e-12, abs=1e-9)
+
+
+def test_calm_circle_is_symmetric_about_noon() -> None:
+    power = mean("FM", AFT, CIRCLE, CALM)
+    # Not exact: the orbit's samples do not mirror onto each other; see the convergence test.
+    assert power == pytest.approx(power[::-1], abs=2e-3)
+
+
+def test_easterly_wind_takes_from_the_morning_what_it_gives_to_the_evening() -> None:
+    # Modules face aft, the nose lingers into the wind: away from the morning sun.
+    calm = mean("FM", AFT, CIRCLE, CALM)
+    east = mean("FM", AFT, CIRCLE, Wind(speed_m_per_s=3.0, from_deg=90.0))
+    morning = (TIME_H > 5.0) & (TIME_H < 10.0)
+    evening = (TIME_H > 14.0) & (TIME_H < 19.0)
+    assert np.all(east[morning] < calm[morning])
+    assert np.all(east[evening] > calm[evening])
+
+
+def test_west_wind_mirrors_east_wind() -> None:
+    east = mean("VM", AFT, CIRCLE, Wind(speed_m_per_s=3.0, from_deg=90.0))
+    west = mean("VM", AFT, CIRCLE, Wind(speed_m_per_s=3.0, from_deg=270.0))
+    assert east == pytest.approx(west[::-1], abs=2e-3)  # sampling, as above
+
+
+@pytest.mark.parametrize("model", ["VM", "FM"])
+def test_default_samples_have_converged(model: str) -> None:
+    wind = Wind(speed_m_per_s=4.0, from_deg=60.0)
+    coarse, fine = (mean(model, AFT, CIRCLE, wind, samples=n) for n in (36, 288))
+    # The claim beside ORBIT_SAMPLES: 1e-4 of the day's energy.
+    assert coarse.sum() == pytest.approx(fine.sum(), rel=1e-4)
+
+
+def test_straight_legs_average_two_headings() -> None:
+    path = StraightLegs(heading_deg=90.0, airspeed_m_per_s=10.0)
+    both = mean("VM", AFT, path, CALM)
+    # Without wind both legs take half the time: symmetric about noon, whatever the pitch.
+    assert both == pytest.approx(both[::-1], rel=1e-9, abs=1e-9)
+
+
+def test_components_multiply_to_the_power() -> None:
+    lit, orbit, power = module_power_on_path(
+        47.6,
+        182.5,
+        TIME_H,
+        geometry=AFT,
+        cell=SolarCell(),
+        path=CIRCLE,
+        wind=CALM,
+        ambient_temperature_c=20.0,
+    )
+    product = power.irradiance_w_per_m2 * power.module_efficiency * power.mppt_efficiency
+    assert product == pytest.approx(power.specific_power_w_per_m2, rel=1e-12)
+    assert power.specific_power_w_per_m2 @ orbit.weights == pytest.approx(
+        mean("FM", AFT, CIRCLE, CALM)[lit], rel=1e-12
+    )
+
+
+def test_horizontal_models_have_no_path() -> None:
+    with pytest.raises(ValueError, match="choose VM or FM"):
+        mean("CAM", FLAT, CIRCLE, CALM)
