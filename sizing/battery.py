@@ -51,6 +51,8 @@ class TableChargeLimit(Record):
             raise ValueError("state_of_charge and current_a must have the same length")
         if np.any(np.diff(self.state_of_charge) <= 0.0):
             raise ValueError("state_of_charge must increase strictly")
+        if np.any(np.diff(self.current_a) > 0.0):
+            raise ValueError("current_a must not rise with the state of charge")
         return self
 
 

@@ -10,7 +10,15 @@ from missions import dates
 from missions.mission import Launch, Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
-from sizing.energy_balance import FloatArray, PowerBalance, Step, Store, empty_after_h, march
+from sizing.energy_balance import (
+    FloatArray,
+    PowerBalance,
+    Step,
+    Store,
+    empty_after_h,
+    full_after_h,
+    march,
+)
 from sizing.performance import UNCORRECTED_CAM, SolarModel
 from solar.power import horizontal_specific_power
 from solar.sun import declination, solar_time_h, sun_times
@@ -140,8 +148,8 @@ def _fly(
 
 
 def _note_full_charge(step: Step, store: Store, full: dict[int, float]) -> None:
-    """Remember the first full charge of each local day, to the time step."""
+    """Remember the first full charge of each local day."""
     reached = step.after_charge_wh >= store.energy_max_wh * (1.0 - 1e-9)
     if reached and step.after_charge_wh > step.before_charge_wh:
-        end_h = step.interval.start_h + float(np.max(step.interval.hours))
-        full.setdefault(int(end_h // 24.0), end_h)
+        instant_h = step.interval.start_h + float(full_after_h(step, store))
+        full.setdefault(int(instant_h // 24.0), instant_h)

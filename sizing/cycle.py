@@ -28,9 +28,9 @@ from sizing.energy_balance import (
     Step,
     Store,
     crossing_fraction,
+    full_after_h,
     march,
     periodic_energy_wh,
-    ramp_fraction,
     surplus_phase_h,
     unserved_h,
 )
@@ -222,25 +222,12 @@ class _Meter:
         full = (step.after_charge_wh >= limit) & (step.interval.surplus_wh > 0.0)
         if not np.any(full):
             return
-        begin, end = surplus_phase_h(step.interval)
-        arrival = begin + self._hours_until_full(step, end - begin)
         newly = full & np.isnan(self.first_full)
         clock_h = step.interval.start_h
-        self.first_full = np.where(newly, clock_h + np.minimum(arrival, end), self.first_full)
+        arrival = clock_h + full_after_h(step, self.store)
+        self.first_full = np.where(newly, arrival, self.first_full)
+        _, end = surplus_phase_h(step.interval)
         self.last_full = np.where(full, clock_h + end, self.last_full)
-
-    def _hours_until_full(self, step: Step, phase_h: FloatArray) -> FloatArray:
-        store, interval = self.store, step.interval
-        stored = store.charge_efficiency * interval.surplus_wh
-        wanted = np.maximum(store.energy_max_wh - step.before_charge_wh, 0.0)
-        share = wanted / np.maximum(stored, 1e-300)
-        hours = phase_h * ramp_fraction(
-            np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0), share
-        )
-        if store.clock is None:
-            return hours
-        soc = np.minimum(step.before_charge_wh / store.energy_max_wh, 1.0)
-        return np.maximum(hours, store.clock.hours_to_full(soc))
 
     def _record_missing(self, step: Step) -> None:
         if not np.any(step.unserved_wh > 0.0):

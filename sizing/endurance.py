@@ -77,8 +77,9 @@ def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> 
     end_h = np.full(launch_h.shape, np.nan)
     skipped_h = np.zeros(launch_h.shape)
     losses = np.full(launch_h.shape, np.nan)
+    endless = np.zeros(launch_h.shape, bool)
     day = 0
-    while np.any(np.isnan(end_h)) and day <= MAXIMUM_DAYS:
+    while np.any(np.isnan(end_h) & ~endless) and day <= MAXIMUM_DAYS:
         start, lowest = energy, energy
         for plain in balance.intervals():
             interval = _after_launch(plain, launch_h) if day == 0 else plain
@@ -93,6 +94,8 @@ def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> 
         loss = start - energy
         days = _days_alike(day, loss, losses, lowest, full)
         energy, skipped_h = energy - days * loss, skipped_h + days * HOURS_PER_DAY
+        # From the second day on, a day that gives back what it takes repeats for ever.
+        endless = (day >= 2) & np.isnan(end_h) & (loss <= 1e-11 * full)
         losses, day = loss, day + 1
     flown = end_h + skipped_h - launch_h
     return np.where(np.isnan(flown) | (flown > MAXIMUM_DAYS * HOURS_PER_DAY), np.inf, flown)

@@ -221,6 +221,25 @@ def empty_after_h(step: Step) -> FloatArray:
     return np.asarray(begin + length * _served_fraction(step))
 
 
+def full_after_h(step: Step, store: Store) -> FloatArray:
+    """Hours after an interval's start at which the battery is full.
+
+    Meaningful only where the step ends charging with a full battery.
+    """
+    interval = step.interval
+    begin, end = surplus_phase_h(interval)
+    stored = store.charge_efficiency * interval.surplus_wh
+    wanted = np.maximum(store.energy_max_wh - step.before_charge_wh, 0.0)
+    share = wanted / np.maximum(stored, 1e-300)
+    hours = (end - begin) * ramp_fraction(
+        np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0), share
+    )
+    if store.clock is not None:
+        soc = np.minimum(step.before_charge_wh / store.energy_max_wh, 1.0)
+        hours = np.maximum(hours, store.clock.hours_to_full(soc))
+    return np.minimum(begin + hours, end)
+
+
 def unserved_h(step: Step) -> FloatArray:
     """Hours of an interval in which the load cannot be met."""
     _, length = _deficit_phase_h(step.interval)

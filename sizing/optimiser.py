@@ -321,8 +321,13 @@ class _Search:
 
     def _variables(self, answer: dict[str, Any]) -> DesignVariables:
         problem = self.problem
-        logs = answer["x"][: len(problem.variable_names)]
-        values = dict(zip(problem.variable_names, np.exp(logs).tolist(), strict=True))
+        free = np.exp(answer["x"][: len(problem.variable_names)])
+        # The solver may step over a bound by its tolerance.
+        clipped = [
+            float(np.clip(v, r.minimum, r.maximum))
+            for v, r in zip(free, problem.bounds, strict=True)
+        ]
+        values = dict(zip(problem.variable_names, clipped, strict=True))
         return DesignVariables(
             wingspan_m=values["wingspan_m"],
             aspect_ratio=values.get("aspect_ratio", problem.fixed_aspect_ratio),
@@ -377,10 +382,43 @@ class _Search:
         return tuple(dict.fromkeys(active))
 
     def _explain_failure(self, starts: list[DesignVariables]) -> SizingResult:
-        """Ask the elastic program which requirements are missed, and by how much.
+        """Say which requirements are missed, and by how much.
 
-        Where it says that none is, its design starts the sizing again.
+        A required excess time is held against the largest one that any design has. Where no design
+        flies perpetually at all, or none is required to do more, the elastic program tells what is
+        missing. Where either finds that nothing is, its design starts the sizing again.
         """
+        if self.required_h > 0.0:
+            return self._explain_by_largest_excess(starts)
+        return self._explain_by_slack(starts)
+
+    def _explain_by_largest_excess(self, starts: list[DesignVariables]) -> SizingResult:
+        best = _Search(
+            self.aircraft,
+            self.mission,
+            self.solar,
+            self.day,
+            Objective.max_excess_time,
+            0.0,
+        )
+        largest = best.run()
+        self.iterations += best.iterations
+        self.solve_s += best.solve_s
+        self.build_s += best.build_s
+        self.solves += best.solves
+        self.message = best.message
+        if largest.simulated is None:
+            return self._failed(largest.status, largest.violations, largest.nearest)
+        reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
+        shortfall_h = self.required_h - reached_h
+        if shortfall_h > _AGREEMENT_H:
+            text = self._words("excess_time", shortfall_h, largest.simulated)
+            missed = Violation("excess_time", shortfall_h, text)
+            return self._failed("infeasible", (missed,), largest.simulated)
+        answer = self._solve_from([variables_of_design(largest.simulated.design), *starts])
+        return self._failed("not_converged", (), None) if answer is None else self._last(answer)
+
+    def _explain_by_slack(self, starts: list[DesignVariables]) -> SizingResult:
         self.problem = self._build(self.problem.slots, exact_hessian=True)
         elastic = self._solve_from(starts, elastic=True)
         if elastic is None:
@@ -443,6 +481,11 @@ class _Search:
 
     def _report(self) -> SolverReport:
         return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
+
+
+def variables_of_design(design: Design) -> DesignVariables:
+    """Design variables of a single design, as floats."""
+    return DesignVariables(*(float(v) for v in design.variables))
 
 
 def _telling_scenarios(first: Performance, count: int) -> list[int]:

@@ -8,7 +8,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -230,7 +230,7 @@ def test_model_and_correction_can_be_chosen(run: Run) -> None:
         ("aircraft.power.avionics_w=12", "power_out_w", True),
         ("battery.mass_kg=2", "total_mass_kg", False),
         ("battery={mass_kg: 2, specific_energy_wh_per_kg: 251}", "total_mass_kg", False),
-        ("battery.charge_limit.current_a.0=1", "charge_margin_h", False),
+        ("battery.charge_limit.current_a.12=0.1", "charge_margin_h", False),
         ("mission.clearness=0.7", "solar_energy_wh", False),
         ("mission.payload.power_w=3", "power_out_w", True),
         ("mission.dates={on: 06-21}", "solar_energy_wh", True),
@@ -626,9 +626,9 @@ def test_overrides_change_the_sizing(run: Run) -> None:
 
 
 @pytest.fixture
-def sized(run: Run, tmp_path: Path) -> Iterator[tuple[Outcome, Path]]:
+def sized(run: Run, tmp_path: Path) -> tuple[Outcome, Path]:
     folder = tmp_path / "new" / "design"
-    yield run("size", DESIGN, "-m", "rafz-july", "--json", "--out", str(folder)), folder
+    return run("size", DESIGN, "-m", "rafz-july", "--json", "--out", str(folder)), folder
 
 
 def test_sized_aircraft_flies_as_the_sizing_says(sized: tuple[Outcome, Path], run: Run) -> None:
@@ -695,17 +695,28 @@ def test_folder_that_cannot_be_written(run: Run, tmp_path: Path, name: str) -> N
 def test_infeasible_sizing_says_why_and_writes_nothing(
     run: Run, tmp_path: Path, override: str, requirement: str
 ) -> None:
-    options = ("--out", "design", "--set", override)
+    options = ("--out", "design", "--set", override, "--json")
     outcome = run("size", DESIGN, "-m", "rafz-july", *options)
     assert (outcome.code, outcome.err) == (1, "")
-    assert "infeasible" in outcome.out
-    assert f"  {requirement}: " in outcome.out
     assert files(tmp_path) == set()
-    record = run("size", DESIGN, "-m", "rafz-july", "--json", *options).json()
+    record = outcome.json()
     assert record.keys() >= SIZE_KEYS
     assert record["status"] == "infeasible"
     assert record["wingspan_m"] is None
     assert requirement in [v["requirement"] for v in record["violated_requirements"]]
+
+
+def test_infeasible_sizing_as_text(run: Run) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", "mission.payload.mass_kg=1e6")
+    assert (outcome.code, outcome.err) == (1, "")
+    assert "infeasible" in outcome.out
+    assert "  mass_budget: " in outcome.out
+
+
+def test_excess_time_out_of_reach_is_explained(run: Run) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--required-excess-time", "500")
+    assert outcome.code == 1
+    assert "excess_time: " in outcome.out
 
 
 # ---- the other commands ---------------------------------------------------------------
@@ -844,7 +855,6 @@ def test_constant_charge_rate_can_be_sized(run: Run) -> None:
     [
         "mission.required_excess_time_h=1e5",
         "design_space.maximum_total_mass_kg=1e-3",
-        "mission.payload.power_w=1e300",
         "battery.discharge_efficiency=1e-300",
     ],
 )
@@ -859,13 +869,6 @@ def test_hopeless_sizing_ends_quietly(run: Run, override: str) -> None:
 @pytest.mark.parametrize("override", ["mission.payload.mass_kg=1e300", "airframe.wingspan_m=1e300"])
 def test_huge_numbers_end_in_a_message(run: Run, override: str) -> None:
     assert run("analyse", AS2, "--set", override, "--json").code in (0, 1, 2)
-
-
-@pytest.mark.xfail(reason="the verdict is not_converged, and the table says nothing more")
-def test_excess_time_out_of_reach_is_explained(run: Run) -> None:
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--required-excess-time", "500")
-    assert outcome.code == 1
-    assert "excess_time: " in outcome.out
 
 
 @pytest.mark.xfail(reason="the prefix of an override of the mission is lost")
@@ -907,10 +910,9 @@ def test_odd_names_of_aircraft(run: Run, name: str) -> None:
 
 
 @pytest.mark.xfail(reason="characters that the terminal lacks are written all the same")
-@pytest.mark.parametrize("arguments", [("published",), ("analyse", AS2, "--set", "name=\u00e9")])
-def test_terminal_without_unicode(tmp_path: Path, arguments: tuple[str, ...]) -> None:
-    variables = {"PYTHONIOENCODING": "ascii", "COLUMNS": "40"}
-    done = process(*arguments, cwd=tmp_path, variables=variables)
+def test_terminal_without_unicode(tmp_path: Path) -> None:
+    variables = {"PYTHONIOENCODING": "ascii", "COLUMNS": "30"}
+    done = process("analyse", AS2, "-m", "central-europe-summer", cwd=tmp_path, variables=variables)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -957,12 +959,6 @@ def test_help_imports_nothing_heavy() -> None:
         )
         assert "Usage: solar-uav" in done.stdout
         assert not heavy & set(done.stderr.split())
-
-
-def test_solver_prints_nothing(tmp_path: Path) -> None:
-    done = process("size", DESIGN, "-m", "rafz-july", "--json", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["status"] == "optimal"
 
 
 def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:

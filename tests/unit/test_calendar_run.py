@@ -148,9 +148,9 @@ def test_full_charge_is_noted_once_a_day() -> None:
     run = calendar_run(AS2, mission(launch(duration_h=81.0)))
     assert [int(h // 24.0) for h in run.full_charge_clock_h] == [0, 1, 2, 3]
     for instant in run.full_charge_clock_h:
-        # Noted to the step: full there, not full two steps before.
-        assert run.state_of_charge_at(instant) == pytest.approx(1.0, abs=1e-9)
-        assert run.state_of_charge_at(instant - 2.0 / 60.0) < 1.0
+        # The instant lies within a step of one minute: full at its end, not full at its start.
+        assert run.state_of_charge_at(instant + 1.0 / 60.0) == pytest.approx(1.0, abs=1e-9)
+        assert run.state_of_charge_at(instant - 1.0 / 60.0) < 1.0
 
 
 def test_shorter_steps_change_nothing() -> None:
@@ -158,9 +158,9 @@ def test_shorter_steps_change_nothing() -> None:
     coarse, fine = calendar_run(AS2, flown), calendar_run(AS2, flown, step_h=1.0 / 120.0)
     # Half a thousandth, as for the minimum of the repeated day.
     assert coarse.minimum_state_of_charge == pytest.approx(fine.minimum_state_of_charge, abs=5e-4)
-    # Full charge is known to the step, one minute.
+    # The instant is interpolated within the step: far closer than its minute.
     np.testing.assert_allclose(
-        coarse.full_charge_clock_h, fine.full_charge_clock_h, atol=1.0 / 60.0 + 1e-6
+        coarse.full_charge_clock_h, fine.full_charge_clock_h, atol=0.1 / 60.0
     )
 
 

@@ -1,0 +1,494 @@
+"""Shading of the solar modules by the tail, and the plug-in point for what it costs.
+
+All positions are in body axes (x forward, y right, z down) from the leading edge of the wing root;
+aft positions are ``-x``, heights are ``-z``. The shadow is geometry and is exact for flat
+rectangles; what a shadow costs depends on how the cells are wired, which is the user's to say.
+
+Source: Oettershagen's report on solar power models, section on geometric modelling (shaded area of
+every module by rays along the sun vector; the loss is left to plug-ins). See ``docs/shading.md``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import field_validator
+
+from solar.attitude import direction_cosines
+from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
+from solar.schema import PositiveReal, Real, Record
+from solar.sun import FloatArray
+
+__all__ = [
+    "LOSS_MODELS",
+    "LossModel",
+    "TailGeometry",
+    "apply_losses",
+    "elevation_free_of_shading_deg",
+    "loss_model",
+    "no_losses",
+    "outline_corners",
+    "proportional_losses",
+    "register_loss_model",
+    "shaded_area",
+    "shaded_fraction",
+    "string_losses",
+]
+
+LossModel = Callable[[FloatArray], FloatArray]
+"""From the shaded fraction of each surface to the lost fraction of its direct light.
+
+Both have the shape ``(..., surface)`` and lie between zero and one.
+"""
+
+# A sun closer than 0.06 degrees to the plane of a module gives it less than 1 W/m2 of direct light;
+# the shadows would be hundreds of metres long, and their corners inexact.
+_GRAZING_COSINE = 1e-3
+
+# Panels and shadows below this are lines: the panel is seen edge on.
+_NO_AREA_M2 = 1e-9
+
+
+class TailGeometry(Record):
+    """Horizontal and vertical tail as flat rectangles, parallel to the body's planes.
+
+    Attributes
+    ----------
+    horizontal_span_m, horizontal_chord_m : float
+        Extent of the horizontal tail along y (symmetric to the fuselage) and x [m].
+    horizontal_aft_m : float
+        Its leading edge behind the leading edge of the wing root [m].
+    vertical_height_m : float
+        Height of the vertical tail from the boom upwards [m]; negative where it hangs down.
+    vertical_chord_m, vertical_aft_m : float
+        Its chord, and its leading edge behind the leading edge of the wing root [m].
+    boom_height_m : float
+        Height of the boom, the root of the vertical tail, above the leading edge of the wing
+        root [m].
+    horizontal_height_m : float, optional
+        Height of the horizontal tail above the leading edge of the wing root, where it is not the
+        free end of the vertical tail (T-tail, the default) [m].
+
+    Notes
+    -----
+    The report shades with the two tail planes only; the boom, the fuselage, the propeller and the
+    outer wing cast no shadow.
+    """
+
+    horizontal_span_m: PositiveReal
+    horizontal_chord_m: PositiveReal
+    horizontal_aft_m: Real
+    vertical_height_m: Real
+    vertical_chord_m: PositiveReal
+    vertical_aft_m: Real
+    boom_height_m: Real = 0.0
+    horizontal_height_m: Real | None = None
+
+    @field_validator("vertical_height_m")
+    @classmethod
+    def _check_height(cls, height_m: float) -> float:
+        if height_m == 0.0:
+            raise ValueError("vertical_height_m must not be zero")
+        return height_m
+
+    @property
+    def height_m(self) -> float:
+        """Height of the horizontal tail above the leading edge of the wing root [m]."""
+        if self.horizontal_height_m is not None:
+            return self.horizontal_height_m
+        return self.boom_height_m + self.vertical_height_m
+
+    def panels(self) -> tuple[FloatArray, FloatArray]:
+        """Corners of the horizontal and of the vertical tail in body axes, each ``(4, 3)``."""
+        front, side, z = -self.horizontal_aft_m, 0.5 * self.horizontal_span_m, -self.height_m
+        rear = front - self.horizontal_chord_m
+        horizontal = [(front, -side, z), (front, side, z), (rear, side, z), (rear, -side, z)]
+        front, root = -self.vertical_aft_m, -self.boom_height_m
+        rear, end = front - self.vertical_chord_m, root - self.vertical_height_m
+        vertical = [(front, 0.0, root), (front, 0.0, end), (rear, 0.0, end), (rear, 0.0, root)]
+        return np.array(horizontal), np.array(vertical)
+
+
+@dataclass(frozen=True)
+class _ModuleFrame:
+    """A module's own axes (right, aft, normal; the rows of ``axes``), its middle and half size."""
+
+    axes: FloatArray
+    middle: FloatArray
+    half_span_m: float
+    half_chord_m: float
+
+    @property
+    def area_m2(self) -> float:
+        return 4.0 * self.half_span_m * self.half_chord_m
+
+    def corners(self) -> FloatArray:
+        """Front left, front right, rear right, rear left, in body axes."""
+        signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+        return np.asarray(
+            self.middle + (signs * (self.half_span_m, self.half_chord_m)) @ self.axes[:2]
+        )
+
+    def from_body(self, points: FloatArray) -> FloatArray:
+        """Take points from body axes to right, aft and height over the module's plane."""
+        return np.asarray((points - self.middle) @ self.axes.T)
+
+    def panels_above(self, tail: TailGeometry) -> list[FloatArray]:
+        """Parts of the tail's panels on the upper side of the module's plane, in its axes."""
+        clipped = (_above_plane(self.from_body(panel)) for panel in tail.panels())
+        return [part for part in clipped if np.linalg.norm(_vector_area(part)) > _NO_AREA_M2]
+
+
+def outline_corners(surface: ModuleSurface, geometry: ModuleGeometry) -> FloatArray:
+    """Corners of a module in body axes [m], from the leading edge of the wing root.
+
+    Parameters
+    ----------
+    surface : ModuleSurface
+        One of the surfaces; it needs an outline.
+    geometry : ModuleGeometry
+        All surfaces, for the wing's incidence and for where the dihedral begins.
+
+    Returns
+    -------
+    ndarray, shape (4, 3)
+        Front left, front right, rear right, rear left: clockwise seen from above.
+
+    Raises
+    ------
+    ValueError
+        If the surface has no outline.
+
+    Notes
+    -----
+    The chord line is turned by the wing's incidence about the root's leading edge. The dihedral
+    begins at the outer edge of the central modules (at the symmetry plane if there are none), and
+    span is counted along the bent wing, so that outlines keep their size. The middle of a module
+    lies on the chord line, and the module's pitch turns it about its middle: the thickness of the
+    wing, a centimetre or two, is left out. Orientation as in report, eq. 2, and
+    :meth:`solar.geometry.ModuleGeometry.normals`.
+    """
+    return _module_frame(surface, geometry).corners()
+
+
+def shaded_fraction(
+    geometry: ModuleGeometry, tail: TailGeometry | None, sun_vector_body: ArrayLike
+) -> FloatArray:
+    """Shaded part of every module's outline, between zero and one.
+
+    Parameters
+    ----------
+    geometry : ModuleGeometry
+        Module surfaces; all need an outline, unless there is no tail.
+    tail : TailGeometry or None
+        What casts the shadow; nothing is shaded without it.
+    sun_vector_body : array_like, shape (..., 3)
+        Unit vectors to the sun in body axes.
+
+    Returns
+    -------
+    ndarray, shape (..., surface)
+        Union of the shadows of both tail planes over the area of the outline. Zero where the sun
+        is behind a module or within 0.06 degrees of its plane: no direct light is there to lose.
+
+    Raises
+    ------
+    ValueError
+        If a surface has no outline, or the vectors do not have three components.
+    """
+    sun = np.asarray(sun_vector_body, float)
+    if sun.ndim == 0 or sun.shape[-1] != 3:
+        raise ValueError(f"sun vectors need three components on the last axis, not {sun.shape}")
+    fractions = np.zeros((sun.size // 3, len(geometry.surfaces)))
+    if tail is not None:
+        for index, surface in enumerate(geometry.surfaces):
+            frame = _module_frame(surface, geometry)
+            covered = _covered_area(frame, frame.panels_above(tail), sun.reshape(-1, 3))
+            fractions[:, index] = np.clip(covered / frame.area_m2, 0.0, 1.0)
+    return fractions.reshape((*sun.shape[:-1], len(geometry.surfaces)))
+
+
+def shaded_area(
+    geometry: ModuleGeometry, tail: TailGeometry | None, sun_vector_body: ArrayLike
+) -> FloatArray:
+    """Shaded area of every module [m2], shape ``(..., surface)``.
+
+    The shaded fraction of the outline times the module's area, which is smaller than the outline's
+    by gaps and by the cut corners of the cells. Parameters and exceptions are those of
+    :func:`shaded_fraction`.
+    """
+    areas = np.array([surface.area_m2 for surface in geometry.surfaces])
+    return np.asarray(shaded_fraction(geometry, tail, sun_vector_body) * areas)
+
+
+def elevation_free_of_shading_deg(
+    geometry: ModuleGeometry, tail: TailGeometry | None, roll: float = 0.0, pitch: float = 0.0
+) -> float:
+    """Least sun elevation above which no module is shaded, wherever the sun stands [deg].
+
+    Parameters
+    ----------
+    geometry, tail
+        As in :func:`shaded_fraction`.
+    roll, pitch : float
+        Attitude of the aircraft [rad]; its heading does not matter.
+
+    Returns
+    -------
+    float
+        Elevation over the horizon; zero if nothing is shaded by a sun above it.
+
+    Raises
+    ------
+    ValueError
+        If a surface has no outline.
+
+    Notes
+    -----
+    The directions from any point of a module to any point of a panel form a convex cone, spanned
+    by those from corner to corner. Its steepest direction is the projection of the vertical on the
+    cone, a problem of non-negative least squares (Lawson & Hanson 1974, chapter 23); the length of
+    the projection is the sine of the elevation.
+    """
+    if tail is None:
+        return 0.0
+    up = -direction_cosines(roll, pitch, 0.0)[2]
+    sines = [_steepest_sine(rays, up) for rays in _shading_rays(geometry, tail)]
+    return float(np.degrees(np.arcsin(min(max(sines, default=0.0), 1.0))))
+
+
+def no_losses(shaded: FloatArray) -> FloatArray:
+    """Leave the light as it is: the report's Full Model, which only shows the shaded area."""
+    return np.zeros_like(shaded)
+
+
+def proportional_losses(shaded: FloatArray) -> FloatArray:
+    """Lose direct light in proportion to the shaded area: the least a shadow can cost.
+
+    It would be so if every cell had its own tracker.
+    """
+    return shaded
+
+
+def string_losses(substrings: int = 4, threshold: float = 0.005) -> LossModel:
+    """Example of a loss by wiring: a series string with a bypass diode for each sub-string.
+
+    Parameters
+    ----------
+    substrings : int
+        Equal sub-strings of a module, each with a bypass diode.
+    threshold : float
+        Shaded fraction of the module up to which nothing is lost; the default is a tenth of a cell
+        in a module of twenty.
+
+    Returns
+    -------
+    LossModel
+        Above the threshold, the share of the sub-strings that the shadow can fill, rounded up.
+
+    Raises
+    ------
+    ValueError
+        If there is no sub-string, or the threshold is not in ``[0, 1)``.
+
+    Notes
+    -----
+    Cells in series carry the current of the weakest one, and a bypass diode takes its whole
+    sub-string out. Assumptions: the shadow is in one piece and covers one sub-string after the
+    other; diodes drop no voltage; the tracker finds the greatest of several maxima. A long, thin
+    shadow that grazes many cells costs more than this.
+    """
+    if substrings < 1:
+        raise ValueError(f"a module has at least one sub-string, not {substrings}")
+    if not 0.0 <= threshold < 1.0:
+        raise ValueError(f"the threshold must be at least 0 and below 1, not {threshold}")
+
+    def losses(shaded: FloatArray) -> FloatArray:
+        # The small number keeps rounding from bypassing one sub-string too many.
+        bypassed = np.ceil(substrings * np.asarray(shaded) - 1e-9) / substrings
+        return np.where(shaded > threshold, np.maximum(bypassed, 0.0), 0.0)
+
+    return losses
+
+
+LOSS_MODELS: dict[str, LossModel] = {
+    "none": no_losses,
+    "proportional": proportional_losses,
+    "string": string_losses(),
+}
+
+
+def register_loss_model(name: str, model: LossModel) -> None:
+    """Make the user's own loss model known by a name.
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    if name in LOSS_MODELS:
+        raise ValueError(f"there is a loss model {name} already")
+    LOSS_MODELS[name] = model
+
+
+def loss_model(name: str) -> LossModel:
+    """Loss model of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if name not in LOSS_MODELS:
+        raise ValueError(f"unknown loss model {name}; choose from {', '.join(LOSS_MODELS)}")
+    return LOSS_MODELS[name]
+
+
+def apply_losses(
+    direct_by_surface: ArrayLike, shaded: ArrayLike, model: LossModel = no_losses
+) -> FloatArray:
+    """Direct light of every surface that is left after shading.
+
+    Parameters
+    ----------
+    direct_by_surface : array_like, shape (..., surface)
+        Direct light on the unshaded surfaces, in any unit.
+    shaded : array_like, shape (..., surface)
+        Shaded fractions, see :func:`shaded_fraction`.
+    model : LossModel
+        What a shadow costs.
+
+    Returns
+    -------
+    ndarray, shape (..., surface)
+        Direct light in the same unit; diffuse light is not touched by any loss model.
+
+    Raises
+    ------
+    ValueError
+        If the model returns another shape, or a loss that is not between zero and one.
+    """
+    fractions = np.asarray(shaded, float)
+    lost = np.asarray(model(fractions), float)
+    if lost.shape != fractions.shape:
+        raise ValueError(f"loss model: shape {lost.shape} returned, {fractions.shape} needed")
+    if not np.all((lost >= 0.0) & (lost <= 1.0)):
+        raise ValueError("loss model: every lost fraction must be between 0 and 1")
+    return np.asarray(direct_by_surface, float) * (1.0 - lost)
+
+
+def _module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> _ModuleFrame:
+    """Place a module in space, see :func:`outline_corners`."""
+    outline = surface.outline
+    if outline is None:
+        raise ValueError(f"module surface {surface.name} needs an outline for its shading")
+    side = {"left": -1.0, "centre": 0.0, "right": 1.0}[surface.side]
+    dihedral = np.radians(surface.dihedral_deg)
+    hinge = _start_of_dihedral_m(geometry)
+    incidence = np.radians(geometry.wing_incidence_deg)
+    pitch = incidence + np.radians(surface.pitch_deg)
+    module_to_body = direction_cosines(-side * dihedral, pitch, 0.0)
+    return _ModuleFrame(
+        axes=np.stack((module_to_body[:, 1], -module_to_body[:, 0], -module_to_body[:, 2])),
+        middle=direction_cosines(0.0, incidence, 0.0) @ _middle(outline, side, dihedral, hinge),
+        half_span_m=0.5 * (outline.outboard_m - outline.inboard_m),
+        half_chord_m=0.5 * (outline.rear_m - outline.front_m),
+    )
+
+
+def _middle(outline: ModuleOutline, side: float, dihedral: float, hinge: float) -> FloatArray:
+    """Middle of an outline in the axes of the wing: body axes turned by the incidence."""
+    along = 0.5 * (outline.inboard_m + outline.outboard_m)
+    aft = 0.5 * (outline.front_m + outline.rear_m)
+    if side == 0.0:
+        return np.array((-aft, along, 0.0))
+    bent = along - hinge
+    y = side * (hinge + bent * np.cos(dihedral))
+    return np.array((-aft, y, -bent * np.sin(dihedral)))
+
+
+def _start_of_dihedral_m(geometry: ModuleGeometry) -> float:
+    """Distance of the wing's kink from the symmetry plane: outer edge of the central modules."""
+    central = [s.outline for s in geometry.surfaces if s.side == "centre"]
+    return max((outline.outboard_m for outline in central if outline is not None), default=0.0)
+
+
+def _above_plane(polygon: FloatArray) -> FloatArray:
+    """Part of a convex polygon whose third coordinate is not negative (Sutherland & Hodgman)."""
+    kept = []
+    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if start[2] >= 0.0:
+            kept.append(start)
+        if start[2] * end[2] < 0.0:
+            kept.append(start + (end - start) * (start[2] / (start[2] - end[2])))
+    return np.array(kept).reshape(-1, 3)
+
+
+def _vector_area(polygon: FloatArray) -> FloatArray:
+    """Area of a flat polygon times its unit normal; zero for less than three corners."""
+    if len(polygon) < 3:
+        return np.zeros(3)
+    arms = polygon[1:] - polygon[0]
+    return np.asarray(0.5 * np.cross(arms[:-1], arms[1:]).sum(axis=0))
+
+
+def _covered_area(frame: _ModuleFrame, panels: Sequence[FloatArray], sun: FloatArray) -> FloatArray:
+    """Area of the union of the panels' shadows on a module [m2], shape ``(sun,)``."""
+    import shapely
+
+    covered = np.zeros(len(sun))
+    local = sun @ frame.axes.T
+    lit = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
+    half = np.array((frame.half_span_m, frame.half_chord_m))
+    shadows = np.full((len(lit), len(panels)), None, dtype=object)
+    for index, panel in enumerate(panels):
+        corners, reached = _shadow_corners(panel, local[lit], half)
+        shadows[reached, index] = shapely.polygons(corners)
+    some = shapely.is_geometry(shadows).any(axis=1)
+    module = shapely.box(-half[0], -half[1], half[0], half[1])
+    parts = shapely.intersection(shadows[some], module)
+    covered[lit[some]] = shapely.area(shapely.union_all(parts, axis=1))
+    return covered
+
+
+def _shadow_corners(
+    panel: FloatArray, sun: FloatArray, half: FloatArray
+) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Shadows that may reach a module around the origin, and the indices of their suns.
+
+    All in the axes of the module, the sun above its plane. A corner at the height ``w`` falls at
+    ``(u, v) - w (a, b) / c`` for the sun ``(a, b, c)``. Shadows are dropped if their bounding box
+    misses the module, and if the sun sees the panel edge on.
+    """
+    slopes = sun[:, :2] / sun[:, 2:]
+    area = np.abs(sun @ _vector_area(panel)) / sun[:, 2]
+    reached = area > _NO_AREA_M2
+    for axis in (0, 1):
+        falls = panel[:, axis, np.newaxis] - slopes[:, axis] * panel[:, 2, np.newaxis]
+        reached &= (falls.min(axis=0) < half[axis]) & (falls.max(axis=0) > -half[axis])
+    kept = np.flatnonzero(reached)
+    corners = panel[:, :2] - slopes[kept, np.newaxis, :] * panel[:, 2:]
+    return corners, kept
+
+
+def _shading_rays(geometry: ModuleGeometry, tail: TailGeometry) -> list[FloatArray]:
+    """Directions from the corners of every module to those of every panel, body axes."""
+    rays = []
+    for surface in geometry.surfaces:
+        frame = _module_frame(surface, geometry)
+        for panel in frame.panels_above(tail):
+            corners = panel @ frame.axes + frame.middle
+            between = corners[:, np.newaxis] - frame.corners()
+            rays.append(between.reshape(-1, 3))
+    return rays
+
+
+def _steepest_sine(rays: FloatArray, up: FloatArray) -> float:
+    """Sine of the steepest elevation in the cone of the rays; zero if all point downwards."""
+    from scipy.optimize import nnls
+
+    weights, _ = nnls(rays.T, up)
+    return float(np.linalg.norm(weights @ rays))
