@@ -30,6 +30,9 @@ $(BIN)/python:
 install: $(BIN)/python
 	$(BIN)/pip install --quiet ".[dev]"
 
+tables:
+	python -m studies.doc_tables
+
 test: install
 	SOLAR_UAV_TEST_INSTALLED=1 $(BIN)/pytest
 

@@ -245,9 +245,7 @@ def _missing_columns(header: Sequence[str], line: int, source: str) -> list[Prob
     return problems
 
 
-def _check_widths(
-    lines: Sequence[str], numbers: Sequence[int], expected: int, source: str
-) -> None:
+def _check_widths(lines: Sequence[str], numbers: Sequence[int], expected: int, source: str) -> None:
     """Refuse rows with more or fewer fields than the header."""
     wrong = [
         (number, len(next(csv.reader([line]))) if '"' in line else line.count(",") + 1)
@@ -566,9 +564,7 @@ def _ulog_topics(source: str) -> dict[str, _Topic]:
     return topics
 
 
-def _topic(
-    topics: dict[str, _Topic], names: Sequence[str], source: str, purpose: str
-) -> _Topic:
+def _topic(topics: dict[str, _Topic], names: Sequence[str], source: str, purpose: str) -> _Topic:
     for name in names:
         if name in topics:
             return topics[name]

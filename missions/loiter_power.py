@@ -22,12 +22,14 @@ from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_vecto
 # Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
 # within 1e-4 of the limit (docs/full-model.md).
 ORBIT_SAMPLES = 36
+# Times handled at once: a few megabytes of intermediate arrays.
+_BLOCK = 512
 
 
 def mean_power_on_path(
     model: ModelName,
     latitude_deg: float,
-    noon_day: float,
+    day_of_year: ArrayLike,
     time_solar_h: ArrayLike,
     *,
     geometry: ModuleGeometry,
@@ -46,8 +48,10 @@ def mean_power_on_path(
     ----------
     model : {"VM", "FM"}
         Solar power model.
-    latitude_deg, noon_day : float
-        Latitude [deg] and fractional day of year of the day's noon.
+    latitude_deg : float
+        Latitude [deg].
+    day_of_year : array_like
+        Fractional day of year at each time; for a repeated day that of its noon, ``day + 0.5``.
     time_solar_h : array_like, shape (time,)
         Local solar time [h].
     geometry, cell
@@ -74,24 +78,27 @@ def mean_power_on_path(
     if model not in ATTITUDE_MODELS:
         raise ValueError(f"model {model} does not depend on the flight path; choose VM or FM")
     time_h = np.asarray(time_solar_h, float)
+    day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
     flown = orbit(path, wind, samples=samples)
-    seen = _sky(latitude_deg, noon_day, time_h, altitude_m, clearness, flown)
-    if model == "VM":
-        power = verification_model(
-            seen.light, seen.sun, seen.to_ned, geometry, cell, module_temperature_c
-        )
-    else:
-        power = full_model(
-            seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c
-        ).specific_power_w_per_m2
     result = np.zeros(time_h.shape)
-    result[seen.lit] = power @ flown.weights
+    for start in range(0, len(time_h), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        seen = _sky(latitude_deg, day[block], time_h[block], altitude_m, clearness, flown)
+        if model == "VM":
+            power = verification_model(
+                seen.light, seen.sun, seen.to_ned, geometry, cell, module_temperature_c
+            )
+        else:
+            power = full_model(
+                seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c
+            ).specific_power_w_per_m2
+        result[block][seen.lit] = power @ flown.weights
     return result
 
 
 def module_power_on_path(
     latitude_deg: float,
-    noon_day: float,
+    day_of_year: ArrayLike,
     time_solar_h: ArrayLike,
     *,
     geometry: ModuleGeometry,
@@ -118,7 +125,8 @@ def module_power_on_path(
     """
     flown = orbit(path, wind, samples=samples)
     time_h = np.asarray(time_solar_h, float)
-    seen = _sky(latitude_deg, noon_day, time_h, altitude_m, clearness, flown)
+    day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
+    seen = _sky(latitude_deg, day, time_h, altitude_m, clearness, flown)
     power = full_model(seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c)
     return seen.lit, flown, power
 
@@ -134,17 +142,17 @@ class _Sky(NamedTuple):
 
 def _sky(
     latitude_deg: float,
-    noon_day: float,
+    day: FloatArray,
     time_h: FloatArray,
     altitude_m: float,
     clearness: float,
     flown: Orbit,
 ) -> _Sky:
-    sun_declination, hour = declination(noon_day), hour_angle(time_h)
+    sun_declination, hour = declination(day), hour_angle(time_h)
     cosine = cos_zenith(latitude_deg, sun_declination, hour)
     lit = cosine > 0.0
-    sun = sun_vector_ned(latitude_deg, sun_declination, hour[lit])[:, np.newaxis, :]
-    clear = clear_sky(noon_day, latitude_deg, cosine[lit], altitude_m)
+    sun = sun_vector_ned(latitude_deg, sun_declination[lit], hour[lit])[:, np.newaxis, :]
+    clear = clear_sky(day[lit], latitude_deg, cosine[lit], altitude_m)
     light = Irradiance(*(clearness * part[:, np.newaxis] for part in clear))
     to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
     return _Sky(lit, sun, light, to_ned)

@@ -19,8 +19,7 @@ from sizing.energy_balance import (
     full_after_h,
     march,
 )
-from sizing.performance import UNCORRECTED_CAM, SolarModel
-from solar.power import horizontal_specific_power
+from sizing.performance import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from solar.sun import declination, solar_time_h, sun_times
 
 CALENDAR_STEP_H = 1.0 / 60.0
@@ -90,16 +89,8 @@ def calendar_run(
     utc = clock - launch.utc_offset_h
     day = dates.day_of_year(launch.date) + utc / 24.0
     solar_clock = solar_time_h(utc, day, mission.longitude_deg)
-    power = aircraft.modules.area_m2 * horizontal_specific_power(
-        latitude,
-        day,
-        solar_clock,
-        cell=aircraft.modules,
-        module_temperature_c=mission.module_temperature_c(),
-        altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
-        model=solar.model,
-        correct=solar.correction,
+    power = aircraft.modules.area_m2 * power_on_calendar(
+        aircraft, mission, solar, day, solar_clock % 24.0
     )
     design = design_of(aircraft, mission)
     times = sun_times(latitude, declination(day))

@@ -71,7 +71,7 @@ class SizingResult:
     ``status`` is ``optimal``, ``infeasible`` or ``not_converged``. Design, simulated performance
     and objective value exist for an optimum alone; ``objective_value`` is the optimiser's own
     number, which ``simulated`` confirms. ``nearest`` is the simulated design that comes closest
-    where none is feasible.
+    where none is feasible, and ``active_constraints`` then name what holds it back.
     """
 
     status: str
@@ -156,6 +156,7 @@ class _Search:
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
         self.message = ""
         self.rescues = 0
+        self.held: tuple[str, ...] = ()
         self.chosen: list[int] = []
         self.problem = self._build(min(_FIRST_SLOTS, len(day.scenarios)))
 
@@ -408,12 +409,14 @@ class _Search:
         self.solves += best.solves
         self.message = best.message
         if largest.simulated is None:
+            self.held = largest.active_constraints
             return self._failed(largest.status, largest.violations, largest.nearest)
         reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
         shortfall_h = self.required_h - reached_h
         if shortfall_h > _AGREEMENT_H:
             text = self._words("excess_time", shortfall_h, largest.simulated)
             missed = Violation("excess_time", shortfall_h, text)
+            self.held = largest.active_constraints
             return self._failed("infeasible", (missed,), largest.simulated)
         answer = self._solve_from([variables_of_design(largest.simulated.design), *starts])
         return self._failed("not_converged", (), None) if answer is None else self._last(answer)
@@ -429,6 +432,7 @@ class _Search:
             answer = self._solve_from([self._variables(elastic), *starts])
             return self._failed("not_converged", (), None) if answer is None else self._last(answer)
         nearest = self._simulate(self._variables(elastic))
+        self.held = self._active(elastic)
         violations = tuple(
             Violation(name, float(value), self._words(name, float(value), nearest))
             for name, value in zip(self.problem.slack_names, slack, strict=True)
@@ -474,7 +478,7 @@ class _Search:
             design=None,
             simulated=None,
             nearest=nearest,
-            active_constraints=(),
+            active_constraints=self.held,
             violations=violations,
             solver=self._report(),
         )

@@ -108,39 +108,92 @@ def modelled_power(
         If VM or FM lack the aircraft's module geometry or the mission's flight path.
     """
     if model not in ATTITUDE_MODELS:
-        return horizontal_specific_power(
-            scenarios.latitude_deg[:, np.newaxis],
-            scenarios.noon_day[:, np.newaxis],
-            time_h,
-            cell=aircraft.modules,
-            module_temperature_c=mission.module_temperature_c(),
-            altitude_m=mission.altitude_m,
-            clearness=mission.clearness,
-            model=model,
+        latitude, day = scenarios.latitude_deg[:, np.newaxis], scenarios.noon_day[:, np.newaxis]
+        return _horizontal_power(aircraft, mission, model, latitude, day, time_h)
+    pairs = zip(scenarios.latitude_deg, scenarios.noon_day, strict=True)
+    return np.stack(
+        [_power_on_path(aircraft, mission, model, float(lat), day, time_h) for lat, day in pairs]
+    )
+
+
+def power_on_calendar(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    day_of_year: FloatArray,
+    time_solar_h: FloatArray,
+) -> FloatArray:
+    """Specific power at a mission's single latitude while the date advances, corrected [W/m2].
+
+    Parameters
+    ----------
+    day_of_year, time_solar_h : ndarray, shape (time,)
+        Fractional day of year and local solar time [h] at each instant.
+    """
+    latitude = mission.latitudes()[0]
+    if solar.model in ATTITUDE_MODELS:
+        power = _power_on_path(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
+    else:
+        power = _horizontal_power(
+            aircraft, mission, solar.model, latitude, day_of_year, time_solar_h
         )
+    if solar.correction == "loiter":
+        days, place = np.unique(np.floor(day_of_year).astype(int), return_inverse=True)
+        scenarios = Scenarios(np.full(len(days), latitude), (days - 1) % 365 + 1)
+        axis = day_axis_h()
+        repeated = modelled_power(aircraft, mission, solar.model, scenarios, axis)
+        ratio = loiter_ratio(aircraft, mission, solar.model, scenarios, axis, repeated)
+        power = power * ratio[place, 0]
+    return power * correction(solar.model, solar.correction).factor
+
+
+def _horizontal_power(
+    aircraft: Aircraft,
+    mission: Mission,
+    model: ModelName,
+    latitude_deg: ArrayLike,
+    day_of_year: ArrayLike,
+    time_solar_h: ArrayLike,
+) -> FloatArray:
+    return horizontal_specific_power(
+        latitude_deg,
+        day_of_year,
+        time_solar_h,
+        cell=aircraft.modules,
+        module_temperature_c=mission.module_temperature_c(),
+        altitude_m=mission.altitude_m,
+        clearness=mission.clearness,
+        model=model,
+    )
+
+
+def _power_on_path(
+    aircraft: Aircraft,
+    mission: Mission,
+    model: ModelName,
+    latitude_deg: float,
+    day_of_year: ArrayLike,
+    time_solar_h: FloatArray,
+) -> FloatArray:
     geometry, path = aircraft.modules.geometry, mission.flight_path
     if geometry is None:
         raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
     if path is None:
         raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
-    rows = [
-        mean_power_on_path(
-            model,
-            float(latitude),
-            float(noon_day),
-            time_h,
-            geometry=geometry,
-            cell=aircraft.modules,
-            path=path,
-            wind=mission.wind,
-            ambient_temperature_c=float(mission.air_state().temperature_c),
-            module_temperature_c=mission.module_temperature_c(),
-            altitude_m=mission.altitude_m,
-            clearness=mission.clearness,
-        )
-        for latitude, noon_day in zip(scenarios.latitude_deg, scenarios.noon_day, strict=True)
-    ]
-    return np.stack(rows)
+    return mean_power_on_path(
+        model,
+        latitude_deg,
+        day_of_year,
+        time_solar_h,
+        geometry=geometry,
+        cell=aircraft.modules,
+        path=path,
+        wind=mission.wind,
+        ambient_temperature_c=float(mission.air_state().temperature_c),
+        module_temperature_c=mission.module_temperature_c(),
+        altitude_m=mission.altitude_m,
+        clearness=mission.clearness,
+    )
 
 
 def loiter_ratio(

@@ -74,9 +74,7 @@ def _equatorial(days: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Right ascension and declination [rad] from days since J2000."""
     mean_longitude = np.radians(280.460 + 0.9856474 * days)
     anomaly = np.radians(357.528 + 0.9856003 * days)
-    longitude = mean_longitude + np.radians(
-        1.915 * np.sin(anomaly) + 0.020 * np.sin(2.0 * anomaly)
-    )
+    longitude = mean_longitude + np.radians(1.915 * np.sin(anomaly) + 0.020 * np.sin(2.0 * anomaly))
     obliquity = np.radians(23.439 - 0.0000004 * days)
     along = np.sin(longitude)
     return (

@@ -9,6 +9,7 @@ simple models leave out then matters less.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
@@ -20,6 +21,11 @@ class ModelError:
 
     average: float
     rms: float
+
+    @property
+    def scatter(self) -> float:
+        """RMS error that remains when the average error is taken away."""
+        return math.sqrt(self.rms**2 - self.average**2)
 
 
 REPORTED_ERRORS: dict[str, ModelError] = {
@@ -42,7 +48,8 @@ class Correction:
         Multiplies the modelled power: ``1 / (1 + error)``.
     rms_relative : float
         The model's RMS error relative to the mean measured power: a one-sigma band around the
-        modelled power, stated and never applied.
+        modelled power, stated and never applied. Where the average error is corrected, what is
+        left of the RMS error without it.
     """
 
     name: CorrectionName
@@ -64,9 +71,9 @@ def correction(model: ModelName, name: CorrectionName) -> Correction:
     if name == "none":
         return Correction(name, 1.0, error.rms)
     if name == "report":
-        return Correction(name, 1.0 / (1.0 + error.average), error.rms)
+        return Correction(name, 1.0 / (1.0 + error.average), error.scatter)
     if name == "loiter":
         # The ratio to the Full Model is scenario by scenario; what remains is its own bias and RMS.
         truth = REPORTED_ERRORS["FM"]
-        return Correction(name, 1.0 / (1.0 + truth.average), truth.rms)
+        return Correction(name, 1.0 / (1.0 + truth.average), truth.scatter)
     raise ValueError(f"unknown correction {name!r}; choose from {CORRECTION_NAMES}")

@@ -79,20 +79,23 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
     energy_max = float(perf.design.battery_energy_wh)
     time_h = perf.day.time_h
     low, high = (p.cycle.energy_wh[index] / energy_max for p in (analysis.low, analysis.high))
-    axes.fill_between(time_h, 100 * low, 100 * high, color=CHARGE, alpha=0.2, linewidth=0)
+    axes.fill_between(
+        time_h,
+        100 * low,
+        100 * high,
+        color=CHARGE,
+        alpha=0.2,
+        linewidth=0,
+        label="with the model's RMS error in solar power",
+    )
+    axes.legend(loc="lower right", fontsize="small")
     axes.plot(time_h, 100 * perf.cycle.energy_wh[index] / energy_max, color=CHARGE)
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
         axes.axvline(full, color="black", linestyle=":", linewidth=1)
         axes.annotate("full", (full, 50), (4, 0), textcoords="offset points")
         margin = perf.cycle.charge_margin_h[index]
-        axes.annotate(
-            "",
-            (full + margin, 60),
-            (full, 60),
-            arrowprops={"arrowstyle": "<->", "color": "black", "shrinkA": 0, "shrinkB": 0},
-        )
-        axes.annotate(f"charge margin {margin:.1f} h", (full + margin / 2, 63), ha="center")
+        _draw_margin(axes, float(full), float(margin))
     excess = perf.cycle.excess_time_h[index]
     if np.isfinite(excess):
         dawn = perf.cycle.equal_power_morning_h[index]
@@ -106,6 +109,17 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
             ha="center",
         )
     axes.set(ylabel="state of charge [%]", ylim=(-12, 105), yticks=range(0, 101, 20))
+
+
+def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
+    """Arrow over the charge margin; a short one has no room for it and gets a text alone."""
+    text = f"charge margin {margin_h:.1f} h"
+    if margin_h < 2.0:
+        axes.annotate(text, (full_h, 62), (4, 0), textcoords="offset points")
+        return
+    arrow = {"arrowstyle": "<->", "color": "black", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (full_h + margin_h, 60), (full_h, 60), arrowprops=arrow)
+    axes.annotate(text, (full_h + margin_h / 2, 63), ha="center")
 
 
 def _shade_night(axes: Axes, perf: Performance, index: int) -> None:
@@ -122,7 +136,7 @@ def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
     power_axes.plot(flight.clock_h, flight.solar_power_w, color=SUN, label="solar power")
     power_axes.plot(flight.clock_h, flight.load_w, color=LOAD, label="load")
     power_axes.set(ylabel="power [W]", ylim=(0, None))
-    power_axes.legend(loc="upper left", fontsize="small")
+    figure.legend(*power_axes.get_legend_handles_labels(), loc="outside upper right", ncols=2)
     charge_axes.plot(flight.clock_h, 100 * flight.state_of_charge, color=CHARGE)
     for hour in flight.full_charge_clock_h:
         charge_axes.axvline(hour, color="black", linestyle=":", linewidth=1)

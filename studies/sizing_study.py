@@ -43,7 +43,19 @@ def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[
         },
         "version": __version__,
     }
+    record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
     return record | _design_record(result.design) | _simulated_record(result.simulated)
+
+
+def _nearest_record(perf: Performance) -> dict[str, Any]:
+    """Design that comes closest to an infeasible requirement, and what it reaches."""
+    worst = perf.worst_scenario()
+    return {
+        **{name: float(value) for name, value in perf.design.variables._asdict().items()},
+        "total_mass_kg": finite(perf.design.total_mass_kg),
+        "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
+        "worst_scenario": perf.day.scenarios.label(worst),
+    }
 
 
 def _design_record(design: Design | None) -> dict[str, Any]:

@@ -175,8 +175,7 @@ def _flown(
         pitch=at(loop.pitch_rad) + jitter(0.5),
         yaw=yaw + jitter(1.0),
         latitude_deg=latitude + at(loop.north_m) / metres_per_deg,
-        longitude_deg=longitude
-        + at(loop.east_m) / (metres_per_deg * np.cos(np.radians(latitude))),
+        longitude_deg=longitude + at(loop.east_m) / (metres_per_deg * np.cos(np.radians(latitude))),
     )
 
 
@@ -329,5 +328,3 @@ def _listed(settings: Settings, truth: _Truth) -> tuple[Fault, ...]:
     if faults.side_bias is not None:
         listed.append(Fault("side_bias", begin, begin + 3600.0 * settings.duration_h))
     return tuple(listed)
-
-

@@ -14,6 +14,8 @@ from studies.analysis import Analysis, clock_label
 from studies.model_transfer import TransferredError
 from studies.published import Comparison
 
+_OBJECTIVE_UNITS = {"max_excess_time": "h", "min_wingspan": "m", "min_mass": "kg"}
+
 
 def hours(value: float | None, missing: str = "-") -> str:
     """Hours with two decimals."""
@@ -27,7 +29,8 @@ def print_analysis(console: Console, analysis: Analysis, record: dict[str, Any])
     several = len(record["scenarios"]) > 1
     worst = " (worst scenario)" if several else ""
     title = f"{record['aircraft']} at {where}{worst}: {record['status'].replace('_', ' ')}"
-    table = Table(title=title, show_header=False, title_style="bold", title_justify="left")
+    console.print(title, style="bold")
+    table = Table(show_header=False)
     table.add_column()
     table.add_column(justify="right")
     for label, text in _analysis_rows(record):
@@ -38,11 +41,15 @@ def print_analysis(console: Console, analysis: Analysis, record: dict[str, Any])
     if "flight" in record:
         console.print(_flight_table(record["flight"]))
     band = record["uncertainty"]
+    low, high = band["excess_time_low_h"], band["excess_time_high_h"]
+    spread = (
+        "leaves the excess time without end"
+        if low is None and high is None
+        else f"puts the excess time between {hours(low, 'no end')} and {hours(high, 'no end')}"
+    )
     console.print(
         f"{solar.model}, correction: {solar.correction}; the model's RMS error of "
-        f"{100 * band['solar_power_rms_relative']:.0f} % of the mean power puts the excess time "
-        f"between {hours(band['excess_time_low_h'], 'no end')} and "
-        f"{hours(band['excess_time_high_h'], 'no end')}.",
+        f"{100 * band['solar_power_rms_relative']:.0f} % of the mean power {spread}.",
         style="dim",
     )
 
@@ -115,6 +122,8 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
     if result.design is None:
         for violation in result.violations:
             console.print(f"  {violation.requirement}: {violation.text}")
+        if result.active_constraints:
+            console.print("  held back by: " + "; ".join(result.active_constraints))
         return
     table = Table(show_header=False)
     table.add_column()
@@ -129,7 +138,10 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
         ("total mass", f"{record['total_mass_kg']:.3f} kg"),
         ("airspeed", f"{record['airspeed_m_per_s']:.2f} m/s"),
         ("load", f"{record['power_out_w']:.1f} W"),
-        (f"objective {result.objective.value}", f"{result.objective_value:.4g}"),
+        (
+            f"objective {result.objective.value}",
+            f"{result.objective_value:.4g} {_OBJECTIVE_UNITS[result.objective.value]}",
+        ),
         (f"excess time simulated, {worst}", hours(simulated["excess_time_h"], "no end")),
         ("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"),
     ):
@@ -144,7 +156,7 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
     console.print("limited by: " + "; ".join(result.active_constraints))
     solver = result.solver
     console.print(
-        f"{solver.iterations} iterations in {solver.solves} solves, "
+        f"{solver.iterations} iterations, {solver.solves} solve{'s' if solver.solves > 1 else ''}, "
         f"{1000 * solver.time_s:.0f} ms (built in {1000 * solver.build_time_s:.0f} ms)",
         style="dim",
     )

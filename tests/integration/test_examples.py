@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from studies import published
+from studies import doc_tables
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
@@ -67,10 +67,15 @@ def test_python_page_has_blocks() -> None:
     assert len(python_blocks(PYTHON_API)) >= 5
 
 
-def test_published_table_of_the_documentation_is_up_to_date() -> None:
-    page = VALIDATION.read_text(encoding="utf-8")
-    tables = re.findall(r"<!-- published -->\n(.*?)<!-- /published -->", page, re.S)
-    assert len(tables) == 1, "docs/validation.md: expected one table between its markers"
-    assert tables[0].strip() == published.markdown(published.comparisons()).strip(), (
-        "docs/validation.md is stale: put the output of `solar-uav published --markdown FILE` there"
+@pytest.mark.parametrize("name", doc_tables.TABLES)
+def test_table_of_the_documentation_is_up_to_date(name: str) -> None:
+    page_name, make = doc_tables.TABLES[name]
+    page = (VALIDATION.parent / page_name).read_text(encoding="utf-8")
+    assert doc_tables.with_table(page, name, make()) == page, (
+        f"docs/{page_name} is stale: run `python -m studies.doc_tables`"
     )
+
+
+def test_page_without_its_markers_is_refused() -> None:
+    with pytest.raises(ValueError, match="one pair of markers"):
+        doc_tables.with_table("no markers here", "published", "table")

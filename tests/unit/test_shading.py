@@ -1,0 +1,468 @@
+"""Shadows of the tail: by hand on a level wing, by ray casting on a real one, and their losses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
+
+from solar import shading
+from solar.attitude import direction_cosines
+from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
+from solar.shading import (
+    LOSS_MODELS,
+    TailGeometry,
+    apply_losses,
+    elevation_free_of_shading_deg,
+    loss_model,
+    outline_corners,
+    proportional_losses,
+    register_loss_model,
+    shaded_area,
+    shaded_fraction,
+    string_losses,
+)
+from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+
+# Polygons are exact but for rounding, a few units in the last place of a metre.
+ROUNDING = 1e-12
+
+# The level wing: one module two metres wide, and a T-tail of which the fin is as good as nothing.
+REAR, HEIGHT, AFT, SPAN, CHORD = 0.3, 0.4, 1.5, 0.8, 0.2
+
+
+def level_wing(**outline: float) -> ModuleGeometry:
+    sides = {"inboard_m": -1.0, "outboard_m": 1.0, "front_m": 0.0, "rear_m": REAR} | outline
+    return ModuleGeometry(
+        surfaces=(
+            ModuleSurface(
+                name="wing", area_m2=2.0 * REAR, side="centre", outline=ModuleOutline(**sides)
+            ),
+        )
+    )
+
+
+def t_tail(**changes: Any) -> TailGeometry:
+    values = {
+        "horizontal_span_m": SPAN,
+        "horizontal_chord_m": CHORD,
+        "horizontal_aft_m": AFT,
+        "vertical_height_m": HEIGHT,
+        "vertical_chord_m": 1e-6,
+        "vertical_aft_m": AFT,
+    }
+    return TailGeometry(**(values | changes))
+
+
+def atlantiksolar() -> ModuleGeometry:
+    """Six modules of 20 and 12 cells of 0.125 m; angles and areas from table 1 of the report."""
+    surfaces = []
+    for side, inboard, outboard, area, dihedral in (
+        ("left", 1.27, 2.77, 0.184, 6.0),
+        ("centre", -1.25, 1.25, 0.307, 0.0),
+        ("right", 1.27, 2.77, 0.184, 6.0),
+    ):
+        for row, front, pitch in (("front", 0.025, -0.5), ("rear", 0.155, 9.4)):
+            outline = ModuleOutline(
+                inboard_m=inboard, outboard_m=outboard, front_m=front, rear_m=front + 0.125
+            )
+            surface = {"name": f"{side} {row}", "area_m2": area, "side": side, "outline": outline}
+            angles = {"dihedral_deg": dihedral, "pitch_deg": pitch}
+            surfaces.append(ModuleSurface.model_validate(surface | angles))
+    return ModuleGeometry(wing_incidence_deg=5.7, surfaces=tuple(surfaces))
+
+
+ATLANTIKSOLAR = atlantiksolar()
+TAIL = TailGeometry(
+    horizontal_span_m=0.87,
+    horizontal_chord_m=0.173,
+    horizontal_aft_m=1.253,
+    vertical_height_m=0.30,
+    vertical_chord_m=0.065,
+    vertical_aft_m=1.280,
+    boom_height_m=0.0,
+)
+AREAS = np.array([surface.area_m2 for surface in ATLANTIKSOLAR.surfaces])
+
+
+def sun_from(elevation_deg: Any, azimuth_deg: Any = 180.0) -> FloatArray:
+    """Unit vectors to the sun, body axes; azimuth from the nose, clockwise seen from above."""
+    e, a = np.broadcast_arrays(np.radians(elevation_deg), np.radians(azimuth_deg))
+    return np.stack((np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), -np.sin(e)), axis=-1)
+
+
+def rays_hit(points: FloatArray, sun: FloatArray, rectangle: FloatArray) -> FloatArray:
+    """Whether rays from the points towards the sun meet a rectangle given by its corners."""
+    first, second = rectangle[1] - rectangle[0], rectangle[3] - rectangle[0]
+    offsets = np.linalg.solve(np.stack((first, second, -sun), axis=1), (points - rectangle[0]).T)
+    inside = (offsets[:2] >= 0.0) & (offsets[:2] <= 1.0)
+    return np.asarray(inside.all(axis=0) & (offsets[2] > 0.0))
+
+
+def cast_rays(
+    geometry: ModuleGeometry,
+    tail: TailGeometry,
+    sun: FloatArray,
+    rotation: FloatArray,
+    cells: tuple[int, int] = (400, 120),
+) -> FloatArray:
+    """Shaded fractions by ray casting, everything but the sun turned by ``rotation`` first."""
+    u, v = np.meshgrid(*[(np.arange(n) + 0.5) / n for n in cells], indexing="ij")
+    fractions = []
+    panels = [panel @ rotation.T for panel in tail.panels()]
+    for surface, normal in zip(geometry.surfaces, geometry.normals(), strict=True):
+        a, b, _, d = outline_corners(surface, geometry) @ rotation.T
+        points = a + u.reshape(-1, 1) * (b - a) + v.reshape(-1, 1) * (d - a)
+        hits = np.any([rays_hit(points, sun, panel) for panel in panels], axis=0)
+        fractions.append(hits.mean() if sun @ (rotation @ normal) > 0.0 else 0.0)
+    return np.array(fractions)
+
+
+# Level wing, by hand.
+
+
+@pytest.mark.parametrize("elevation_deg", [8.0, 14.5, 16.0, 17.0, 18.4, 18.5, 40.0])
+def test_shadow_of_the_horizontal_tail_moves_forward_by_height_over_tangent(
+    elevation_deg: float,
+) -> None:
+    front = AFT - HEIGHT / np.tan(np.radians(elevation_deg))
+    length = max(0.0, min(front + CHORD, REAR) - max(front, 0.0))
+    found = shaded_area(level_wing(), t_tail(), sun_from(elevation_deg))
+    assert found == pytest.approx([SPAN * length], abs=ROUNDING)
+
+
+def test_shadow_of_the_vertical_tail_under_a_slanting_sun() -> None:
+    # Sun 30 degrees off the tail: at each chordwise position the shadow is chord * tan(30) wide,
+    # and it reaches beyond the leading edge.
+    fin = t_tail(
+        vertical_height_m=1.0,
+        vertical_chord_m=0.1,
+        vertical_aft_m=0.35,
+        horizontal_height_m=50.0,
+    )
+    found = shaded_area(level_wing(), fin, sun_from(45.0, 180.0 + 30.0))
+    assert found == pytest.approx([REAR * 0.1 * np.tan(np.radians(30.0))], abs=ROUNDING)
+
+
+def test_shadow_falls_away_from_the_sun() -> None:
+    halves = ModuleGeometry(
+        surfaces=tuple(
+            ModuleSurface(
+                name=side,
+                area_m2=0.3,
+                side=side,
+                outline=ModuleOutline(inboard_m=0.0, outboard_m=1.0, front_m=0.0, rear_m=REAR),
+            )
+            for side in ("left", "right")
+        )
+    )
+    left, right = shaded_area(halves, t_tail(), sun_from(16.0, 180.0 + 25.0))  # sun from the left
+    assert left == 0.0
+    assert right > 0.0
+
+
+def test_sun_overhead_shades_nothing() -> None:
+    assert not shaded_area(ATLANTIKSOLAR, TAIL, [0.0, 0.0, -1.0]).any()
+
+
+def test_module_under_the_tail_is_shaded_by_the_sun_overhead() -> None:
+    geometry = level_wing(front_m=AFT - 0.1, rear_m=AFT + 0.2)
+    expected = SPAN * CHORD / 0.6
+    assert shaded_fraction(geometry, t_tail(), [0.0, 0.0, -1.0]) == pytest.approx([expected])
+
+
+def test_sun_behind_the_module_or_in_its_plane_shades_nothing() -> None:
+    suns = sun_from([-90.0, -16.0, 0.0, 0.05], 180.0)
+    assert not shaded_area(level_wing(), t_tail(), suns).any()
+
+
+def test_tail_below_the_module_shades_nothing() -> None:
+    hanging = t_tail(vertical_height_m=-HEIGHT, boom_height_m=-0.01)
+    suns = sun_from(np.linspace(-90.0, 90.0, 181), 180.0)
+    assert not shaded_area(level_wing(), hanging, suns).any()
+    assert elevation_free_of_shading_deg(level_wing(), hanging) == 0.0
+
+
+def test_tail_in_front_shades_a_sun_from_ahead() -> None:
+    canard = t_tail(horizontal_aft_m=-AFT, vertical_aft_m=-AFT)
+    assert not shaded_area(level_wing(), canard, sun_from(16.0, 180.0)).any()
+    assert shaded_area(level_wing(), canard, sun_from(16.0, 0.0)).all()
+
+
+# AtlantikSolar, against rays.
+
+REAL_SUNS = [(6.0, 184.0), (10.0, 200.0), (14.0, 178.5), (14.1, 211.0), (9.0, 150.0), (17.0, 165.0)]
+
+
+@pytest.mark.parametrize(("elevation_deg", "azimuth_deg"), REAL_SUNS)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_agrees_with_ray_casting_in_any_frame(
+    elevation_deg: float, azimuth_deg: float, seed: int
+) -> None:
+    sun = sun_from(elevation_deg, azimuth_deg)
+    rotation = np.eye(3) if seed == 0 else Rotation.random(random_state=seed).as_matrix()
+    found = shaded_fraction(ATLANTIKSOLAR, TAIL, sun)
+    assert found.any()
+    expected = cast_rays(ATLANTIKSOLAR, TAIL, rotation @ sun, rotation)
+    # 48 000 points a module: one row of 400 is a quarter of a per cent, one column of 120 more.
+    assert found == pytest.approx(expected, abs=0.01)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_agrees_with_ray_casting_for_odd_tails(seed: int) -> None:
+    # Tails of any position and size, also across the planes of the modules.
+    rng = np.random.default_rng(seed)
+    tail = TailGeometry(
+        horizontal_span_m=rng.uniform(0.3, 5.0),
+        horizontal_chord_m=rng.uniform(0.1, 1.0),
+        horizontal_aft_m=rng.uniform(-2.0, 2.0),
+        vertical_height_m=rng.uniform(0.1, 2.0),
+        vertical_chord_m=rng.uniform(0.1, 1.0),
+        vertical_aft_m=rng.uniform(-1.0, 1.0),
+        boom_height_m=rng.uniform(-1.0, 0.2),
+    )
+    suns = sun_from(rng.uniform(5.0, 85.0, 12), rng.uniform(0.0, 360.0, 12))
+    found = shaded_fraction(ATLANTIKSOLAR, tail, suns)
+    expected = [cast_rays(ATLANTIKSOLAR, tail, sun, np.eye(3)) for sun in suns]
+    assert found.any()
+    assert found == pytest.approx(np.array(expected), abs=0.01)
+
+
+def test_left_and_right_are_mirror_images() -> None:
+    suns = sun_from(*np.meshgrid(np.linspace(2.0, 25.0, 12), np.linspace(90.0, 270.0, 91)))
+    found = shaded_fraction(ATLANTIKSOLAR, TAIL, suns)
+    mirrored = shaded_fraction(ATLANTIKSOLAR, TAIL, suns * (1.0, -1.0, 1.0))
+    assert found[..., [4, 5, 2, 3, 0, 1]] == pytest.approx(mirrored, abs=ROUNDING)
+
+
+def test_heading_does_not_matter_if_the_sun_turns_too() -> None:
+    yaw = np.radians([0.0, 77.0, 200.0])
+    to_ned = direction_cosines(0.1, -0.05, yaw)
+    turned = [Rotation.from_euler("z", angle).as_matrix() @ sun_from(12.0, 190.0) for angle in yaw]
+    bodies = np.einsum("nij,ni->nj", to_ned, np.array(turned))
+    found = shaded_fraction(ATLANTIKSOLAR, TAIL, bodies)
+    assert found.any()
+    assert found == pytest.approx(np.tile(found[0], (3, 1)), abs=ROUNDING)
+
+
+components = hnp.arrays(float, (5, 3), elements=st.floats(-1.0, 1.0))
+
+
+@given(components)
+def test_area_lies_between_nothing_and_the_module(vectors: FloatArray) -> None:
+    suns = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
+    areas = shaded_area(ATLANTIKSOLAR, TAIL, suns)
+    assert np.isfinite(areas).all()
+    assert (areas >= 0.0).all()
+    assert (areas <= AREAS).all()
+
+
+def test_whole_module_can_be_shaded() -> None:
+    roof = t_tail(horizontal_span_m=9.0, horizontal_chord_m=9.0, horizontal_aft_m=-4.0)
+    areas = shaded_area(ATLANTIKSOLAR, roof, [0.0, 0.0, -1.0])
+    assert areas == pytest.approx(AREAS, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("shape", [(), (0,), (1,), (4, 5)])
+def test_shape_of_the_result(shape: tuple[int, ...]) -> None:
+    suns = np.broadcast_to(sun_from(10.0), (*shape, 3))
+    found = shaded_area(ATLANTIKSOLAR, TAIL, suns)
+    assert found.shape == (*shape, 6)
+    one = shaded_area(ATLANTIKSOLAR, TAIL, sun_from(10.0))
+    assert np.array_equal(found, np.broadcast_to(one, found.shape))
+
+
+@pytest.mark.parametrize("vector", [0.0, [0.0, 1.0], np.zeros((3, 2))])
+def test_vectors_without_three_components_are_refused(vector: Any) -> None:
+    with pytest.raises(ValueError, match="three components"):
+        shaded_area(ATLANTIKSOLAR, TAIL, vector)
+
+
+def test_no_tail_shades_nothing_and_needs_no_outlines() -> None:
+    bare = ModuleGeometry(surfaces=(ModuleSurface(name="wing", area_m2=1.0, side="centre"),))
+    assert np.array_equal(shaded_area(bare, None, np.ones((7, 3))), np.zeros((7, 1)))
+    assert elevation_free_of_shading_deg(bare, None) == 0.0
+
+
+def test_surface_without_outline_is_named() -> None:
+    bare = ModuleGeometry(surfaces=(ModuleSurface(name="wing", area_m2=1.0, side="centre"),))
+    with pytest.raises(ValueError, match="wing needs an outline"):
+        shaded_area(bare, TAIL, [0.0, 0.0, -1.0])
+
+
+# Elevation above which nothing is shaded.
+
+
+def test_free_elevation_of_the_level_wing_by_hand() -> None:
+    expected = np.degrees(np.arctan(HEIGHT / (AFT - REAR)))
+    found = elevation_free_of_shading_deg(level_wing(), t_tail())
+    assert found == pytest.approx(expected, rel=1e-9)  # accuracy of the least squares
+
+
+@pytest.mark.parametrize(
+    ("roll_deg", "pitch_deg"), [(0, 0), (0, 5), (0, -5), (15, 0), (-15, 3), (40, 0)]
+)
+def test_free_elevation_separates_shade_from_light(roll_deg: float, pitch_deg: float) -> None:
+    roll, pitch = np.radians([roll_deg, pitch_deg])
+    limit = elevation_free_of_shading_deg(ATLANTIKSOLAR, TAIL, roll, pitch)
+    to_ned = direction_cosines(roll, pitch, 0.0)
+    azimuths = np.arange(0.0, 360.0, 0.2)
+    above = np.linspace(limit + 1e-6, 90.0, 40)[:, np.newaxis]
+    assert not shaded_area(ATLANTIKSOLAR, TAIL, sun_from(above, azimuths) @ to_ned).any()
+    # The cone is wider than the step of the azimuth a tenth of a degree below its steepest ray.
+    assert shaded_area(ATLANTIKSOLAR, TAIL, sun_from(limit - 0.1, azimuths) @ to_ned).any()
+
+
+def test_taller_tail_shades_a_higher_sun() -> None:
+    heights = np.linspace(0.1, 0.6, 11)
+    tails = [TAIL.model_copy(update={"vertical_height_m": height}) for height in heights]
+    limits = [elevation_free_of_shading_deg(ATLANTIKSOLAR, tail) for tail in tails]
+    assert (np.diff(limits) > 0.0).all()
+
+
+def test_free_elevation_of_atlantiksolar_is_the_reported_one() -> None:
+    # "Above 19 degrees": two digits. The height of the assumed T-tail was chosen for it.
+    found = elevation_free_of_shading_deg(ATLANTIKSOLAR, TAIL)
+    assert found == pytest.approx(19.0, abs=0.5)
+
+
+def test_worst_loss_of_light_in_the_early_morning_is_below_the_reported_tenth() -> None:
+    # 28 h flight, solar time 5.71 h: "less than a 10 % decrease" at the most significant shading.
+    cosine = cos_zenith(47.6, declination(182.5), hour_angle(5.71))
+    suns = sun_from(np.degrees(np.arcsin(cosine)), np.arange(0.0, 360.0))
+    direct = np.maximum(suns @ ATLANTIKSOLAR.normals().T, 0.0) * AREAS
+    left = apply_losses(direct, shaded_fraction(ATLANTIKSOLAR, TAIL, suns), proportional_losses)
+    loss = 1.0 - left.sum(axis=-1) / direct.sum(axis=-1)
+    assert 0.03 < loss.max() < 0.10
+
+
+# Outlines in space.
+
+
+def test_outlines_lie_in_the_planes_of_the_normals_and_keep_their_size() -> None:
+    for surface, normal in zip(ATLANTIKSOLAR.surfaces, ATLANTIKSOLAR.normals(), strict=True):
+        corners = outline_corners(surface, ATLANTIKSOLAR)
+        across, along = corners[1] - corners[0], corners[3] - corners[0]
+        assert np.cross(along, across) / (np.linalg.norm(across) * np.linalg.norm(along)) == (
+            pytest.approx(normal, abs=ROUNDING)
+        )
+        assert np.linalg.norm(across) == pytest.approx(2.5 if surface.side == "centre" else 1.5)
+        assert np.linalg.norm(along) == pytest.approx(0.125)
+        assert corners[0] + corners[2] == pytest.approx(corners[1] + corners[3])
+
+
+def test_corners_are_clockwise_from_the_front_left() -> None:
+    (surface,) = level_wing().surfaces
+    expected = [(0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (-REAR, 1.0, 0.0), (-REAR, -1.0, 0.0)]
+    assert outline_corners(surface, level_wing()) == pytest.approx(np.array(expected))
+
+
+def test_incidence_lowers_what_is_aft_and_dihedral_raises_the_tips() -> None:
+    flat = ATLANTIKSOLAR.model_copy(update={"wing_incidence_deg": 0.0})
+    middles = [outline_corners(s, ATLANTIKSOLAR).mean(axis=0) for s in ATLANTIKSOLAR.surfaces]
+    assert middles[2][2] == pytest.approx(0.0875 * np.sin(np.radians(5.7)))
+    tip = outline_corners(flat.surfaces[4], flat).mean(axis=0)
+    bent = 2.02 - 1.25  # middle of the outer module from the edge of the central one
+    assert tip[2] == pytest.approx(-bent * np.sin(np.radians(6.0)))
+    assert tip[1] == pytest.approx(1.25 + bent * np.cos(np.radians(6.0)))
+
+
+def test_left_outline_mirrors_the_right_one() -> None:
+    for left, right in ((0, 4), (1, 5)):
+        port, starboard = (
+            outline_corners(ATLANTIKSOLAR.surfaces[index], ATLANTIKSOLAR) for index in (left, right)
+        )
+        assert port[[1, 0, 3, 2]] * (1.0, -1.0, 1.0) == pytest.approx(starboard)
+
+
+def test_horizontal_tail_sits_on_the_fin_unless_told_otherwise() -> None:
+    assert t_tail(boom_height_m=0.1).height_m == pytest.approx(HEIGHT + 0.1)
+    assert t_tail(horizontal_height_m=0.2).height_m == 0.2
+    horizontal, vertical = t_tail(boom_height_m=0.1).panels()
+    assert horizontal[:, 2] == pytest.approx(np.full(4, -HEIGHT - 0.1))
+    assert vertical[:, 2] == pytest.approx([-0.1, -HEIGHT - 0.1, -HEIGHT - 0.1, -0.1])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"horizontal_span_m": 0.0},
+        {"vertical_chord_m": -1.0},
+        {"vertical_height_m": 0.0},
+        {"boom_height_m": float("nan")},
+        {"horizontal_aft_m": "1.5"},
+        {"colour": "white"},
+    ],
+)
+def test_impossible_tails_are_refused(changes: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError):
+        t_tail(**changes)
+
+
+# Losses.
+
+FRACTIONS = np.linspace(0.0, 1.0, 101)
+
+
+@pytest.mark.parametrize("name", sorted(LOSS_MODELS))
+def test_losses_rise_from_nothing_and_stay_below_all(name: str) -> None:
+    lost = loss_model(name)(FRACTIONS)
+    assert lost[0] == 0.0
+    assert (np.diff(lost) >= 0.0).all()
+    assert lost[-1] == (0.0 if name == "none" else 1.0)
+
+
+def test_string_loses_whole_substrings_above_the_threshold() -> None:
+    model = string_losses(substrings=4, threshold=0.01)
+    shaded = np.array([0.0, 0.01, 0.011, 0.25, 0.26, 0.5, 0.75, 0.751, 1.0])
+    assert model(shaded) == pytest.approx([0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 1.0, 1.0])
+
+
+def test_string_of_one_is_all_or_nothing_and_of_many_is_proportional() -> None:
+    assert np.array_equal(string_losses(1, 0.0)(FRACTIONS), (FRACTIONS > 0.0).astype(float))
+    # A thousandth at most is rounded up.
+    assert string_losses(1000, 0.0)(FRACTIONS) == pytest.approx(FRACTIONS, abs=1e-3)
+
+
+@pytest.mark.parametrize("arguments", [(0, 0.0), (2, -0.1), (2, 1.0), (2, float("nan"))])
+def test_impossible_strings_are_refused(arguments: tuple[int, float]) -> None:
+    with pytest.raises(ValueError, match=r"sub-string|threshold"):
+        string_losses(*arguments)
+
+
+def test_losses_reduce_the_light_of_each_surface() -> None:
+    direct = np.array([[100.0, 200.0], [0.0, 50.0]])
+    shaded = np.array([0.25, 0.0])
+    assert np.array_equal(apply_losses(direct, shaded), direct)
+    left = apply_losses(direct, shaded, proportional_losses)
+    assert np.array_equal(left, [[75.0, 200.0], [0.0, 50.0]])
+
+
+def test_own_model_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shading, "LOSS_MODELS", dict(LOSS_MODELS))
+    register_loss_model("square", np.square)
+    assert apply_losses(8.0, np.array([0.5]), loss_model("square")) == pytest.approx([6.0])
+    with pytest.raises(ValueError, match="already"):
+        register_loss_model("square", np.square)
+
+
+def test_unknown_model_lists_the_known_ones() -> None:
+    with pytest.raises(ValueError, match="none, proportional, string"):
+        loss_model("bypass")
+
+
+@pytest.mark.parametrize("lost", [-0.1, 1.1, float("nan")])
+def test_impossible_losses_are_refused(lost: float) -> None:
+    with pytest.raises(ValueError, match="between 0 and 1"):
+        apply_losses(1.0, np.zeros(2), lambda shaded: np.full_like(shaded, lost))
+
+
+def test_losses_of_another_shape_are_refused() -> None:
+    with pytest.raises(ValueError, match="shape"):
+        apply_losses(1.0, np.zeros(2), lambda shaded: shaded[:1])
