@@ -7,7 +7,7 @@ import re
 DAYS_PER_YEAR = 365
 _MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 MONTH_NAMES = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
-_FORM = re.compile(r"(\d{1,2})-(\d{1,2})")
+_FORM = re.compile(r"([0-9]{1,2})-([0-9]{1,2})")
 
 
 def day_of_year(date: str) -> int:

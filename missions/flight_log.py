@@ -458,8 +458,14 @@ def _assembled(
         rows_dropped=dropped,
         gaps=gaps,
         notes=tuple(told),
-        **{name: values[name] for name in REQUIRED},
-        **{name: _if_any(values.get(name)) for name in OPTIONAL},
+        latitude_deg=values["latitude_deg"],
+        longitude_deg=values["longitude_deg"],
+        altitude_m=values["altitude_m"],
+        solar_power_w=values["solar_power_w"],
+        ambient_temperature_c=_if_any(values.get("ambient_temperature_c")),
+        mppt_voltage_v=_if_any(values.get("mppt_voltage_v")),
+        load_w=_if_any(values.get("load_w")),
+        state_of_charge=_if_any(values.get("state_of_charge")),
     )
 
 

@@ -37,7 +37,11 @@ Altitude = Annotated[
     float, Strict(), Field(ge=MINIMUM_ALTITUDE_M, le=MAXIMUM_ALTITUDE_M, allow_inf_nan=False)
 ]
 TemperatureOffset = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
+ExcessTime = Annotated[float, Strict(), Field(ge=0.0, le=1000.0, allow_inf_nan=False)]
 Temperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
+
+
+MAXIMUM_SCENARIOS = 5000
 
 
 def _date(value: Any) -> str:
@@ -184,7 +188,7 @@ class Mission(Record):
     wind_m_per_s: NonNegativeReal = 0.0
     wind_from_deg: Heading = 90.0
     flight_path: FlightPath | None = None
-    required_excess_time_h: NonNegativeReal = 0.0
+    required_excess_time_h: ExcessTime = 0.0
     launch: Launch | None = None
 
     @model_validator(mode="after")
@@ -200,6 +204,17 @@ class Mission(Record):
         if isinstance(self.latitude_deg, LatitudeRange):
             raise PydanticCustomError(
                 "latitude_range", "a launch needs a single latitude", {"key": "latitude_deg"}
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _check_scenario_count(self) -> Mission:
+        count = len(self.latitudes()) * len(self.dates.days())
+        if count > MAXIMUM_SCENARIOS:
+            raise PydanticCustomError(
+                "too_many_scenarios",
+                "latitudes times days must be at most {limit} scenarios (got {count})",
+                {"key": "latitude_deg", "limit": MAXIMUM_SCENARIOS, "count": count},
             )
         return self
 

@@ -6,12 +6,20 @@ import os
 import re
 import stat
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from missions.problems import printable, shortened, shown
 
-__all__ = ["OutputError", "to_yaml", "write_bytes_atomically", "write_text_atomically"]
+__all__ = [
+    "OutputError",
+    "check_writable_folder",
+    "to_yaml",
+    "write_bytes_atomically",
+    "write_files_atomically",
+    "write_text_atomically",
+]
 
 _BARE_TEXT = re.compile(r"[A-Za-z_](?:[A-Za-z0-9_./+ -]*[A-Za-z0-9_./+-])?")
 # Readers of YAML 1.1 take these for booleans.
@@ -121,26 +129,87 @@ def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     OutputError
         If the file cannot be written; an existing file is then unchanged.
     """
+    write_files_atomically({path: data})
+
+
+def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> None:
+    """Write several files, each completely, and none of them where one cannot be written.
+
+    Everything is written beside its target first; only then are the targets replaced.
+
+    Raises
+    ------
+    OutputError
+        If one of the files cannot be written; existing files are then unchanged.
+    """
+    staged: list[_Staged] = []
+    path: str | os.PathLike[str] = ""
     try:
-        _write(Path(path), data)
+        for path, data in contents.items():
+            staged.append(_stage(Path(path), data))
+        for file in staged:
+            path = file.target
+            file.commit()
     except (OSError, ValueError) as error:
         name = printable(os.fspath(path))
         raise OutputError(f"cannot write {name}: {_writing_trouble(error)}") from error
+    finally:
+        for file in staged:
+            file.discard()
 
 
-def _write(path: Path, data: bytes) -> None:
+def check_writable_folder(folder: Path) -> None:
+    """Refuse a folder that files cannot be put into, before any work is done for them.
+
+    A folder that does not exist is made later; then the one above it must take it.
+
+    Raises
+    ------
+    OutputError
+        If the path is no folder or may not be written to.
+    """
+    name = printable(os.fspath(folder))
+    existing = next((p for p in (folder, *folder.parents) if p.exists()), None)
+    if existing is None or not existing.is_dir():
+        raise OutputError(f"cannot write to {name}: {existing or name} is not a folder")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise OutputError(f"cannot write to {name}: permission denied")
+
+
+@dataclass(frozen=True)
+class _Staged:
+    """A file's content beside its target; devices and pipes have no such place (no scratch)."""
+
+    target: Path
+    data: bytes
+    scratch: Path | None
+
+    def commit(self) -> None:
+        if self.scratch is None:
+            self.target.write_bytes(self.data)
+        else:
+            self.scratch.replace(self.target)
+
+    def discard(self) -> None:
+        if self.scratch is not None:
+            self.scratch.unlink(missing_ok=True)
+
+
+def _stage(path: Path, data: bytes) -> _Staged:
+    if not os.fspath(path) or os.fspath(path) == ".":
+        raise IsADirectoryError
     mode = path.stat().st_mode if path.exists() else None
     if mode is not None and stat.S_ISDIR(mode):
         raise IsADirectoryError
     if mode is not None and not stat.S_ISREG(mode):
         # A device or a pipe must be written to, never replaced by a file.
-        path.write_bytes(data)
-        return
+        return _Staged(path, data, None)
     # Through a symbolic link the file it names is replaced, not the link.
     target = Path(os.path.realpath(path))
     scratch = target.parent / f".{os.urandom(8).hex()}.tmp"
     # Created by hand, for the permissions of an ordinary new file rather than a private one.
     descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    staged = _Staged(target, data, scratch)
     try:
         with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
             file.write(data)
@@ -148,10 +217,10 @@ def _write(path: Path, data: bytes) -> None:
             os.fsync(file.fileno())
         if mode is not None:
             scratch.chmod(stat.S_IMODE(mode))
-        scratch.replace(target)
     except BaseException:
-        scratch.unlink(missing_ok=True)
+        staged.discard()
         raise
+    return staged
 
 
 def _writing_trouble(error: OSError | ValueError) -> str:

@@ -26,7 +26,7 @@ __all__ = ["with_overrides"]
 T = TypeVar("T")
 
 
-def with_overrides(document: Document, overrides: Sequence[str]) -> Document:
+def with_overrides(document: Document, overrides: Sequence[str], *, prefix: str = "") -> Document:
     """Return a new document with values replaced or added.
 
     Parameters
@@ -37,6 +37,8 @@ def with_overrides(document: Document, overrides: Sequence[str]) -> Document:
         Texts ``dotted.key=value``, applied in order. The value follows the rules of the files
         (a scalar, or a list or mapping in brackets); items of lists are named by their index
         from 0.
+    prefix : str
+        What the user wrote before each key, for the problems that name it.
 
     Raises
     ------
@@ -47,7 +49,7 @@ def with_overrides(document: Document, overrides: Sequence[str]) -> Document:
     problems: list[Problem] = []
     for text in overrides:
         try:
-            result = _with_override(result, text)
+            result = _with_override(result, text, prefix)
         except InputError as error:
             problems.extend(error.problems)
     if problems:
@@ -55,14 +57,14 @@ def with_overrides(document: Document, overrides: Sequence[str]) -> Document:
     return result
 
 
-def _with_override(document: Document, text: str) -> Document:
+def _with_override(document: Document, text: str, prefix: str) -> Document:
     """Put one value into the data, in place, and return the document with its new places."""
     key, equals, value_text = text.partition("=")
     key = key.strip()
     parts = key.split(".")
-    name = dotted(parts)
+    name = prefix + dotted(parts)
     if not equals or not all(part.strip() for part in parts):
-        name = shortened(printable(text))
+        name = prefix + shortened(printable(text))
         raise _error(name, "write an override as KEY=VALUE, for example a.b=2.5")
     if NOT_YAML.search(key):
         raise _error(name, "the key holds a character that is not allowed")

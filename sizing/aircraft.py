@@ -13,6 +13,7 @@ from sizing.structure import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
+from solar.shading import TailGeometry
 
 
 class LevelFlight(Record):
@@ -89,6 +90,7 @@ class SolarModules(SolarCell):
 
     area_m2: NonNegativeReal
     geometry: ModuleGeometry | None = None
+    tail: TailGeometry | None = None
     mass_kg_per_m2: NonNegativeReal = 0.59
     mppt_mass_kg_per_w: NonNegativeReal = 1.0 / 2368.0
 
@@ -124,6 +126,16 @@ class DesignSpace(Record):
     aspect_ratio: Range | None = None
     maximum_total_mass_kg: PositiveReal | None = None
     maximum_wing_loading_kg_per_m2: PositiveReal | None = None
+
+    @model_validator(mode="after")
+    def _check_mass(self) -> DesignSpace:
+        heaviest, battery = self.maximum_total_mass_kg, self.battery_mass_kg.minimum
+        if heaviest is not None and heaviest <= battery:
+            raise ValueError(
+                "maximum_total_mass_kg must be above the least battery mass "
+                f"(got {heaviest:g} and {battery:g})"
+            )
+        return self
 
 
 class Aircraft(Record):

@@ -20,6 +20,10 @@ from sizing.structure import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
 
+class ImpossibleDesignError(ValueError):
+    """A design that cannot carry its own mass."""
+
+
 class DesignVariables(NamedTuple):
     """What the optimiser chooses."""
 
@@ -235,10 +239,21 @@ def closed_design(
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:
-    """Design of an aircraft as its file gives it, flying a mission."""
+    """Design of an aircraft as its file gives it, flying a mission.
+
+    Raises
+    ------
+    ImpossibleDesignError
+        If a parametric aircraft cannot carry its own mass.
+    """
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, mission)
     design = closed_design(aircraft, mission, variables_of(aircraft))
+    if not np.isfinite(design.total_mass_kg):
+        raise ImpossibleDesignError(
+            f"{aircraft.name} cannot carry its own mass on mission {mission.name}: structure and "
+            "propulsion grow faster than the lift they add"
+        )
     return Design(
         variables=variables_of(aircraft),
         total_mass_kg=float(design.total_mass_kg),

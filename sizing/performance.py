@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.cycle import Cycle, Status, simulate_cycle
+from sizing.cycle import Cycle, simulate_cycle
 from sizing.design import (
     Design,
     DesignVariables,
@@ -26,6 +26,8 @@ from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
 
 DEFAULT_STEP_H = 1.0 / 12.0
+# Searches for the best launch that are marched together: what fits into the cache.
+_FLIGHTS_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
@@ -239,19 +241,20 @@ class Performance:
         """Index of the scenario with the least excess time (of a single design)."""
         return int(np.argmin(self.cycle.excess_time_h))
 
-    def endurance(self, scenario: int) -> Endurance | None:
-        """Longest flight in a scenario; none where it has no end."""
-        if self.cycle.status[scenario] in (Status.perpetual, Status.always_lit):
-            return None
-        one = Store(
-            np.asarray(self.store.energy_max_wh).reshape(-1)[0],
-            self.store.charge_efficiency,
-            self.store.discharge_efficiency,
-            self.store.clock,
-        )
-        return longest_flight(
-            self.day.time_h, self.solar_power_w[scenario], self.load_w[scenario], one
-        )
+    def endurances(self) -> list[Endurance | None]:
+        """Longest flight in every scenario (of a single design); none where it has no end."""
+        ends = np.flatnonzero(~self.cycle.perpetual)
+        found: list[Endurance | None] = [None] * len(self.cycle.status)
+        energy = np.broadcast_to(self.store.energy_max_wh, self.cycle.status.shape)
+        for start in range(0, len(ends), _FLIGHTS_AT_ONCE):
+            some = ends[start : start + _FLIGHTS_AT_ONCE]
+            store = replace(self.store, energy_max_wh=energy[some])
+            flights = longest_flight(
+                self.day.time_h, self.solar_power_w[some], self.load_w[some], store
+            )
+            for k, index in enumerate(some):
+                found[index] = Endurance(flights.endurance_h[k], flights.launch_h[k])
+        return found
 
 
 def performance(
@@ -290,7 +293,8 @@ def _simulate(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, design: Design, day: SolarDay
 ) -> Performance:
     # An impossible design draws infinite power; a finite, hopeless one keeps the arithmetic clean.
-    sound = design._replace(propulsion_power_w=np.minimum(design.propulsion_power_w, 1e9))
+    power_w = np.asarray(design.propulsion_power_w)
+    sound = design._replace(propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12))
     area = np.asarray(design.variables.module_area_m2)[..., np.newaxis, np.newaxis]
     solar_w = area * day.specific_power_w_per_m2
     per_scenario = sound._replace(

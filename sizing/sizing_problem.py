@@ -226,6 +226,7 @@ _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity"
 
 _IPOPT_OPTIONS = {
     "print_time": False,
+    "show_eval_warnings": False,
     "error_on_fail": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
@@ -348,6 +349,8 @@ def _rule_clock(limit: RuleChargeLimit) -> Any:
     """Follow the constant-current rule and its exponential taper, in closed form."""
     rate, start = limit.c_rate_per_h, limit.taper_start
     decay = float(-np.log(limit.relative_rate_at_full) / (1.0 - start))
+    if decay == 0.0:  # no taper: the constant rate all the way
+        return lambda soc, hours: soc + rate * hours
     knee_h = start / rate
 
     def after(soc: Any, hours: float) -> Any:

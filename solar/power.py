@@ -120,8 +120,13 @@ def horizontal_specific_power(
     Raises
     ------
     ValueError
-        If the model or the correction does not exist.
+        If the model or the correction does not exist, or needs a flight path.
     """
+    if model not in HORIZONTAL_MODELS:
+        allowed = ", ".join(HORIZONTAL_MODELS)
+        raise ValueError(f"unknown horizontal solar power model {model!r}; choose from {allowed}")
+    if correct == "loiter":
+        raise ValueError("the correction 'loiter' needs a flight path; choose none or report")
     factor = correction(model, correct).factor * np.asarray(clearness, float)
     cosine = cos_zenith(latitude_deg, declination(day_of_year), hour_angle(time_solar_h))
     irradiance = clear_sky(day_of_year, latitude_deg, cosine, altitude_m)

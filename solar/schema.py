@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
 __all__ = [
     "Flag",
@@ -29,11 +29,25 @@ class Record(BaseModel):
     )
 
 
+def _at_least(limit: float) -> AfterValidator:
+    """Refuse positive numbers too small for anything that flies."""
+
+    def check(value: float) -> float:
+        if value < limit:
+            raise ValueError(f"must be at least {limit:g} (got {value:g})")
+        return value
+
+    return AfterValidator(check)
+
+
+# Bounds far outside all that flies keep the arithmetic free of overflow.
 # Strict: neither `true` nor a quoted number passes for a number; an integer passes for a real.
 Real = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-PositiveReal = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
-NonNegativeReal = Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
-Fraction = Annotated[float, Strict(), Field(gt=0, le=1, allow_inf_nan=False)]
+PositiveReal = Annotated[
+    float, Strict(), Field(gt=0, le=1e12, allow_inf_nan=False), _at_least(1e-9)
+]
+NonNegativeReal = Annotated[float, Strict(), Field(ge=0, le=1e12, allow_inf_nan=False)]
+Fraction = Annotated[float, Strict(), Field(gt=0, le=1, allow_inf_nan=False), _at_least(1e-3)]
 UnitInterval = Annotated[float, Strict(), Field(ge=0, le=1, allow_inf_nan=False)]
 
 Integer = Annotated[int, Strict()]

@@ -168,8 +168,8 @@ def outline_corners(surface: ModuleSurface, geometry: ModuleGeometry) -> FloatAr
     begins at the outer edge of the central modules (at the symmetry plane if there are none), and
     span is counted along the bent wing, so that outlines keep their size. The middle of a module
     lies on the chord line, and the module's pitch turns it about its middle: the thickness of the
-    wing, a centimetre or two, is left out. Orientation as in report, eq. 2, and
-    :meth:`solar.geometry.ModuleGeometry.normals`.
+    wing, a centimetre or two, is left out. Orientation (pitch, then dihedral, then incidence) as in
+    :meth:`solar.geometry.ModuleGeometry.normals`; report, eq. 2.
     """
     return _module_frame(surface, geometry).corners()
 
@@ -389,8 +389,8 @@ def _module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> _ModuleFr
     dihedral = np.radians(surface.dihedral_deg)
     hinge = _start_of_dihedral_m(geometry)
     incidence = np.radians(geometry.wing_incidence_deg)
-    pitch = incidence + np.radians(surface.pitch_deg)
-    module_to_body = direction_cosines(-side * dihedral, pitch, 0.0)
+    in_panel = direction_cosines(0.0, np.radians(surface.pitch_deg), 0.0)
+    module_to_body = direction_cosines(-side * dihedral, incidence, 0.0) @ in_panel
     return _ModuleFrame(
         axes=np.stack((module_to_body[:, 1], -module_to_body[:, 0], -module_to_body[:, 2])),
         middle=direction_cosines(0.0, incidence, 0.0) @ _middle(outline, side, dihedral, hinge),

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from missions.dates import date_code, date_label
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.calendar_run import CalendarRun, calendar_run
 from sizing.cycle import Status
+from sizing.endurance import Endurance
 from sizing.performance import Performance, SolarModel, performance, solar_day
 from solar._version import __version__
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -60,11 +63,10 @@ def finite(value: Any) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
+def scenario_record(analysis: Analysis, index: int, endurance: Endurance | None) -> dict[str, Any]:
     """Metrics of one scenario, JSON-ready."""
     perf = analysis.performance
     cycle, account = perf.cycle, perf.cycle.account
-    endurance = perf.endurance(index)
     lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
     return {
         "excess_time_h": finite(cycle.excess_time_h[index]),
@@ -72,7 +74,7 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
         "endurance_h": None if endurance is None else finite(endurance.endurance_h),
         "best_launch_h": None if endurance is None else finite(endurance.launch_h),
         "minimum_state_of_charge": finite(cycle.minimum_state_of_charge[index]),
-        "status": Status(int(cycle.status[index])).name,
+        "status": _status_name(int(cycle.status[index])),
         "sunrise_h": finite(perf.day.sunrise_h[index]) if lit else None,
         "sunset_h": finite(perf.day.sunset_h[index]) if lit else None,
         "equal_power_morning_h": finite(cycle.equal_power_morning_h[index]),
@@ -95,9 +97,15 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     }
 
 
+def _status_name(status: int) -> str:
+    """Status for users; a cycle without any solar power is one of the limited ones."""
+    return Status.limited.name if status == Status.never_lit else Status(status).name
+
+
 def to_json(analysis: Analysis) -> dict[str, Any]:
     """Whole analysis, JSON-ready; the top level is the worst scenario."""
-    records = [scenario_record(analysis, i) for i in range(len(analysis.performance.day.scenarios))]
+    flights = analysis.performance.endurances()
+    records = [scenario_record(analysis, i, flight) for i, flight in enumerate(flights)]
     design = analysis.performance.design
     result = dict(records[analysis.worst])
     result |= {
@@ -132,6 +140,8 @@ def flight_record(flight: CalendarRun) -> dict[str, Any]:
 
 def trajectory_table(analysis: Analysis) -> pd.DataFrame:
     """Power and state of charge over the cycle of every scenario, one row per node."""
+    import pandas as pd
+
     perf = analysis.performance
     scenarios = perf.day.scenarios
     nodes = len(perf.day.time_h)

@@ -5,7 +5,9 @@ Heavy packages are imported inside the commands that use them, so that help text
 
 from __future__ import annotations
 
+import io
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -37,6 +39,8 @@ class Latitude(click.ParamType[float]):
     ) -> float:
         """Read the number and check its range; NaN is outside."""
         try:
+            if "_" in str(value):  # Python's own notation, nobody's latitude
+                raise ValueError
             number = float(value)
         except (TypeError, ValueError):
             self.fail(f"{value!r} is not a number", param, ctx)
@@ -133,19 +137,18 @@ def analyse(
     replay = latitude is None and day is None
     result = study.analyse(craft.aircraft, placed, _solar_model(model, correction), replay=replay)
     record = study.to_json(result)
+    contents: dict[str | os.PathLike[str], bytes] = {}
     if csv_file is not None:
-        from missions.output_files import write_text_atomically
-
-        write_text_atomically(csv_file, study.trajectory_table(result).to_csv(index=False))
+        contents[csv_file] = study.trajectory_table(result).to_csv(index=False).encode()
     if plot_file is not None and image_format is not None:
-        from missions.output_files import write_bytes_atomically
         from studies import plots
 
         flight = result.flight
         figure = (
             plots.cycle_figure(result) if flight is None else plots.flight_figure(result, flight)
         )
-        write_bytes_atomically(plot_file, plots.to_bytes(figure, image_format))
+        contents[plot_file] = plots.to_bytes(figure, image_format)
+    _write_files(contents)
     if as_json:
         _print_json(record)
         return
@@ -203,6 +206,10 @@ def size(
     _require_path(model, correction, craft, where)
     if required_h is not None and required_h != required_h:
         raise click.BadParameter("must be a number of hours", param_hint="--required-excess-time")
+    if out_dir is not None:
+        from missions.output_files import check_writable_folder
+
+        check_writable_folder(Path(out_dir))
     result = size_aircraft(
         craft.aircraft,
         where.mission,
@@ -351,15 +358,14 @@ def efficiencies(aircraft: str, mission: str, csv_file: str | None, plot_file: s
     from studies import component_efficiencies as study
 
     data = study.component_efficiencies(craft.aircraft, where.mission)
+    contents: dict[str | os.PathLike[str], bytes] = {}
     if csv_file is not None:
-        from missions.output_files import write_text_atomically
-
-        write_text_atomically(csv_file, data.to_dataframe().to_csv())
+        contents[csv_file] = data.to_dataframe().to_csv().encode()
     if plot_file is not None and image is not None:
-        from missions.output_files import write_bytes_atomically
         from studies.plots import to_bytes
 
-        write_bytes_atomically(plot_file, to_bytes(study.figure(data), image))
+        contents[plot_file] = to_bytes(study.figure(data), image)
+    _write_files(contents)
     from studies.tables import print_efficiencies
 
     print_efficiencies(_console(), data)
@@ -471,6 +477,13 @@ def _solar_model(model: str, correction: str) -> SolarModel:
     return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
 
 
+def _write_files(contents: dict[str | os.PathLike[str], bytes]) -> None:
+    """Write all files of a command, or none."""
+    from missions.output_files import write_files_atomically
+
+    write_files_atomically(contents)
+
+
 def _image_format(path: str | None) -> str | None:
     if path is None:
         return None
@@ -486,7 +499,8 @@ def _image_format(path: str | None) -> str | None:
 def _console() -> Any:
     from rich.console import Console
 
-    return Console(highlight=False)
+    # Names from files are text, never markup.
+    return Console(highlight=False, markup=False, emoji=False)
 
 
 def _print_json(record: Any) -> None:
@@ -495,15 +509,23 @@ def _print_json(record: Any) -> None:
 
 def main() -> None:
     """Run the command; a user's mistake ends as one clear message and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        # A terminal that cannot show a character shows a stand-in; it is no reason to fail.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     try:
-        cli.main(standalone_mode=True)
+        cli.main(prog_name="solar-uav", standalone_mode=True)
     except ValueError as error:
         from missions.problems import InputError
+        from sizing.design import ImpossibleDesignError
 
-        if not isinstance(error, InputError):
-            raise
-        click.echo(str(error), err=True)
-        sys.exit(EXIT_BAD_INPUT)
+        if isinstance(error, InputError):
+            click.echo(str(error), err=True)
+            sys.exit(EXIT_BAD_INPUT)
+        if isinstance(error, ImpossibleDesignError):
+            click.echo(f"solar-uav: {error}", err=True)
+            sys.exit(EXIT_FAILED)
+        raise
     except OSError as error:
         click.echo(f"solar-uav: {error}", err=True)
         sys.exit(EXIT_FAILED)

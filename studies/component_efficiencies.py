@@ -111,8 +111,9 @@ def figure(data: xr.Dataset) -> Figure:
         xlabel="solar time [h]",
         ylabel="component efficiency [-]",
         ylim=(0, 1.05),
-        title=f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM, uncorrected)",
     )
+    title = f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM, uncorrected)"
+    axes.set_title(title, parse_math=False)
     axes.grid(alpha=0.3)
     axes.legend(loc="lower center", ncols=2)
     return canvas

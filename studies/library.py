@@ -56,6 +56,8 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
     InputError
         If there is neither such a file nor a shipped one of that name.
     """
+    if not name_or_path.strip() or not name_or_path.isprintable() or len(name_or_path) > 1000:
+        raise InputError([_not_a_name(kind, name_or_path)])
     names = shipped_names(kind)
     if name_or_path in names and not Path(name_or_path).is_file():
         source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name_or_path}.yaml")
@@ -63,6 +65,12 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
     if not Path(name_or_path).exists():
         raise InputError([_unknown(kind, name_or_path, names)])
     return read_yaml(name_or_path)
+
+
+def _not_a_name(kind: Kind, name: str) -> Problem:
+    shown = ascii(name if len(name) <= 40 else name[:40] + "...")
+    message = f"is neither the name nor the file of one (got {shown})"
+    return Problem(source=kind, line=None, column=None, key="", message=message)
 
 
 def _unknown(kind: Kind, name: str, names: Sequence[str]) -> Problem:
@@ -96,7 +104,9 @@ def load_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMiss
     """Load a mission by name or path; ``overrides`` are ``dotted.key=value`` texts."""
     from missions.mission import Mission
 
-    document = with_overrides(find_document("mission", name_or_path), overrides)
+    document = with_overrides(
+        find_document("mission", name_or_path), overrides, prefix=_MISSION_PREFIX
+    )
     return LoadedMission(validate(document, Mission), document)
 
 

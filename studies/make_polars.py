@@ -1,16 +1,18 @@
 """Write airfoil polar tables with NeuralFoil (needs the extra ``airfoil``).
 
-``python -m studies.make_polars --airfoil mh114 --out sizing/data/polars/mh114.csv`` wrote the
-tables that ship with the package. NeuralFoil is a neural network trained on XFOIL: Sharpe, P.
-(2025), NeuralFoil: An Airfoil Aerodynamics Analysis Tool Using Physics-Informed Machine Learning,
-arXiv:2503.16323. Nothing else imports this module: a polar is a table, whoever made it.
+``python -m studies.make_polars --airfoil mh114 --out sizing/data/polars/mh114.csv`` wrote one of
+the tables that ship with the package. NeuralFoil is a neural network trained on XFOIL: Sharpe, P.
+and Hansman, R. J. (2025), NeuralFoil: An Airfoil Aerodynamics Analysis Tool Using Physics-Informed
+Machine Learning, arXiv:2503.16323. Nothing else imports this module: a polar is a table, whoever
+made it.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from importlib import metadata
+import warnings
+from importlib import import_module, metadata
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -69,15 +71,16 @@ def polar_table(airfoil: str, grid: Grid, *, critical_exponent: float = CRITICAL
 
 def _section(airfoil: str) -> tuple[Any, Any]:
     try:
-        import aerosandbox
-        import neuralfoil
+        aerosandbox, neuralfoil = (import_module(name) for name in ("aerosandbox", "neuralfoil"))
     except ModuleNotFoundError as error:
         raise ModuleNotFoundError(
             f"{error.name} is not installed; it comes with the extra 'airfoil': "
             'pip install "solar-uav-sizing[airfoil]"',
             name=error.name,
         ) from error
-    section = aerosandbox.Airfoil(airfoil)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # about missing coordinates, reported below
+        section = aerosandbox.Airfoil(airfoil)
     if section.coordinates is None:
         raise ValueError(f"AeroSandbox's coordinate database has no airfoil {airfoil!r}")
     return section, neuralfoil

@@ -42,7 +42,8 @@ def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
         axes.grid(alpha=0.3)
     charge_axes.set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
     where = perf.day.scenarios.label(index)
-    figure.suptitle(f"{analysis.aircraft.name}, {where} ({caption(perf.solar)})")
+    title = f"{analysis.aircraft.name}, {where} ({caption(perf.solar)})"
+    figure.suptitle(title, parse_math=False)
     return figure
 
 
@@ -161,7 +162,8 @@ def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
         xlim=(flight.clock_h[0], flight.clock_h[-1]),
     )
     solar = analysis.performance.solar
-    figure.suptitle(f"{analysis.aircraft.name}, {analysis.mission.name} ({caption(solar)})")
+    title = f"{analysis.aircraft.name}, {analysis.mission.name} ({caption(solar)})"
+    figure.suptitle(title, parse_math=False)
     return figure
 
 
@@ -172,6 +174,7 @@ def mass_figure(masses_kg: dict[str, float], title: str) -> Figure:
     axes = figure.subplots()
     bars = axes.barh([k for k, _ in items], [v for _, v in items], color=LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
-    axes.set(xlabel="mass [kg]", title=title)
+    axes.set(xlabel="mass [kg]")
+    axes.set_title(title, parse_math=False)
     axes.margins(x=0.15)
     return figure

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from missions.configfile import validate
 from missions.mission import Mission
-from missions.output_files import OutputError
+from missions.output_files import OutputError, write_files_atomically
 from missions.yaml_document import parse_yaml
 from sizing.aircraft import Aircraft
 from sizing.optimiser import SizingResult
@@ -26,8 +25,6 @@ def write_sizing(
     mission: Mission,
 ) -> None:
     """Write the files of an optimum into a folder; existing files of these names are replaced.
-
-    Everything is made beside the folder first, so that a failure leaves it as it was.
 
     Raises
     ------
@@ -64,13 +61,7 @@ def place_files(folder: Path, contents: dict[str, bytes]) -> None:
         If the folder cannot be written.
     """
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as name:
-            staging = Path(name)
-            for file, data in contents.items():
-                (staging / file).write_bytes(data)
-            folder.mkdir(exist_ok=True)
-            for file in contents:
-                (staging / file).replace(folder / file)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot write to {folder}: {error.strerror or error}") from None
+    write_files_atomically({folder / file: data for file, data in contents.items()})

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import copy
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
 from missions.output_files import to_yaml
@@ -16,6 +14,9 @@ from sizing.optimiser import SizingResult
 from sizing.performance import Performance
 from solar._version import __version__
 from studies.analysis import finite
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
@@ -97,6 +98,8 @@ def _simulated_record(perf: Performance | None) -> dict[str, Any]:
 
 def scenario_table(perf: Performance) -> pd.DataFrame:
     """Metrics of a design in every scenario, one row each."""
+    import pandas as pd
+
     scenarios, cycle = perf.day.scenarios, perf.cycle
     return pd.DataFrame(
         {
@@ -113,6 +116,8 @@ def scenario_table(perf: Performance) -> pd.DataFrame:
 
 def mass_table(design: Design) -> pd.DataFrame:
     """Mass budget, one row per item."""
+    import pandas as pd
+
     masses = design.masses._asdict()
     return pd.DataFrame({"item": list(masses), "mass_kg": list(masses.values())})
 

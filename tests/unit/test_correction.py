@@ -60,7 +60,7 @@ def test_analysis_model_is_better_than_the_design_model() -> None:
     assert correction("CAM", "report").rms_relative < correction("CDM", "report").rms_relative
 
 
-@pytest.mark.parametrize("model", ["VM", "cam", ""])
+@pytest.mark.parametrize("model", ["XM", "cam", ""])
 def test_unknown_model_is_refused(model: str) -> None:
     with pytest.raises(ValueError, match="unknown solar power model"):
         correction(model, "none")
