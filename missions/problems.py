@@ -55,7 +55,9 @@ class Problem:
             parts[0] += f":{self.line}"
             if self.column is not None:
                 parts[0] += f":{self.column}"
-        if self.key and self.source != OVERRIDE + self.key:
+        # An override that names the key, with or without a prefix, need not name it twice.
+        named = self.source.removeprefix(OVERRIDE) if self.source.startswith(OVERRIDE) else ""
+        if self.key and named != self.key and not named.endswith("." + self.key):
             parts.append(self.key)
         return ": ".join([*parts, self.message])
 

@@ -47,10 +47,10 @@ LOW_LIGHT_DEFICIT, LOW_LIGHT_DEFICIT_RATED, LOW_LIGHT_SIGMAS = 0.2, 0.01, 5.0
 LOW_LIGHT_SHARE, LOW_LIGHT_LEAST_S = 0.1, 30.0
 VOLTAGE_OFF, VOLTAGE_SHARE = 0.05, 0.3
 
-# Limited charging: load of the modules from which power is judged, missing share of power with and
-# without a logged charge, and charge that counts as nearly full.
+# Limited charging: load of the modules from which power is judged, share of it that is left, with
+# charge and attitude logged and without one of them, and charge that counts as nearly full.
 BRIGHT = 0.25
-LIMITED, LIMITED_UNKNOWN_CHARGE, UNLIMITED = 0.90, 0.75, 0.97
+LIMITED, LIMITED_UNSURE, UNLIMITED = 0.90, 0.75, 0.97
 NEAR_FULL = 0.85
 LIMITED_LEAST_S = 120.0
 SMOOTH_S = 60.0
@@ -705,11 +705,11 @@ def _battery_full(scene: _Scene) -> tuple[list[Anomaly], BoolArray]:
     """Periods in which power is limited because the battery is nearly full."""
     ratio, bright = _power_ratio(scene)
     charge = scene.logged(scene.log.state_of_charge)
+    sure = charge is not None and scene.samples.detail is not None
+    flagged = bright & (ratio < (LIMITED if sure else LIMITED_UNSURE))
     if charge is not None:
         # NaN compares false: samples without a charge are judged by neither rule.
-        flagged = bright & (ratio < LIMITED) & (charge >= NEAR_FULL)
-    else:
-        flagged = bright & (ratio < LIMITED_UNKNOWN_CHARGE)
+        flagged &= charge >= NEAR_FULL
     found, limited = [], np.zeros(len(ratio), bool)
     for period in _clusters(flagged, scene.samples.time_s, _MERGE_S):
         if flagged[period.slice()].sum() * scene.step_s < LIMITED_LEAST_S:

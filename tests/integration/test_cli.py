@@ -291,7 +291,7 @@ def test_figure_of_a_replayed_flight(run: Run, tmp_path: Path) -> None:
         ["mission.payload.mass_kg=1e6"],
         ["mission.turbulence={all_day: 5, thermal: 5}"],
         ["mission.altitude_m=32000"],
-        ["mission.clearness=1e-9"],
+        ["mission.clearness=1e-3"],
         [
             "battery.charge_limit={kind: table, state_of_charge: [0, 1], current_a: [1, 1], "
             "voltage_v: 25, pack_energy_wh: 732}"
@@ -825,7 +825,6 @@ def test_missing_arguments(run: Run, command: str) -> None:
 # ---- what does not hold yet -----------------------------------------------------------
 
 
-@pytest.mark.xfail(reason="names of aircraft are read as markup of the terminal")
 @pytest.mark.parametrize("command", [("analyse", AS2), ("size", DESIGN, "-m", "rafz-july")])
 def test_brackets_in_a_name(run: Run, command: tuple[str, ...]) -> None:
     outcome = run(*command, "--set", "name='[/]a[red]'")
@@ -833,20 +832,17 @@ def test_brackets_in_a_name(run: Run, command: tuple[str, ...]) -> None:
     assert "[/]a[red]" in outcome.out
 
 
-@pytest.mark.xfail(reason="names of aircraft are read as formulas by the figures")
 def test_dollars_in_a_name(run: Run) -> None:
     outcome = run("analyse", AS2, "--set", "name='$x^{2$'", "--plot", "a.png")
     assert (outcome.code, outcome.err) == (0, "")
 
 
-@pytest.mark.xfail(reason="a taper that does not fall divides zero by zero in the program")
 def test_constant_charge_rate_can_be_sized(run: Run) -> None:
     constant = "battery.charge_limit={kind: rule, taper_start: 0, relative_rate_at_full: 1}"
     outcome = run("size", DESIGN, "-m", "rafz-july", "--set", constant, "--json")
     assert (outcome.code, outcome.err) == (0, "")
 
 
-@pytest.mark.xfail(reason="the solver's bounds contradict each other or its warnings are printed")
 @pytest.mark.parametrize(
     "override",
     [
@@ -862,13 +858,11 @@ def test_hopeless_sizing_ends_quietly(run: Run, override: str) -> None:
     assert "RuntimeWarning" not in outcome.err
 
 
-@pytest.mark.xfail(reason="powers of huge numbers overflow")
 @pytest.mark.parametrize("override", ["mission.payload.mass_kg=1e300", "airframe.wingspan_m=1e300"])
 def test_huge_numbers_end_in_a_message(run: Run, override: str) -> None:
     assert run("analyse", AS2, "--set", override, "--json").code in (0, 1, 2)
 
 
-@pytest.mark.xfail(reason="the prefix of an override of the mission is lost")
 @pytest.mark.parametrize("override", ["mission.latitude_deg=95", "mission.latitude_deg=-80"])
 def test_overrides_of_the_mission_are_named_as_written(run: Run, override: str) -> None:
     outcome = run("analyse", AS2, "--set", override)
@@ -876,27 +870,23 @@ def test_overrides_of_the_mission_are_named_as_written(run: Run, override: str) 
     assert outcome.err.startswith("--set mission.latitude_deg: ")
 
 
-@pytest.mark.xfail(reason="files are written one after another")
 def test_no_file_is_written_if_one_cannot_be(run: Run, tmp_path: Path) -> None:
     assert run("analyse", AS2, "--csv", "a.csv", "--plot", "no/a.png").code == 1
     assert files(tmp_path) == set()
 
 
-@pytest.mark.xfail(reason="files are put into the folder one after another")
 def test_folder_of_results_is_written_whole_or_not_at_all(run: Run, tmp_path: Path) -> None:
     (tmp_path / "design" / "masses.csv").mkdir(parents=True)
     assert run("size", DESIGN, "-m", "rafz-july", "--out", "design").code == 1
     assert files(tmp_path / "design") == {"masses.csv"}
 
 
-@pytest.mark.xfail(reason="the name is put into the starter without quotes")
 @pytest.mark.parametrize("name", ["12", "1e5", "null", "true"])
 def test_starters_of_any_name_are_valid(run: Run, name: str) -> None:
     assert run("init", name).code == 0
     assert run("validate", f"{name}.yaml", f"{name}-mission.yaml").code == 0
 
 
-@pytest.mark.xfail(reason="not said as one line about a name")
 @pytest.mark.parametrize("name", ["", "a\nb", 5000 * "a"])
 def test_odd_names_of_aircraft(run: Run, name: str) -> None:
     outcome = run("analyse", name)
@@ -906,7 +896,6 @@ def test_odd_names_of_aircraft(run: Run, name: str) -> None:
     assert len(outcome.err) < 1000
 
 
-@pytest.mark.xfail(reason="characters that the terminal lacks are written all the same")
 def test_terminal_without_unicode(tmp_path: Path) -> None:
     variables = {"PYTHONIOENCODING": "ascii", "COLUMNS": "30"}
     done = process("analyse", AS2, "-m", "central-europe-summer", cwd=tmp_path, variables=variables)

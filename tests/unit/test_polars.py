@@ -31,6 +31,7 @@ from studies.power_curve import (
     AS2_POWER_W,
     check_curve,
     check_level_flight,
+    markdown,
     power_curve_figure,
     power_curve_image,
     wing_polar,
@@ -430,6 +431,18 @@ def test_curve_of_as1_near_its_least_power() -> None:
         # The scatter of the flight itself: 44.0, 40.3 and 45.4 W within 0.6 m/s.
         assert abs(float(np.mean(curve.residual_w[near]))) < 8.0
         assert float(np.min(curve.modelled_w)) == pytest.approx(least[1], rel=0.25)
+
+
+def test_documentation_holds_the_tables_as_computed() -> None:
+    page = Path(__file__).resolve().parents[2] / "docs" / "aerodynamics.md"
+    documented = page.read_text(encoding="utf-8").splitlines()
+    rows = [
+        line
+        for line in markdown().splitlines()
+        if line.startswith(tuple(map("| {} ".format, SHIPPED)))
+    ]
+    assert len(rows) == 3 * len(SHIPPED)
+    assert [row for row in rows if row not in documented] == []
 
 
 def test_figure_draws_the_flight_and_every_model() -> None:
