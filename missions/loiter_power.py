@@ -17,6 +17,7 @@ from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
+from solar.shading import Shading
 from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_vector_ned
 
 # Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
@@ -40,6 +41,7 @@ def mean_power_on_path(
     module_temperature_c: float,
     altitude_m: float = 0.0,
     clearness: float = 1.0,
+    shading: Shading | None = None,
     samples: int = ORBIT_SAMPLES,
 ) -> FloatArray:
     """Specific power of VM or FM over a day, averaged over the path [W/m2].
@@ -62,6 +64,8 @@ def mean_power_on_path(
         Temperature of the air (FM) and constant temperature of the modules (VM) [C].
     altitude_m, clearness : float
         Altitude [m] and factor on the clear-sky irradiance.
+    shading : Shading, optional
+        Tail and losses by its shadows, for FM.
     samples : int
         Attitudes per turning direction.
 
@@ -90,7 +94,13 @@ def mean_power_on_path(
             )
         else:
             power = full_model(
-                seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c
+                seen.light,
+                seen.sun,
+                seen.to_ned,
+                geometry,
+                cell,
+                ambient_temperature_c,
+                shading=shading,
             ).specific_power_w_per_m2
         result[block][seen.lit] = power @ flown.weights
     return result
@@ -108,6 +118,7 @@ def module_power_on_path(
     ambient_temperature_c: float,
     altitude_m: float = 0.0,
     clearness: float = 1.0,
+    shading: Shading | None = None,
     samples: int = ORBIT_SAMPLES,
 ) -> tuple[NDArray[np.bool_], Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
@@ -127,7 +138,9 @@ def module_power_on_path(
     time_h = np.asarray(time_solar_h, float)
     day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
     seen = _sky(latitude_deg, day, time_h, altitude_m, clearness, flown)
-    power = full_model(seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c)
+    power = full_model(
+        seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c, shading=shading
+    )
     return seen.lit, flown, power
 
 

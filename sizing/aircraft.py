@@ -13,7 +13,7 @@ from sizing.structure import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
-from solar.shading import TailGeometry
+from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
 
 class LevelFlight(Record):
@@ -91,8 +91,33 @@ class SolarModules(SolarCell):
     area_m2: NonNegativeReal
     geometry: ModuleGeometry | None = None
     tail: TailGeometry | None = None
+    shading_loss: Text = "none"
     mass_kg_per_m2: NonNegativeReal = 0.59
     mppt_mass_kg_per_w: NonNegativeReal = 1.0 / 2368.0
+
+    @model_validator(mode="after")
+    def _check_shading(self) -> SolarModules:
+        if self.shading_loss not in LOSS_MODELS:
+            allowed = ", ".join(LOSS_MODELS)
+            raise PydanticCustomError(
+                "shading_loss",
+                "must be one of {allowed} (got {name})",
+                {"key": "shading_loss", "allowed": allowed, "name": self.shading_loss},
+            )
+        if self.tail is not None and self.geometry is not None:
+            bare = [s.name for s in self.geometry.surfaces if s.outline is None]
+            if bare:
+                raise PydanticCustomError(
+                    "no_outline",
+                    "with a tail every surface needs an outline; missing on {names}",
+                    {"key": "geometry.surfaces", "names": ", ".join(bare)},
+                )
+        return self
+
+    @property
+    def shading(self) -> Shading | None:
+        """Shading by the tail, none without a tail."""
+        return None if self.tail is None else Shading(self.tail, loss_model(self.shading_loss))
 
 
 class Power(Record):

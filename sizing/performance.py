@@ -195,6 +195,7 @@ def _power_on_path(
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
         clearness=mission.clearness,
+        shading=aircraft.modules.shading,
     )
 
 

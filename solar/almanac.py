@@ -102,10 +102,11 @@ def _horizontal(latitude: FloatArray, dec: FloatArray, hour: FloatArray) -> SunP
     up = sin_lat * sin_dec + cos_lat * cos_dec * cos_hour
     elevation = np.arctan2(up, np.hypot(north, east))
     vector = np.stack(np.broadcast_arrays(north, east, -up), axis=-1)
+    solar_h = np.remainder(NOON_H + np.degrees(hour) / _DEGREES_PER_HOUR, 24.0)
     return SunPosition(
         vector_ned=vector,
         elevation_rad=np.asarray(elevation),
         azimuth_rad=np.asarray(np.remainder(np.arctan2(east, north), 2.0 * np.pi)),
-        time_solar_h=np.asarray(np.remainder(NOON_H + np.degrees(hour) / _DEGREES_PER_HOUR, 24.0)),
+        time_solar_h=np.asarray(np.broadcast_to(solar_h, np.shape(elevation))),
         declination_rad=np.asarray(np.broadcast_to(dec, np.shape(elevation))),
     )

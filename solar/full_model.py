@@ -17,6 +17,7 @@ from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, cos_angle_of_incidence
 from solar.modules import SolarCell
 from solar.power import conceptual_analysis_model
+from solar.shading import Shading
 from solar.sun import FloatArray
 
 _ITERATIONS = 60
@@ -104,6 +105,8 @@ def full_model(
     geometry: ModuleGeometry,
     cell: SolarCell,
     ambient_temperature_c: ArrayLike,
+    *,
+    shading: Shading | None = None,
 ) -> ModulePower:
     """Specific power and component efficiencies of the Full Model.
 
@@ -111,12 +114,17 @@ def full_model(
     flat angles; the modules warm up with the power they give (eq. 9 and 10), and the tracker's
     efficiency follows its load. Power, temperature and load are solved for together.
 
-    Parameters are those of :func:`verification_model`, with the temperature of the air.
+    Parameters are those of :func:`verification_model`, with the temperature of the air, and the
+    shading by the tail where its losses are to count (the report only shows the shaded area).
     """
-    normals = np.einsum("...ij,sj->...si", np.asarray(to_ned, float), geometry.normals())
-    sun = np.asarray(sun_vector, float)[..., np.newaxis, :]
-    cosine = cos_angle_of_incidence(normals, sun)
+    rotation = np.asarray(to_ned, float)
+    normals = np.einsum("...ij,sj->...si", rotation, geometry.normals())
+    sun = np.asarray(sun_vector, float)
+    cosine = cos_angle_of_incidence(normals, sun[..., np.newaxis, :])
     direct = np.asarray(irradiance.dni)[..., np.newaxis] * np.maximum(cosine, 0.0)
+    if shading is not None:
+        sun_body = np.einsum("...ji,...j->...i", rotation, sun)
+        direct = shading.direct_left(direct, geometry, sun_body)
     diffuse = np.asarray(irradiance.dhi)[..., np.newaxis]
     light = direct + diffuse
     low_light = cell.low_light_efficiency(light)

@@ -380,6 +380,23 @@ def apply_losses(
     return np.asarray(direct_by_surface, float) * (1.0 - lost)
 
 
+@dataclass(frozen=True)
+class Shading:
+    """A tail that shades, and what its shadows cost."""
+
+    tail: TailGeometry
+    model: LossModel = no_losses
+
+    def direct_left(
+        self, direct_by_surface: FloatArray, geometry: ModuleGeometry, sun_vector_body: FloatArray
+    ) -> FloatArray:
+        """Direct light of every surface that is left; no shadow is cast where none costs."""
+        if self.model is no_losses:
+            return direct_by_surface
+        shaded = shaded_fraction(geometry, self.tail, sun_vector_body)
+        return apply_losses(direct_by_surface, shaded, self.model)
+
+
 def _module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> _ModuleFrame:
     """Place a module in space, see :func:`outline_corners`."""
     outline = surface.outline

@@ -53,6 +53,7 @@ def component_efficiencies(
         ambient_temperature_c=float(mission.air_state().temperature_c),
         altitude_m=mission.altitude_m,
         clearness=mission.clearness,
+        shading=aircraft.modules.shading,
     )
 
     def mean(values: FloatArray) -> FloatArray:

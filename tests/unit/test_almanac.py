@@ -34,9 +34,10 @@ def test_vector_points_where_the_angles_say() -> None:
     time_s = np.linspace(1.4e9, 1.4e9 + 86400.0, 97)
     sun = sun_position(time_s, 47.6, 8.53)
     level = np.cos(sun.elevation_rad)
-    expected = [level * np.cos(sun.azimuth_rad), level * np.sin(sun.azimuth_rad)]
-    assert sun.vector_ned[:, :2].T == pytest.approx(np.array(expected), abs=1e-12)
-    assert sun.vector_ned[:, 2] == pytest.approx(-np.sin(sun.elevation_rad), abs=1e-12)
+    north, east, down = sun.vector_ned.T
+    assert north == pytest.approx(level * np.cos(sun.azimuth_rad), abs=1e-12)
+    assert east == pytest.approx(level * np.sin(sun.azimuth_rad), abs=1e-12)
+    assert down == pytest.approx(-np.sin(sun.elevation_rad), abs=1e-12)
     assert np.linalg.norm(sun.vector_ned, axis=1) == pytest.approx(1.0)
 
 

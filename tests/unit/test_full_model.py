@@ -9,7 +9,9 @@ from solar.full_model import full_model, verification_model
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.modules import IncidenceTable, LowLightTable, MpptTable, SolarCell
 from solar.power import conceptual_analysis_model
+from solar.shading import Shading, proportional_losses
 from solar.sun import sun_vector_ned
+from studies.library import load_aircraft
 
 FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))
 V_WING = ModuleGeometry(
@@ -133,3 +135,22 @@ def test_arrays_equal_single_calls() -> None:
             assert whole.specific_power_w_per_m2[i, j] == pytest.approx(
                 float(single.specific_power_w_per_m2), rel=1e-9
             )
+
+
+def test_shading_by_the_tail_takes_direct_light_alone() -> None:
+    modules = load_aircraft("atlantiksolar-as2").aircraft.modules
+    assert modules.geometry is not None
+    assert modules.tail is not None
+    # The sun behind the T-tail at 14 degrees: the horizontal tail shades the central modules.
+    sun = np.array([-np.cos(0.24), 0.0, -np.sin(0.24)])
+    plain, none, lost = (
+        full_model(NOON, sun, LEVEL, modules.geometry, modules, 20.0, shading=shading)
+        for shading in (
+            None,
+            Shading(modules.tail),
+            Shading(modules.tail, proportional_losses),
+        )
+    )
+    assert none.specific_power_w_per_m2 == plain.specific_power_w_per_m2
+    assert lost.specific_power_w_per_m2 < plain.specific_power_w_per_m2
+    assert np.all(lost.irradiance_by_surface_w_per_m2 >= 100.0)  # the diffuse light stays
