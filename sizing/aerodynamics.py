@@ -5,6 +5,8 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 
 from __future__ import annotations
 
+from typing import Literal, Protocol
+
 from pydantic import model_validator
 
 from missions.air import GRAVITY_M_PER_S2
@@ -12,6 +14,18 @@ from sizing.structure import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
 
 PI = 3.141592653589793
+
+
+class Polar(Protocol):
+    """What level flight asks of an aerodynamic model."""
+
+    def airspeed_m_per_s(self, *, mass_kg: Value, wing_area_m2: Value, density: Value) -> Value:
+        """Airspeed of level flight [m/s]."""
+        ...
+
+    def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
+        """Drag coefficient of the aircraft [-]."""
+        ...
 
 
 class DragPolar(Record):
@@ -22,6 +36,7 @@ class DragPolar(Record):
     lies beyond the stall margin, so that the margin sets it.
     """
 
+    model: Literal["parabolic"] = "parabolic"
     lift_coefficient: PositiveReal
     maximum_lift_coefficient: PositiveReal
     profile_drag_coefficient: PositiveReal
@@ -59,7 +74,7 @@ class DragPolar(Record):
 
 
 def level_flight_power_w(
-    polar: DragPolar,
+    polar: Polar,
     *,
     mass_kg: Value,
     wingspan_m: Value,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, Strict, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
 from sizing.aerodynamics import DragPolar
 from sizing.battery import Battery
+from sizing.polars import WingPolar
 from sizing.structure import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
@@ -63,6 +64,20 @@ class Propulsion(Record):
         )
 
 
+def _parabolic_by_default(value: Any) -> Any:
+    """Polars without a model are parabolic."""
+    if isinstance(value, dict) and "model" not in value:
+        return {"model": "parabolic", **value}
+    return value
+
+
+Aerodynamics = Annotated[
+    DragPolar | WingPolar,
+    Field(discriminator="model"),
+    BeforeValidator(_parabolic_by_default),
+]
+
+
 class ParametricAirframe(Record):
     """An aircraft to be: masses and power follow from geometry and technology."""
 
@@ -70,7 +85,7 @@ class ParametricAirframe(Record):
     wingspan_m: PositiveReal
     aspect_ratio: PositiveReal
     structure: Structure = SparStructure()
-    aerodynamics: DragPolar
+    aerodynamics: Aerodynamics
     propulsion: Propulsion = Propulsion()
     avionics_mass_kg: NonNegativeReal
     other_mass_kg: NonNegativeReal = 0.0
