@@ -65,6 +65,21 @@ class SolverReport:
 
 
 @dataclass(frozen=True)
+class Optimum:
+    """Solver's answer at an optimum: point, prices of the constraints, and what it was asked.
+
+    ``filled`` are the scenarios in the slots of the program; see
+    :class:`sizing.sizing_problem.SizingProblem`.
+    """
+
+    x: FloatArray
+    constraint_prices: FloatArray
+    filled: tuple[int, ...]
+    goal_h: float
+    margin: float
+
+
+@dataclass(frozen=True)
 class SizingResult:
     """Outcome of a sizing: an optimum, or the requirements that cannot be met.
 
@@ -84,6 +99,7 @@ class SizingResult:
     active_constraints: tuple[str, ...]
     violations: tuple[Violation, ...]
     solver: SolverReport
+    optimum: Optimum | None = None
 
     @property
     def feasible(self) -> bool:
@@ -229,9 +245,8 @@ class _Search:
         lower, upper = self._variable_bounds(elastic)
         upper_rows = np.full(len(problem.constraints), np.inf)
         upper_rows[0] = 0.0  # the mass budget is an equation
-        filled = [self.chosen[i % len(self.chosen)] for i in range(problem.slots)]
         parameters = problem.parameters(
-            filled, elastic=elastic, goal_h=self.goal_h, margin=self.margin
+            self._filled(), elastic=elastic, goal_h=self.goal_h, margin=self.margin
         )
         begun = time.perf_counter()
         answer = problem.solver(
@@ -248,6 +263,10 @@ class _Search:
         self.solves += 1
         self.message = str(stats["return_status"])
         return {k: np.asarray(v).ravel() for k, v in answer.items()} if stats["success"] else None
+
+    def _filled(self) -> list[int]:
+        """Scenarios in the program's slots; spare slots repeat them."""
+        return [self.chosen[i % len(self.chosen)] for i in range(self.problem.slots)]
 
     def _variable_bounds(self, elastic: bool) -> tuple[FloatArray, FloatArray]:
         problem = self.problem
@@ -364,6 +383,13 @@ class _Search:
             active_constraints=self._active(answer),
             violations=(),
             solver=self._report(),
+            optimum=Optimum(
+                x=answer["x"],
+                constraint_prices=answer["lam_g"],
+                filled=tuple(self._filled()),
+                goal_h=self.goal_h,
+                margin=self.margin,
+            ),
         )
 
     def _active(self, answer: dict[str, Any]) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ program into the question by how much the requirements are missed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -97,10 +98,7 @@ class SizingProblem:
         self, scenarios: list[int], *, elastic: bool, goal_h: float, margin: float
     ) -> FloatArray:
         """Parameter vector with the slots filled by the scenarios of the given indices."""
-        sun = [
-            np.concatenate((self.axis.specific_power[i], self.axis.thermal[i])) for i in scenarios
-        ]
-        return np.concatenate(([float(elastic), margin, goal_h], *sun))
+        return self.axis.parameters(scenarios, elastic=elastic, goal_h=goal_h, margin=margin)
 
 
 def build_problem(
@@ -123,6 +121,41 @@ def build_problem(
     TypeError
         For a measured aircraft.
     """
+    program = build_program(aircraft, mission, day, objective, slots)
+    hessian = "exact" if exact_hessian else "limited-memory"
+    options: dict[str, Any] = _IPOPT_OPTIONS | {"ipopt.hessian_approximation": hessian}
+    symbols = {"x": program.x, "p": program.p, "f": program.f, "g": program.g}
+    names = program.variable_names
+    return SizingProblem(
+        solver=ca.nlpsol("sizing", "ipopt", symbols, options),
+        objective=objective,
+        variable_names=names,
+        bounds=program.bounds,
+        constraints=program.constraints,
+        slots=slots,
+        axis=program.axis,
+        fixed_aspect_ratio=None if "aspect_ratio" in names else aircraft.airframe.aspect_ratio,
+    )
+
+
+@dataclass(frozen=True)
+class Program:
+    """Symbols of the program: variables, parameters, cost and constraints ``g >= 0``."""
+
+    x: Any
+    p: Any
+    f: Any
+    g: Any
+    variable_names: tuple[str, ...]
+    bounds: tuple[Range, ...]
+    constraints: tuple[Constraint, ...]
+    axis: ScenarioAxis
+
+
+def build_program(
+    aircraft: Aircraft, mission: Mission, day: SolarDay, objective: Objective, slots: int
+) -> Program:
+    """Write the program down, without a solver; see :func:`build_problem`."""
     names, bounds = _free_variables(aircraft)
     logs = ca.MX.sym("log_design", len(names))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", slots)
@@ -135,7 +168,7 @@ def build_problem(
     sun = ca.MX.sym("sun", 2 * len(axis.time_h), slots)
 
     goal = worst_h if objective is Objective.max_excess_time else goal_h
-    rows = [(Constraint(name), value) for name, value in _design_rows(aircraft, mission, design)]
+    rows = [(Constraint(name), value) for name, value in design_rows(aircraft, mission, design)]
     rows += _energy_rows(aircraft, mission, design, axis, sun, dawn_soc, goal, margin)
     constraints = tuple(constraint for constraint, _ in rows)
     slack_names = tuple(dict.fromkeys(c.name for c in constraints))
@@ -148,24 +181,15 @@ def build_problem(
     }[objective]
     # The dawn states of scenarios that do not bind are otherwise undetermined.
     tie_break = -1e-7 * ca.sum1(dawn_soc)
-    program = {
-        "x": ca.vertcat(logs, dawn_soc, worst_h, slack),
-        "p": ca.vertcat(elastic, margin, goal_h, ca.vec(sun)),
-        "f": (1.0 - elastic) * (cost + tie_break) + elastic * ca.dot(weights, slack),
-        "g": ca.vertcat(*(value + slack[slack_names.index(c.name)] for c, value in rows)),
-    }
-    hessian = "exact" if exact_hessian else "limited-memory"
-    options: dict[str, Any] = _IPOPT_OPTIONS | {"ipopt.hessian_approximation": hessian}
-    airframe = aircraft.airframe
-    return SizingProblem(
-        solver=ca.nlpsol("sizing", "ipopt", program, options),
-        objective=objective,
+    return Program(
+        x=ca.vertcat(logs, dawn_soc, worst_h, slack),
+        p=ca.vertcat(elastic, margin, goal_h, ca.vec(sun)),
+        f=(1.0 - elastic) * (cost + tie_break) + elastic * ca.dot(weights, slack),
+        g=ca.vertcat(*(value + slack[slack_names.index(c.name)] for c, value in rows)),
         variable_names=names,
         bounds=bounds,
         constraints=constraints,
-        slots=slots,
         axis=axis,
-        fixed_aspect_ratio=None if "aspect_ratio" in names else airframe.aspect_ratio,
     )
 
 
@@ -252,7 +276,7 @@ def _free_variables(aircraft: Aircraft) -> tuple[tuple[str, ...], tuple[Range, .
     return tuple(chosen), tuple(chosen.values())
 
 
-def _design_rows(aircraft: Aircraft, mission: Mission, design: Design) -> list[tuple[str, Any]]:
+def design_rows(aircraft: Aircraft, mission: Mission, design: Design) -> list[tuple[str, Any]]:
     """Requirements on the design itself; the mass budget, an equation, comes first."""
     airframe, space = aircraft.airframe, aircraft.design_space
     assert isinstance(airframe, ParametricAirframe)
@@ -293,6 +317,13 @@ class ScenarioAxis:
         nodes = slice(first, last + 1)
         lit_h = float(time_h[last] - time_h[first])
         return cls(time_h[nodes], power[:, nodes], thermal[:, nodes], 24.0 - lit_h)
+
+    def parameters(
+        self, scenarios: Sequence[int], *, elastic: bool, goal_h: float, margin: float
+    ) -> FloatArray:
+        """Parameter vector of a program whose slots hold the scenarios of these indices."""
+        sun = [np.concatenate((self.specific_power[i], self.thermal[i])) for i in scenarios]
+        return np.concatenate(([float(elastic), margin, goal_h], *sun))
 
 
 def _energy_function(aircraft: Aircraft, axis: ScenarioAxis) -> ca.Function:

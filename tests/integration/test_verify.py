@@ -287,6 +287,14 @@ def test_limited_power_is_found_with_fewer_columns(missing: list[str]) -> None:
     assert found.kind == "battery_full"
 
 
+def test_low_power_at_half_charge_is_not_blamed_on_the_battery() -> None:
+    log = made(faults=Faults(battery_full=(24.0, 27.0)))
+    table = log.table.assign(state_of_charge=0.5)
+    result = verify(log_from_table(table, "x.csv"), aircraft(), mission())
+    assert "battery_full" not in [a.kind for a in result.anomalies]
+    assert not result.excluded.any()
+
+
 def test_low_power_at_steady_tracker_voltage_is_not_blamed_on_the_tracker() -> None:
     log = made(faults=Faults(mppt=(18.5, 21.0)))
     steady = log.table.assign(mppt_voltage_v=20.0)
