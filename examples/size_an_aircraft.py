@@ -3,9 +3,9 @@
 Run with: python examples/size_an_aircraft.py
 """
 
+from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
 from sizing.performance import SolarModel
-from sizing.sizing_problem import Objective
 from studies.library import load_aircraft, load_mission
 
 

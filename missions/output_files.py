@@ -18,6 +18,7 @@ __all__ = [
     "to_yaml",
     "write_bytes_atomically",
     "write_files_atomically",
+    "write_folder",
     "write_text_atomically",
 ]
 
@@ -156,6 +157,22 @@ def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> 
     finally:
         for file in staged:
             file.discard()
+
+
+def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
+    """Write files into a folder, made if need be: all of them, or none.
+
+    Raises
+    ------
+    OutputError
+        If the folder or one of the files cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        name = printable(os.fspath(folder))
+        raise OutputError(f"cannot write to {name}: {_writing_trouble(error)}") from error
+    write_files_atomically({folder / file: data for file, data in contents.items()})
 
 
 def check_writable_folder(folder: Path) -> None:

@@ -14,6 +14,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.cycle import Status
 from sizing.design import Design, DesignVariables, Masses, closed_design, variables_of
 from sizing.energy_balance import FloatArray
+from sizing.objectives import Objective
 from sizing.performance import (
     DEFAULT_STEP_H,
     UNCORRECTED_CAM,
@@ -23,7 +24,7 @@ from sizing.performance import (
     performance_of_designs,
     solar_day,
 )
-from sizing.sizing_problem import Objective, SizingProblem, build_problem
+from sizing.sizing_problem import SizingProblem, build_problem
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5

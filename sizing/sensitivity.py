@@ -22,9 +22,10 @@ from pydantic import BaseModel
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy_balance import FloatArray
+from sizing.objectives import Objective
 from sizing.optimiser import Optimum, SizingResult
 from sizing.performance import UNCORRECTED_CAM, SolarModel, solar_day
-from sizing.sizing_problem import Objective, build_program
+from sizing.sizing_problem import build_program
 
 _RELATIVE_STEP = 1e-4
 _MISSION = "mission."

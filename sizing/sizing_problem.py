@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 import casadi as ca
@@ -30,6 +29,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe, Range
 from sizing.battery import RuleChargeLimit, TableChargeLimit
 from sizing.design import Design, DesignVariables, parametric_design, thermal_shape
 from sizing.energy_balance import FloatArray
+from sizing.objectives import Objective
 from sizing.performance import SolarDay
 
 # Nodes of the program. Coarser than the simulator's: the integrals of surplus and deficit are exact
@@ -37,14 +37,6 @@ from sizing.performance import SolarDay
 _STEP_H = 0.25
 # Half-width of the smooth minimum of solar-limited and charger-limited charging [state of charge].
 _BLEND = 1e-5
-
-
-class Objective(StrEnum):
-    """What the optimiser is asked for."""
-
-    max_excess_time = "max_excess_time"
-    min_wingspan = "min_wingspan"
-    min_mass = "min_mass"
 
 
 @dataclass(frozen=True)

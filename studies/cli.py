@@ -17,6 +17,7 @@ import click
 
 from solar._version import __version__
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from studies.verify_command import verify
 
 if TYPE_CHECKING:
     from missions.mission import Mission
@@ -175,6 +176,18 @@ def analyse(
     help="Excess time that every scenario must have, instead of the mission's.",
 )
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for the sized aircraft's files.")
+@click.option(
+    "--sensitivities",
+    "with_sensitivities",
+    is_flag=True,
+    help="Tell what each technology parameter is worth at the optimum.",
+)
+@click.option(
+    "--certify",
+    "with_certificate",
+    is_flag=True,
+    help="Attack the optimum with other designs through the simulator.",
+)
 @solar_options
 def size(
     aircraft: str,
@@ -182,6 +195,8 @@ def size(
     objective: str,
     required_h: float | None,
     out_dir: str | None,
+    with_sensitivities: bool,
+    with_certificate: bool,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -189,8 +204,8 @@ def size(
 ) -> None:
     """Find the best design of AIRCRAFT (name or file) for a mission."""
     from sizing.aircraft import MeasuredAirframe
+    from sizing.objectives import Objective
     from sizing.optimiser import size_aircraft
-    from sizing.sizing_problem import Objective
     from studies import sizing_study
 
     craft, where = _load(aircraft, mission, overrides)
@@ -218,16 +233,37 @@ def size(
         required_excess_time_h=required_h,
     )
     record = sizing_study.to_json(result, craft.aircraft, where.mission)
+    asked = (craft.aircraft, where.mission, result, _solar_model(model, correction))
+    worth = None
+    if with_sensitivities and result.feasible:
+        from sizing.sensitivity import sensitivities
+
+        worth = sensitivities(*asked)
+        record["sensitivities"] = sizing_study.sensitivity_records(worth)
+    certificate = None
+    if with_certificate and result.feasible:
+        from sizing.certificate import certify
+
+        certificate = certify(*asked)
+        record["certificate"] = certificate.__dict__
     if out_dir is not None and result.feasible:
         from studies.sizing_files import write_sizing
 
-        write_sizing(Path(out_dir), result, record, craft, where.mission)
+        write_sizing(Path(out_dir), result, record, craft, where.mission, worth)
     if as_json:
         _print_json(record)
     else:
         from studies.tables import print_sizing
 
         print_sizing(_console(), result, record)
+        if worth is not None:
+            from studies.tables import print_sensitivities
+
+            print_sensitivities(_console(), worth, result.objective)
+        if certificate is not None:
+            from studies.tables import print_certificate
+
+            print_certificate(_console(), certificate, result.objective)
         if out_dir is not None and result.feasible:
             click.echo(f"written to {out_dir}")
     if not result.feasible:
@@ -383,21 +419,24 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     varied = study.sensitivities(aircraft, mission)
     record = study.to_json(result, mission, varied)
     if out_dir is not None:
+        from missions.output_files import write_folder
         from studies.plots import to_bytes
-        from studies.sizing_files import place_files
 
         contents = {
             "report.json": json.dumps(record, indent=2).encode(),
             "report.md": study.markdown(result, varied).encode(),
             "report.png": to_bytes(study.figure(aircraft, mission), "png"),
         }
-        place_files(Path(out_dir), contents)
+        write_folder(Path(out_dir), contents)
     if as_json:
         _print_json(record)
         return
     from studies.tables import print_reproduction
 
     print_reproduction(_console(), record)
+
+
+cli.add_command(verify)
 
 
 def _load(

@@ -9,11 +9,25 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sizing.calendar_run import CalendarRun
+from sizing.objectives import Objective
 from sizing.performance import Performance, SolarModel
+from sizing.sensitivity import Sensitivity
 from studies.analysis import Analysis
 
 # Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
 SUN, LOAD, CHARGE, NIGHT = "#E69F00", "#0072B2", "#009E73", "#DDDDDD"
+
+
+_OBJECTIVES = {
+    Objective.max_excess_time: ("excess time", "h"),
+    Objective.min_wingspan: ("wingspan", "m"),
+    Objective.min_mass: ("total mass", "kg"),
+}
+_BETTER = {
+    Objective.max_excess_time: 1.0,
+    Objective.min_wingspan: -1.0,
+    Objective.min_mass: -1.0,
+}
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
@@ -164,6 +178,29 @@ def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
     solar = analysis.performance.solar
     title = f"{analysis.aircraft.name}, {analysis.mission.name} ({caption(solar)})"
     figure.suptitle(title, parse_math=False)
+    return figure
+
+
+def tornado_figure(
+    worth: list[Sensitivity],
+    objective: Objective,
+    name: str,
+    solar: SolarModel,
+    *,
+    bars: int = 15,
+) -> Figure:
+    """Change of the objective by one per cent more of each parameter, most important on top."""
+    shown = [s for s in worth if s.value != 0.0][:bars][::-1]
+    figure = Figure(figsize=(9.0, 0.9 + 0.32 * len(shown)), layout="constrained")
+    axes = figure.subplots()
+    change = [s.per_percent for s in shown]
+    colours = [CHARGE if c * _BETTER[objective] > 0 else SUN for c in change]
+    axes.barh([f"{s.parameter} = {s.value:.4g}" for s in shown], change, color=colours)
+    axes.axvline(0.0, color="black", linewidth=0.8)
+    label, unit = _OBJECTIVES[objective]
+    axes.set(xlabel=f"{label} for +1 % [{unit}]")
+    axes.set_title(f"{name} ({caption(solar)}): green is better", parse_math=False)
+    axes.grid(alpha=0.3, axis="x")
     return figure
 
 

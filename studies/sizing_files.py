@@ -8,10 +8,11 @@ from typing import Any
 
 from missions.configfile import validate
 from missions.mission import Mission
-from missions.output_files import OutputError, write_files_atomically
+from missions.output_files import write_folder
 from missions.yaml_document import parse_yaml
 from sizing.aircraft import Aircraft
 from sizing.optimiser import SizingResult
+from sizing.sensitivity import Sensitivity
 from studies import plots, sizing_study
 from studies.analysis import analyse
 from studies.library import LoadedAircraft
@@ -23,8 +24,11 @@ def write_sizing(
     record: dict[str, Any],
     craft: LoadedAircraft,
     mission: Mission,
+    worth: list[Sensitivity] | None = None,
 ) -> None:
     """Write the files of an optimum into a folder; existing files of these names are replaced.
+
+    Sensitivities, where there are any, come as a table and as a tornado plot.
 
     Raises
     ------
@@ -45,23 +49,12 @@ def write_sizing(
         "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
         "masses.png": plots.to_bytes(masses, "png"),
     }
-    place_files(folder, contents)
+    if worth is not None:
+        contents["sensitivities.csv"] = _csv(sizing_study.sensitivity_table(worth))
+        tornado = plots.tornado_figure(worth, result.objective, sized.name, result.simulated.solar)
+        contents["sensitivities.png"] = plots.to_bytes(tornado, "png")
+    write_folder(folder, contents)
 
 
 def _csv(table: Any) -> bytes:
     return str(table.to_csv(index=False)).encode()
-
-
-def place_files(folder: Path, contents: dict[str, bytes]) -> None:
-    """Write files into a folder: all of them, or none.
-
-    Raises
-    ------
-    OutputError
-        If the folder cannot be written.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot write to {folder}: {error.strerror or error}") from None
-    write_files_atomically({folder / file: data for file, data in contents.items()})

@@ -12,6 +12,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables
 from sizing.optimiser import SizingResult
 from sizing.performance import Performance
+from sizing.sensitivity import Sensitivity
 from solar._version import __version__
 from studies.analysis import finite
 
@@ -94,6 +95,28 @@ def _simulated_record(perf: Performance | None) -> dict[str, Any]:
             "correction": perf.solar.correction,
         },
     }
+
+
+def sensitivity_records(worth: list[Sensitivity]) -> list[dict[str, Any]]:
+    """Sensitivities, JSON-ready, most important first."""
+    return [
+        {
+            "parameter": s.parameter,
+            "unit": s.unit,
+            "value": s.value,
+            "derivative": s.derivative,
+            "elasticity": s.elasticity,
+            "per_percent": s.per_percent,
+        }
+        for s in worth
+    ]
+
+
+def sensitivity_table(worth: list[Sensitivity]) -> pd.DataFrame:
+    """Sensitivities, one row each, most important first."""
+    import pandas as pd
+
+    return pd.DataFrame(sensitivity_records(worth))
 
 
 def scenario_table(perf: Performance) -> pd.DataFrame:

@@ -9,7 +9,10 @@ from rich.table import Table
 
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
+from sizing.certificate import Certificate
+from sizing.objectives import Objective
 from sizing.optimiser import SizingResult
+from sizing.sensitivity import Sensitivity
 from studies.analysis import Analysis, clock_label
 from studies.model_transfer import TransferredError
 from studies.published import Comparison
@@ -267,3 +270,36 @@ def print_efficiencies(console: Console, data: Any) -> None:
         values = [float(means[name][index]) for name in names if name != "time"]
         table.add_row(clock_label(hour), f"{values[0]:.1f}", *(f"{v:.3f}" for v in values[1:]))
     console.print(table)
+
+
+def print_sensitivities(
+    console: Console, worth: list[Sensitivity], objective: Objective, *, rows: int = 15
+) -> None:
+    """What each technology parameter is worth, most important first."""
+    unit = _OBJECTIVE_UNITS[objective.value]
+    table = Table(title=f"sensitivities of {objective.value}", title_justify="left")
+    table.add_column("parameter", overflow="fold")
+    for name in ("value", f"{unit} per unit", f"{unit} per +1 %", "elasticity"):
+        table.add_column(name, justify="right")
+    for s in worth[:rows]:
+        elasticity = "-" if s.elasticity is None else f"{s.elasticity:+.3f}"
+        table.add_row(
+            s.parameter,
+            f"{s.value:.4g}",
+            f"{s.derivative:+.4g}",
+            f"{s.per_percent:+.4f}",
+            elasticity,
+        )
+    console.print(table)
+
+
+def print_certificate(console: Console, certificate: Certificate, objective: Objective) -> None:
+    """Whether the optimum withstood the attack."""
+    unit = _OBJECTIVE_UNITS[objective.value]
+    verdict = "certified" if certificate.certified else "NOT certified"
+    console.print(
+        f"{verdict}: best of {certificate.designs_tried} designs tried is "
+        f"{certificate.best_found:.5g} {unit} ({certificate.found_by}), better by "
+        f"{certificate.advantage:.2g} {unit}; with a time step of one minute the optimum has "
+        f"{certificate.fine_step_value:.5g} {unit}"
+    )

@@ -93,13 +93,12 @@ def verify(
 def write_verification(folder: Path, result: Verification, record: dict[str, Any]) -> None:
     """Write samples, JSON and figures into a folder; existing files of these names are replaced.
 
-    Everything is made beside the folder first, so that a failure leaves it as it was.
-
     Raises
     ------
     OutputError
         If the folder cannot be written.
     """
+    from missions.output_files import write_folder
     from studies import verification as study
     from studies import verification_plots as figures
     from studies.plots import to_bytes
@@ -113,28 +112,7 @@ def write_verification(folder: Path, result: Verification, record: dict[str, Any
         contents[f"window-{number + 1}.png"] = to_bytes(figure, "png")
     for section, (date, mask) in zip(result.days, study.day_masks(result.samples), strict=True):
         contents[f"day-{date}.png"] = to_bytes(figures.day_figure(result, section, mask), "png")
-    _place(folder, contents)
-
-
-def _place(folder: Path, contents: dict[str, bytes]) -> None:
-    import tempfile
-
-    from missions.output_files import OutputError
-
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as name:
-            staging = Path(name)
-            for file, data in contents.items():
-                (staging / file).write_bytes(data)
-            folder.mkdir(exist_ok=True)
-            for file in contents:
-                (staging / file).replace(folder / file)
-    except OSError as error:
-        raise OutputError(f"cannot write to {folder}: {error.strerror or error}") from None
-
-
-# ---- Tables
+    write_folder(folder, contents)
 
 
 def print_verification(console: Console, record: dict[str, Any]) -> None:

@@ -14,9 +14,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
 from sizing.energy_balance import FloatArray
+from sizing.objectives import Objective
 from sizing.optimiser import SizingResult, size_aircraft
 from sizing.performance import SolarModel, performance_of_designs, solar_day
-from sizing.sizing_problem import Objective
 
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
     Objective.max_excess_time,

@@ -15,7 +15,6 @@ from click.testing import CliRunner, Result
 
 from missions.flight_log import log_from_table
 from missions.mission import Mission
-from missions.output_files import OutputError
 from missions.problems import InputError
 from sizing.aircraft import Aircraft, SolarModules
 from solar.full_model import full_model
@@ -24,7 +23,6 @@ from solar.power import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area
 from solar.sun import FloatArray
 from studies import verification as study
-from studies import verify_command
 from studies.library import load_aircraft, load_mission
 from studies.synthetic_log import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
 from studies.verification import Verification, Window, moving_average, parse_window, verify
@@ -428,18 +426,6 @@ def test_command_writes_everything(log_file: Path, tmp_path: Path) -> None:
     assert (table["fm_w"] - table["solar_power_w"]).to_numpy() == pytest.approx(
         table["fm_error_w"].to_numpy(), abs=2e-3
     )
-
-
-def test_nothing_is_left_behind_by_a_failure(
-    log_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def broken(*_: object) -> bytes:
-        raise OSError("no space left")
-
-    monkeypatch.setattr(Path, "write_bytes", broken)
-    with pytest.raises(OutputError, match="cannot write to"):
-        verify_command._place(tmp_path / "out", {"samples.csv": b""})
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_figures_show_shade_and_exclusion(log_file: Path) -> None:

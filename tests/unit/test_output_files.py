@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 
 from missions.output_files import (
     OutputError,
+    check_writable_folder,
     to_yaml,
     write_bytes_atomically,
+    write_folder,
     write_text_atomically,
 )
 from missions.yaml_document import parse_yaml
@@ -197,3 +199,23 @@ def test_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
     finally:
         os.close(reader)
     assert path.is_fifo()
+
+
+def test_folder_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    folder = tmp_path / "results"
+    (folder / "b.csv").mkdir(parents=True)  # a folder where a file should go
+    with pytest.raises(OutputError, match=r"b\.csv: it is a folder"):
+        write_folder(folder, {"a.csv": b"1", "b.csv": b"2"})
+    assert [p.name for p in folder.iterdir()] == ["b.csv"]
+    write_folder(tmp_path / "new" / "results", {"a.csv": b"1"})
+    assert (tmp_path / "new" / "results" / "a.csv").read_bytes() == b"1"
+
+
+def test_file_in_the_way_of_a_folder_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    for path in (tmp_path / "file", tmp_path / "file" / "deeper"):
+        with pytest.raises(OutputError):
+            check_writable_folder(path)
+        with pytest.raises(OutputError):
+            write_folder(path, {"a": b""})
+    check_writable_folder(tmp_path / "not" / "there" / "yet")

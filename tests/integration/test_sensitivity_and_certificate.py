@@ -1,0 +1,144 @@
+"""Sensitivities against sizing again, and certificates that hold or do not."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from sizing.certificate import certify
+from sizing.design import DesignVariables
+from sizing.objectives import Objective
+from sizing.optimiser import SizingResult, size_aircraft
+from sizing.performance import SolarModel, performance_of_designs
+from sizing.sensitivity import PARAMETERS, sensitivities
+from studies.library import load_aircraft, load_mission
+
+DESIGN = "atlantiksolar-design"
+
+
+def sized(
+    objective: Objective, required_h: float, *overrides: str, mission: str = "rafz-july"
+) -> SizingResult:
+    of_mission = [o.removeprefix("mission.") for o in overrides if o.startswith("mission.")]
+    of_aircraft = [o for o in overrides if not o.startswith("mission.")]
+    return size_aircraft(
+        load_aircraft(DESIGN, of_aircraft).aircraft,
+        load_mission(mission, of_mission).mission,
+        objective,
+        required_excess_time_h=required_h,
+    )
+
+
+def value(result: SizingResult) -> float:
+    assert result.objective_value is not None
+    return result.objective_value
+
+
+@pytest.mark.parametrize(
+    ("objective", "required_h", "mission"),
+    [
+        (Objective.min_wingspan, 5.0, "central-europe-summer"),
+        (Objective.max_excess_time, 0.0, "rafz-july"),
+        (Objective.min_mass, 3.0, "rafz-july"),
+    ],
+)
+def test_sensitivities_equal_sizing_again(
+    objective: Objective, required_h: float, mission: str
+) -> None:
+    result = sized(objective, required_h, mission=mission)
+    found = {
+        s.parameter: s
+        for s in sensitivities(
+            load_aircraft(DESIGN).aircraft, load_mission(mission).mission, result
+        )
+    }
+    for name in (
+        "battery.specific_energy_wh_per_kg",
+        "battery.discharge_efficiency",
+        "modules.efficiency_stc",
+        "airframe.structure.calibration",
+        "airframe.propulsion.motor_efficiency",
+        "power.avionics_w",
+        "mission.clearness",
+    ):
+        here = found[name]
+        step = 2e-3 * here.value
+        # Clearness may not exceed one: a step to one side there.
+        high = here.value if name == "mission.clearness" else here.value + step
+        ends = [
+            value(sized(objective, required_h, f"{name}={v!r}", mission=mission))
+            for v in (here.value - step, high)
+        ]
+        difference = (ends[1] - ends[0]) / (high - here.value + step)
+        # Curvature over the step: 0.1 to 1 % of the slope, more for the one-sided one.
+        assert here.derivative == pytest.approx(difference, rel=0.01), name
+
+
+def test_sensitivities_are_sorted_and_consistent() -> None:
+    result = sized(Objective.min_wingspan, 4.0, "mission.payload.mass_kg=0.3")
+    mission = load_mission("rafz-july", ["payload.mass_kg=0.3"]).mission
+    found = sensitivities(load_aircraft(DESIGN).aircraft, mission, result)
+    assert {s.parameter for s in found} <= set(PARAMETERS)
+    sizes = [abs(s.per_percent) for s in found]
+    assert sizes == sorted(sizes, reverse=True)
+    by_name = {s.parameter: s for s in found}
+    # A kilogram is a kilogram, whoever carries it: payload and avionics are worth the same.
+    assert by_name["mission.payload.mass_kg"].derivative == pytest.approx(
+        by_name["airframe.avionics_mass_kg"].derivative, rel=1e-6
+    )
+    for s in found:
+        assert s.elasticity is None or s.elasticity == pytest.approx(
+            s.derivative * s.value / value(result)
+        )
+
+
+def test_free_aspect_ratio_is_no_parameter() -> None:
+    freed = "design_space.aspect_ratio={minimum: 10, maximum: 24}"
+    result = sized(Objective.min_wingspan, 4.0, freed)
+    aircraft = load_aircraft(DESIGN, [freed]).aircraft
+    names = {
+        s.parameter for s in sensitivities(aircraft, load_mission("rafz-july").mission, result)
+    }
+    assert "airframe.aspect_ratio" not in names
+    assert "battery.specific_energy_wh_per_kg" in names
+
+
+def test_infeasible_sizing_has_neither() -> None:
+    result = sized(Objective.min_wingspan, 900.0)
+    aircraft, mission = load_aircraft(DESIGN).aircraft, load_mission("rafz-july").mission
+    with pytest.raises(ValueError, match="only an optimum"):
+        sensitivities(aircraft, mission, result)
+    with pytest.raises(ValueError, match="only an optimum"):
+        certify(aircraft, mission, result)
+
+
+@pytest.mark.parametrize("objective", list(Objective))
+@pytest.mark.parametrize("aircraft", [DESIGN, "sky-sailor"])
+def test_optimum_withstands_the_attack(objective: Objective, aircraft: str) -> None:
+    craft, mission = load_aircraft(aircraft).aircraft, load_mission("rafz-july").mission
+    result = size_aircraft(craft, mission, objective, required_excess_time_h=2.0)
+    certificate = certify(craft, mission, result)
+    assert certificate.certified
+    assert certificate.advantage >= 0.0
+    assert certificate.designs_tried > 1000
+
+
+@pytest.mark.parametrize("objective", list(Objective))
+def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
+    aircraft, mission = load_aircraft(DESIGN).aircraft, load_mission("rafz-july").mission
+    result = size_aircraft(aircraft, mission, objective, required_excess_time_h=2.0)
+    assert result.design is not None
+    best = result.design.variables
+    # Three per cent more span and less battery than best: feasible or not, not the optimum.
+    worse = DesignVariables(
+        np.asarray(min(best.wingspan_m * 1.03, 12.0)),
+        np.asarray(best.aspect_ratio),
+        np.asarray(best.battery_mass_kg * 0.9),
+        np.asarray(best.module_area_m2),
+    )
+    simulated = performance_of_designs(aircraft, mission, worse, SolarModel())
+    spoiled = dataclasses.replace(result, simulated=simulated, design=simulated.design)
+    certificate = certify(aircraft, mission, spoiled)
+    assert not certificate.certified
+    assert certificate.advantage > 0.0
+    assert certificate.found_by != "optimum"
