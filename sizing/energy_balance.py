@@ -60,6 +60,8 @@ class Store:
         self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
     ) -> FloatArray:
         """Stored energy after charging from a surplus for some hours [Wh]."""
+        if not np.any(surplus_wh):
+            return energy_wh
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.energy_max_wh)
         if self.clock is None:
             return target
@@ -67,6 +69,11 @@ class Store:
         limited = self.clock.after(soc, hours) * self.energy_max_wh
         # A round trip through the clock's table must not lose the last digits of a full battery.
         return np.maximum(np.minimum(target, limited), energy_wh)
+
+
+# Cycles marched before the remaining cells are bracketed, and rounds of that at most.
+_PLAIN_CYCLES = 3
+_MAXIMUM_ROUNDS = 100
 
 
 def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) -> FloatArray:
@@ -134,7 +141,8 @@ class PowerBalance:
     time_h: FloatArray
     net_w: FloatArray
     surplus_wh: FloatArray
-    deficit_wh: FloatArray
+    early_deficit_wh: FloatArray
+    late_deficit_wh: FloatArray
 
     @classmethod
     def of(cls, time_h: FloatArray, solar_power_w: FloatArray, load_w: FloatArray) -> PowerBalance:
@@ -153,12 +161,20 @@ class PowerBalance:
             raise ValueError(f"the last axis has length {net.shape[-1]}, time has {len(time_h)}")
         net = np.ascontiguousarray(np.moveaxis(net, -1, 0))
         column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
+        deficit = positive_part_wh(-net[:-1], -net[1:], column)
+        early = np.where(net[:-1] < 0.0, deficit, 0.0)
         return cls(
             time_h=np.asarray(time_h, float),
             net_w=net,
             surplus_wh=positive_part_wh(net[:-1], net[1:], column),
-            deficit_wh=positive_part_wh(-net[:-1], -net[1:], column),
+            early_deficit_wh=early,
+            late_deficit_wh=deficit - early,
         )
+
+    @property
+    def deficit_wh(self) -> FloatArray:
+        """Deficit of every interval [Wh], time first."""
+        return self.early_deficit_wh + self.late_deficit_wh
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -171,15 +187,14 @@ class PowerBalance:
             self.time_h,
             self.net_w[:, mask],
             self.surplus_wh[:, mask],
-            self.deficit_wh[:, mask],
+            self.early_deficit_wh[:, mask],
+            self.late_deficit_wh[:, mask],
         )
 
     def intervals(self) -> Iterator[Interval]:
         """Walk the time axis interval by interval."""
         hours = np.diff(self.time_h)
         for k in range(len(hours)):
-            deficit = self.deficit_wh[k]
-            early = np.where(self.net_w[k] < 0.0, deficit, 0.0)
             yield Interval(
                 number=k,
                 start_h=float(self.time_h[k]),
@@ -187,8 +202,8 @@ class PowerBalance:
                 left_w=self.net_w[k],
                 right_w=self.net_w[k + 1],
                 surplus_wh=self.surplus_wh[k],
-                early_deficit_wh=early,
-                late_deficit_wh=deficit - early,
+                early_deficit_wh=self.early_deficit_wh[k],
+                late_deficit_wh=self.late_deficit_wh[k],
             )
 
 
@@ -298,7 +313,8 @@ def periodic_energy_wh(
         balance.time_h,
         balance.net_w.reshape(len(balance.time_h), -1),
         balance.surplus_wh.reshape(len(balance.time_h) - 1, -1),
-        balance.deficit_wh.reshape(len(balance.time_h) - 1, -1),
+        balance.early_deficit_wh.reshape(len(balance.time_h) - 1, -1),
+        balance.late_deficit_wh.reshape(len(balance.time_h) - 1, -1),
     )
     flat_store = Store(
         energy_max.reshape(-1).copy(),
@@ -310,13 +326,17 @@ def periodic_energy_wh(
 
 
 def _fixed_point(balance: PowerBalance, store: Store, tolerance: float) -> FloatArray:
-    high = store.energy_max_wh
-    # One cycle from full settles all cells whose battery is filled (or emptied) every day.
-    result = final_energy_wh(balance, store, high)
-    gain = final_energy_wh(balance, store, result) - result
-    open_cells = np.abs(gain) > tolerance * high
-    if not np.any(open_cells):
-        return result
+    # A few cycles from full settle all cells whose battery is filled or emptied every day.
+    result = final_energy_wh(balance, store, store.energy_max_wh).copy()
+    open_cells = np.ones(result.shape, bool)
+    for _ in range(_PLAIN_CYCLES):
+        part, part_store = balance.select(open_cells), store.select(open_cells)
+        found = final_energy_wh(part, part_store, result[open_cells])
+        settled = np.abs(found - result[open_cells]) <= tolerance * part_store.energy_max_wh
+        result[open_cells] = found
+        open_cells[open_cells] = ~settled
+        if not np.any(open_cells):
+            return result
     part, part_store = balance.select(open_cells), store.select(open_cells)
     result[open_cells] = _bracketed(part, part_store, result[open_cells], tolerance)
     return result
@@ -326,26 +346,74 @@ def _bracketed(
     balance: PowerBalance, store: Store, upper: FloatArray, tolerance: float
 ) -> FloatArray:
     """Root of the cycle's gain on ``[0, upper]``, where it is positive at 0 and negative above."""
-    energy_max = store.energy_max_wh
     lower = np.zeros_like(upper)
-    upper = upper.copy()
-    lower_gain = final_energy_wh(balance, store, lower) - lower
-    upper_gain = final_energy_wh(balance, store, upper) - upper
-    best = np.where(lower_gain <= tolerance * energy_max, lower, upper)
-    done = lower_gain <= tolerance * energy_max
-    for _ in range(60):
-        if np.all(done):
+    lower_gain = final_energy_wh(balance, store, lower)
+    rising = lower_gain > tolerance * store.energy_max_wh
+    result = np.where(rising, upper, lower)
+    work = _Bracket(
+        place=np.arange(len(upper)),
+        lower=lower,
+        upper=upper,
+        lower_gain=lower_gain,
+        upper_gain=final_energy_wh(balance, store, upper) - upper,
+        side=np.zeros(len(upper)),
+    ).select(rising)
+    for _ in range(_MAXIMUM_ROUNDS):
+        if not len(work.place):
             break
-        slope = np.where(upper_gain == lower_gain, -1.0, upper_gain - lower_gain)
-        trial = np.clip(lower - lower_gain * (upper - lower) / slope, lower, upper)
-        gain = final_energy_wh(balance, store, trial) - trial
-        best = np.where(done, best, trial)
-        done |= (np.abs(gain) <= tolerance * energy_max) | (upper - lower <= tolerance * energy_max)
-        rises = gain > 0.0
-        # Illinois: halve the value kept at the stagnant end so that both ends converge.
-        lower_gain, upper_gain = (
-            np.where(rises, gain, lower_gain / 2.0),
-            np.where(rises, upper_gain / 2.0, gain),
+        mask = np.zeros(upper.shape, bool)
+        mask[work.place] = True
+        limit = tolerance * store.energy_max_wh[work.place]
+        trial = work.trial()
+        gain = final_energy_wh(balance.select(mask), store.select(mask), trial) - trial
+        result[work.place] = trial
+        work = work.narrowed(trial, gain)
+        work = work.select((np.abs(gain) > limit) & (work.upper - work.lower > limit))
+    return result
+
+
+@dataclass(frozen=True)
+class _Bracket:
+    """Brackets of the cells that are still searched; ``place`` is their index in the batch."""
+
+    place: NDArray[np.intp]
+    lower: FloatArray
+    upper: FloatArray
+    lower_gain: FloatArray
+    upper_gain: FloatArray
+    side: FloatArray
+
+    def select(self, mask: BoolArray) -> _Bracket:
+        """Brackets of a part of the cells."""
+        return _Bracket(
+            self.place[mask],
+            self.lower[mask],
+            self.upper[mask],
+            self.lower_gain[mask],
+            self.upper_gain[mask],
+            self.side[mask],
         )
-        lower, upper = np.where(rises, trial, lower), np.where(rises, upper, trial)
-    return best
+
+    def trial(self) -> FloatArray:
+        """Zero of the straight line through both ends."""
+        slope = np.where(
+            self.upper_gain == self.lower_gain, -1.0, self.upper_gain - self.lower_gain
+        )
+        point = self.lower - self.lower_gain * (self.upper - self.lower) / slope
+        return np.clip(point, self.lower, self.upper)
+
+    def narrowed(self, trial: FloatArray, gain: FloatArray) -> _Bracket:
+        """Bracket with one end moved; an end kept twice counts half (Illinois)."""
+        rises = gain > 0.0
+        side = np.where(rises, 1.0, -1.0)
+        again = side == self.side
+        kept_lower = np.where(again & ~rises, self.lower_gain / 2.0, self.lower_gain)
+        kept_upper = np.where(again & rises, self.upper_gain / 2.0, self.upper_gain)
+        return _Bracket(
+            self.place,
+            np.where(rises, trial, self.lower),
+            np.where(rises, self.upper, trial),
+            np.where(rises, gain, kept_lower),
+            np.where(rises, kept_upper, gain),
+            side,
+        )
