@@ -9,7 +9,8 @@ import io
 import json
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 DEFAULT_MISSION = "rafz-july"
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
+
+_MAXIMUM_GRID = 2000
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -48,6 +51,35 @@ class Latitude(click.ParamType[float]):
         if not -90.0 <= number <= 90.0:
             self.fail(f"must be from -90 to 90 (got {value})", param, ctx)
         return number
+
+
+class Grid(click.ParamType["list[float]"]):
+    """Evenly spaced numbers ``first:last:step``, both ends included."""
+
+    name = "first:last:step"
+
+    def __init__(self, lowest: float, highest: float) -> None:
+        self.lowest, self.highest = lowest, highest
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> list[float]:
+        """Read the numbers and check their range."""
+        try:
+            first, last, step = (float(part) for part in str(value).split(":"))
+        except ValueError:
+            self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
+        if not (self.lowest <= first <= last <= self.highest and step > 0.0):
+            self.fail(
+                f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
+                f"(got {value})",
+                param,
+                ctx,
+            )
+        count = int((last - first) / step + 1e-9) + 1
+        if count > _MAXIMUM_GRID:
+            self.fail(f"has {count} numbers, at most {_MAXIMUM_GRID} are allowed", param, ctx)
+        return [first + i * step for i in range(count)]
 
 
 class MonthDay(click.ParamType[int]):
@@ -353,6 +385,69 @@ def published(as_json: bool, markdown_file: str | None) -> None:
         sys.exit(EXIT_FAILED)
 
 
+@cli.command(name="map")
+@click.argument("aircraft")
+@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@click.option("--latitudes", type=Grid(-90.0, 90.0), default="-70:70:2", show_default=True)
+@click.option("--days", type=Grid(1.0, 365.0), default="1:365:4", show_default=True)
+@click.option("--endurance", is_flag=True, help="Also the longest flight of each cell (slow).")
+@click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF.")
+@click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")
+@solar_options
+def map_(
+    aircraft: str,
+    mission: str,
+    latitudes: list[float],
+    days: list[float],
+    endurance: bool,
+    out_file: str | None,
+    plot_file: str | None,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Map where and when AIRCRAFT (name or file) flies for ever: latitude against season."""
+    import numpy as np
+
+    from studies import feasibility_map as study
+
+    image = _image_format(plot_file)
+    craft, where = _load(aircraft, mission, overrides)
+    _require_path(model, correction, craft, where)
+    with _progress("cells") as progress:
+        data = study.feasibility_map(
+            craft.aircraft,
+            where.mission,
+            np.array(latitudes),
+            np.unique(np.round(days).astype(int)),
+            _solar_model(model, correction),
+            endurance=endurance,
+            progress=progress,
+        )
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    if out_file is not None:
+        contents[out_file] = study.to_netcdf_bytes(data)
+    if plot_file is not None and image is not None:
+        from studies.plots import to_bytes
+
+        contents[plot_file] = to_bytes(study.map_figure(data), image)
+    _write_files(contents)
+    season = study.season_length(data)
+    if as_json:
+        _print_json(
+            {
+                "latitude_deg": data["latitude"].to_numpy().tolist(),
+                "days": data["day"].to_numpy().tolist(),
+                "perpetual_days": season.to_numpy().tolist(),
+            }
+        )
+        return
+    from studies.tables import print_seasons
+
+    print_seasons(_console(), data, season)
+
+
 @cli.command(name="loiter-correction")
 @click.argument("aircraft", default="atlantiksolar-as2")
 @click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
@@ -514,6 +609,22 @@ def _solar_model(model: str, correction: str) -> SolarModel:
     from sizing.performance import SolarModel
 
     return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
+
+
+@contextmanager
+def _progress(unit: str) -> Iterator[Callable[[int, int], None]]:
+    """Progress bar on a terminal's standard error, nothing elsewhere."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(unit)
+
+        def update(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        yield update
 
 
 def _write_files(contents: dict[str | os.PathLike[str], bytes]) -> None:

@@ -1,0 +1,221 @@
+"""Map of a fixed aircraft over latitude and season: where and when it flies for ever."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.dates import MONTH_NAMES
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.cycle import Status
+from sizing.performance import Performance, SolarModel, performance, solar_day
+from solar._version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from sizing.energy_balance import FloatArray
+
+# Cells simulated at once: their arrays over one day stay within a few megabytes.
+_BLOCK = 512
+
+# Variable -> unit, long name.
+_VARIABLES = {
+    "excess_time": ("h", "excess time; infinite where solar power always exceeds the load"),
+    "minimum_state_of_charge": ("1", "minimum state of charge of the repeated day"),
+    "charge_margin": ("h", "time from first full charge to last instant of full charge"),
+    "equal_power_morning": ("h", "solar time at which solar power first equals the load"),
+    "equal_power_evening": ("h", "solar time at which solar power last equals the load"),
+    "full_charge": ("h", "solar time of the first full charge"),
+    "solar_energy": ("Wh", "electric energy of the modules over the day"),
+    "load_energy": ("Wh", "energy drawn over the day"),
+}
+
+
+def feasibility_map(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitudes_deg: FloatArray,
+    days: FloatArray,
+    solar: SolarModel,
+    *,
+    endurance: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Metrics of the repeated day in every cell of latitude and day.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        What flies, in which air, with which load; the mission's own latitudes and dates play no
+        part.
+    latitudes_deg, days : ndarray
+        Latitudes [deg] and days of year.
+    endurance : bool
+        Also search the longest flight of every cell that is not perpetual (about a hundred times
+        the work of the other metrics).
+    progress : callable, optional
+        Called with the cells done and the cells in all.
+
+    Returns
+    -------
+    xarray.Dataset
+        On the dimensions ``latitude`` and ``day``, with CF attributes; undefined values are NaN,
+        and ``status`` tells why.
+    """
+    grid_lat, grid_day = (
+        v.ravel() for v in np.meshgrid(latitudes_deg, np.asarray(days, int), indexing="ij")
+    )
+    count = len(grid_lat)
+    columns = {name: np.full(count, np.nan) for name in _VARIABLES}
+    status = np.zeros(count, np.int8)
+    longest = np.full(count, np.nan)
+    for start in range(0, count, _BLOCK):
+        block = slice(start, min(start + _BLOCK, count))
+        scenarios = Scenarios(grid_lat[block], grid_day[block])
+        lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
+        found = performance(aircraft, mission, solar, day=lit)
+        for name, values in _metrics(found).items():
+            columns[name][block] = values
+        status[block] = found.cycle.status
+        if endurance:
+            flights = found.endurances()
+            longest[block] = [np.inf if f is None else float(f.endurance_h) for f in flights]
+        if progress is not None:
+            progress(block.stop, count)
+    if endurance:
+        columns["endurance"] = longest
+    shape = (len(latitudes_deg), len(days))
+    return _dataset(
+        aircraft,
+        mission,
+        solar,
+        latitudes_deg,
+        days,
+        {name: values.reshape(shape) for name, values in columns.items()},
+        status.reshape(shape),
+    )
+
+
+def _metrics(perf: Performance) -> dict[str, FloatArray]:
+    cycle = perf.cycle
+    return {
+        "excess_time": cycle.excess_time_h,
+        "minimum_state_of_charge": cycle.minimum_state_of_charge,
+        "charge_margin": cycle.charge_margin_h,
+        "equal_power_morning": cycle.equal_power_morning_h,
+        "equal_power_evening": cycle.equal_power_evening_h,
+        "full_charge": cycle.full_charge_h,
+        "solar_energy": cycle.account.solar_wh,
+        "load_energy": cycle.account.load_wh,
+    }
+
+
+def _dataset(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    latitudes_deg: FloatArray,
+    days: FloatArray,
+    columns: dict[str, FloatArray],
+    status: Any,
+) -> xr.Dataset:
+    import xarray as xr
+
+    described = _VARIABLES | {
+        "endurance": ("h", "longest flight over all launch times; infinite where perpetual")
+    }
+    dims = ("latitude", "day")
+    variables: dict[str, Any] = {
+        name: (dims, values, {"units": described[name][0], "long_name": described[name][1]})
+        for name, values in columns.items()
+    }
+    variables["status"] = (
+        dims,
+        status,
+        {
+            "long_name": "how the repeated day ends",
+            "flag_values": np.array([s.value for s in Status], np.int8),
+            "flag_meanings": " ".join(s.name for s in Status),
+        },
+    )
+    return xr.Dataset(
+        variables,
+        coords={
+            "latitude": (
+                "latitude",
+                np.asarray(latitudes_deg, float),
+                {"units": "degrees_north", "standard_name": "latitude"},
+            ),
+            "day": ("day", np.asarray(days, int), {"long_name": "day of year", "units": "1"}),
+        },
+        attrs={
+            "Conventions": "CF-1.11",
+            "title": f"Feasibility of {aircraft.name}",
+            "source": f"solar-uav {__version__}",
+            "solar_model": solar.model,
+            "correction": solar.correction,
+            "aircraft": aircraft.model_dump_json(),
+            "mission": mission.model_dump_json(),
+        },
+    )
+
+
+def to_netcdf_bytes(data: xr.Dataset) -> bytes:
+    """NetCDF-4 file of a map."""
+    import tempfile
+    from pathlib import Path
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "map.nc"
+        data.to_netcdf(path, engine="h5netcdf")
+        return path.read_bytes()
+
+
+def season_length(data: xr.Dataset) -> xr.DataArray:
+    """Days of the map's days on which each latitude is flown perpetually."""
+    perpetual = data["status"].isin([Status.perpetual, Status.always_lit])
+    return perpetual.sum("day")
+
+
+def map_figure(data: xr.Dataset) -> Figure:
+    """Excess time over season and latitude, with the edge of perpetual flight drawn as a line.
+
+    Cells are drawn as they are: nothing is smoothed or filled in between.
+    """
+    from matplotlib.colors import BoundaryNorm
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.5, 5.2), layout="constrained")
+    axes = figure.subplots()
+    days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
+    excess = data["excess_time"].to_numpy()
+    top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
+    shown = np.where(np.isposinf(excess), 2.0 * top, excess)
+    levels = _levels(top)
+    norm = BoundaryNorm(levels, ncolors=256, extend="both")
+    mesh = axes.pcolormesh(days, latitudes, shown, cmap="PuOr", norm=norm, shading="nearest")
+    bar = figure.colorbar(mesh, ax=axes, ticks=levels)
+    bar.set_label("excess time [h]; beyond the top: no night")
+    if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
+        axes.contour(days, latitudes, np.where(shown > 0.0, 1.0, 0.0), [0.5], colors="black")
+    starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
+    axes.set_xticks(starts, MONTH_NAMES, ha="left")
+    axes.set(ylabel="latitude [deg]", xlim=(days.min(), days.max()))
+    corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
+    axes.set_title(
+        f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
+        "line: edge of perpetual flight",
+        parse_math=False,
+    )
+    return figure
+
+
+def _levels(top: float) -> FloatArray:
+    """Symmetric levels around zero, so that white is where perpetual flight begins."""
+    reach = max(2.0, float(np.ceil(top / 2.0) * 2.0))
+    return np.linspace(-reach, reach, 13)

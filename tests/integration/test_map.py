@@ -1,0 +1,104 @@
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from missions.mission import Scenarios
+from sizing.cycle import Status
+from sizing.performance import SolarModel, performance, solar_day
+from studies import feasibility_map as study
+from studies.cli import cli
+from studies.library import load_aircraft, load_mission
+
+AS2 = load_aircraft("atlantiksolar-as2").aircraft
+JULY = load_mission("rafz-july").mission
+LATITUDES = np.array([-75.0, -40.0, 0.0, 47.6, 89.0])
+DAYS = np.array([1, 80, 172, 266, 355])
+
+
+@pytest.fixture(scope="module")
+def data() -> xr.Dataset:
+    return study.feasibility_map(AS2, JULY, LATITUDES, DAYS, SolarModel(), endurance=True)
+
+
+def test_cells_are_those_of_single_analyses(data: xr.Dataset) -> None:
+    for latitude in LATITUDES:
+        for day in DAYS:
+            scenario = Scenarios(np.array([latitude]), np.array([day]))
+            lit = solar_day(AS2, JULY, scenarios=scenario)
+            cycle = performance(AS2, JULY, day=lit).cycle
+            cell = data.sel(latitude=latitude, day=day)
+            assert int(cell["status"]) == int(cycle.status[0])
+            # The fixed point is settled to 1e-11 of the battery, in a block or alone.
+            np.testing.assert_allclose(
+                [cell["excess_time"], cell["charge_margin"], cell["minimum_state_of_charge"]],
+                [
+                    cycle.excess_time_h[0],
+                    cycle.charge_margin_h[0],
+                    cycle.minimum_state_of_charge[0],
+                ],
+                rtol=1e-7,
+                atol=1e-9,
+            )
+
+
+def test_tropics_fly_all_year_and_polar_winter_never(data: xr.Dataset) -> None:
+    assert int(study.season_length(data).sel(latitude=0.0)) == len(DAYS)
+    assert int(data["status"].sel(latitude=89.0, day=355)) == Status.never_lit
+    assert int(data["status"].sel(latitude=89.0, day=172)) == Status.always_lit
+    assert np.isinf(data["excess_time"].sel(latitude=89.0, day=172))
+
+
+def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data: xr.Dataset) -> None:
+    perpetual = data["status"].isin([Status.perpetual, Status.always_lit])
+    assert (np.isinf(data["endurance"]) == perpetual).all()
+    # By polar night the battery alone flies: its energy over the load.
+    load = float(data["load_energy"].sel(latitude=89.0, day=355)) / 24.0
+    assert float(data["endurance"].sel(latitude=89.0, day=355)) == pytest.approx(
+        2.918 * 251.0 * 0.97 / load, rel=1e-6
+    )
+
+
+def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
+    again = xr.open_dataset(io.BytesIO(study.to_netcdf_bytes(data)), engine="h5netcdf")
+    assert again["excess_time"].attrs["units"] == "h"
+    assert again["status"].attrs["flag_meanings"] == "limited perpetual always_lit never_lit"
+    assert again.attrs["Conventions"].startswith("CF-")
+    assert json.loads(again.attrs["aircraft"])["name"] == "atlantiksolar-as2"
+    np.testing.assert_array_equal(again["status"], data["status"])
+    np.testing.assert_array_equal(again["excess_time"], data["excess_time"])
+
+
+def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
+    axes, bar = study.map_figure(data).axes
+    assert axes.get_ylabel() == "latitude [deg]"
+    assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
+    assert "CAM, uncorrected" in axes.get_title()
+    assert "[h]" in bar.get_ylabel()
+
+
+def test_command_writes_map_and_picture(tmp_path: Path) -> None:
+    target, picture = tmp_path / "map.nc", tmp_path / "map.png"
+    options = ["--latitudes", "40:50:5", "--days", "1:361:40", "--json"]
+    answer = CliRunner().invoke(
+        cli,
+        ["map", "atlantiksolar-as2", *options, "--out", str(target), "--plot", str(picture)],
+    )
+    assert answer.exit_code == 0, answer.output
+    record = json.loads(answer.stdout)
+    assert record["latitude_deg"] == [40.0, 45.0, 50.0]
+    assert record["perpetual_days"] == sorted(record["perpetual_days"], reverse=True)
+    assert target.stat().st_size > 1000
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("grid", ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1"])
+def test_bad_grids_are_refused(grid: str) -> None:
+    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--latitudes", grid])
+    assert answer.exit_code == 2
+    assert "--latitudes" in answer.output
+    assert "Traceback" not in answer.output
