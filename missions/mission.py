@@ -42,6 +42,7 @@ Temperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_na
 
 
 MAXIMUM_SCENARIOS = 5000
+SOLSTICES = (172, 355)  # 21 June and 21 December
 
 
 def _date(value: Any) -> str:
@@ -71,10 +72,23 @@ class LatitudeRange(Record):
         return [float(v) for v in np.linspace(self.from_deg, self.to_deg, self.count)]
 
 
+def _include(picks: list[int], wanted: int) -> None:
+    """Move the nearest pick between the ends to the wanted one; add it where there is none."""
+    inner = picks[1:-1]
+    if wanted in picks:
+        return
+    if not inner:
+        picks.append(wanted)
+        return
+    nearest = min(range(len(inner)), key=lambda i: abs(inner[i] - wanted))
+    picks[nearest + 1] = wanted
+
+
 class Dates(Record):
     """One date (``on``) or a range (``from`` to ``to``, across the year's end if need be).
 
-    A range stands for ``count`` of its days, evenly spaced with both ends; dates are MM-DD.
+    A range stands for ``count`` of its days, evenly spaced with both ends, and a solstice within it
+    is always one of them: the longest and shortest days drive a design. Dates are MM-DD.
     """
 
     on: str | None = None
@@ -108,8 +122,11 @@ class Dates(Record):
         """Days of year that stand for the range, in its order."""
         every = self.range()
         count = min(self.count or 3, len(every))
-        picks = np.unique(np.round(np.linspace(0, len(every) - 1, count)).astype(int))
-        return [every[i] for i in picks]
+        picks = np.unique(np.round(np.linspace(0, len(every) - 1, count)).astype(int)).tolist()
+        for solstice in SOLSTICES:
+            if count > 1 and solstice in every[1:-1]:
+                _include(picks, every.index(solstice))
+        return [every[i] for i in sorted(set(picks))]
 
 
 class AirConditions(Record):

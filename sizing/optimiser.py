@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from sizing.performance import (
     performance_of_designs,
     solar_day,
 )
-from sizing.sizing_problem import SizingProblem, build_problem
+from sizing.sizing_problem import Effort, SizingProblem, build_problem
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5
@@ -32,11 +32,13 @@ _ACTIVE_MULTIPLIER = 1e-5
 # Scenarios that a program starts with; others join when the simulator finds them worse.
 _FIRST_SLOTS = 3
 _ROUNDS = 12
-# The program's coarser time step may flatter a design by this much before it is sized again [h].
-_AGREEMENT_H = 0.01
-_GOAL_CUSHION_H = 0.01
+# The program is asked for a little more than required, as its coarser time step may flatter a
+# design, and asked again for less where that was too much [h].
+_GOAL_CUSHION_H = 0.008
+_WASTE_H = 0.02
 _FIRST_MARGIN = 1e-3
 _RESCUES = 3
+_ELASTIC_EFFORTS: tuple[Effort, ...] = ("steady", "patient")
 _GRID_POINTS = 9
 _GRID_STEP_H = 0.5
 
@@ -85,9 +87,9 @@ class SizingResult:
     """Outcome of a sizing: an optimum, or the requirements that cannot be met.
 
     ``status`` is ``optimal``, ``infeasible`` or ``not_converged``. Design, simulated performance
-    and objective value exist for an optimum alone; ``objective_value`` is the optimiser's own
-    number, which ``simulated`` confirms. ``nearest`` is the simulated design that comes closest
-    where none is feasible, and ``active_constraints`` then name what holds it back.
+    and objective value (the simulator's number) exist for an optimum alone. ``nearest`` is the
+    simulated design that comes closest where none is feasible, and ``active_constraints`` then name
+    what holds it back.
     """
 
     status: str
@@ -169,10 +171,12 @@ class _Search:
     ) -> None:
         self.aircraft, self.mission, self.solar, self.day = aircraft, mission, solar, day
         self.objective, self.required_h = objective, required_h
-        self.goal_h, self.margin = required_h + _GOAL_CUSHION_H, _FIRST_MARGIN
+        cushion_h = 0.0 if objective is Objective.max_excess_time else _GOAL_CUSHION_H
+        self.goal_h, self.margin = required_h + cushion_h, _FIRST_MARGIN
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
         self.message = ""
         self.rescues = 0
+        self.best: SizingResult | None = None
         self.held: tuple[str, ...] = ()
         self.chosen: list[int] = []
         self.problem = self._build(min(_FIRST_SLOTS, len(day.scenarios)))
@@ -188,37 +192,58 @@ class _Search:
         return self._agree_with_simulator(answer)
 
     def _agree_with_simulator(self, answer: dict[str, Any]) -> SizingResult:
-        """Add scenarios and tighten the program until the simulator confirms its optimum."""
+        """Add scenarios and shift the program's goal until the simulator confirms its optimum.
+
+        A program that claims a little more or less than the simulator finds has still found the
+        right design; what counts is the simulator's number. Of all designs that the simulator
+        accepted on the way, the best is the answer.
+        """
         for _ in range(_ROUNDS):
             simulated = self._simulate(self._variables(answer))
-            claimed = self._claimed_h(answer)
             worst = simulated.worst_scenario()
             found = float(simulated.cycle.excess_time_h[worst])
-            if found >= claimed - _AGREEMENT_H and found > 0.0 and found >= self.required_h:
-                return self._optimal(answer, simulated)
-            self._tighten(worst, found, claimed)
+            accepted = found > 0.0 and found >= self.required_h
+            if accepted:
+                self._keep(answer, simulated)
+            if worst in self.chosen and accepted and not self._wasteful(found):
+                break
+            self._tighten(worst, found)
             retried = self._solve_from([self._variables(answer)])
             if retried is None:
-                return self._explain_failure(self._grid_starts())
+                break
             answer = retried
-        return self._failed("not_converged", (), None)
+        if self.best is not None:
+            return self.best
+        return self._explain_failure(self._grid_starts())
 
-    def _tighten(self, worst: int, found_h: float, claimed_h: float) -> None:
+    def _keep(self, answer: dict[str, Any], simulated: Performance) -> None:
+        """Remember the best design that the simulator accepts."""
+        result = self._optimal(answer, simulated)
+        sign = 1.0 if self.objective is Objective.max_excess_time else -1.0
+        if self.best is None or sign * _value(result) > sign * _value(self.best):
+            self.best = result
+
+    def _wasteful(self, found_h: float) -> bool:
+        """Whether a design of least size has more excess time than it was asked for."""
+        if self.objective is Objective.max_excess_time:
+            return False
+        return self.goal_h > 0.0 and found_h - self.required_h > _WASTE_H
+
+    def _tighten(self, worst: int, found_h: float) -> None:
         if worst not in self.chosen:
             self.chosen.append(worst)
             if len(self.chosen) > self.problem.slots:
                 self.problem = self._build(min(2 * self.problem.slots, len(self.day.scenarios)))
-        elif found_h <= 0.0 and claimed_h > 2.0 * _AGREEMENT_H:
+        elif found_h <= 0.0:
+            # The battery runs empty over many days: the day must return more.
             self.margin *= 3.0
+            self.goal_h += _GOAL_CUSHION_H
         else:
-            # Where the battery runs empty the missing hours tell nothing of the missing energy.
-            short_h = max(self.required_h - max(found_h, 0.0), 0.0)
-            self.goal_h += short_h + _GOAL_CUSHION_H
-            self.margin *= 1.5
+            self.goal_h = max(self.goal_h + self.required_h - found_h + _GOAL_CUSHION_H, 0.0)
 
     # --- solving -----------------------------------------------------------------------------
 
-    def _build(self, slots: int, *, exact_hessian: bool = False) -> SizingProblem:
+    def _build(self, slots: int, effort: Effort = "quick") -> SizingProblem:
         begun = time.perf_counter()
         problem = build_problem(
             self.aircraft,
@@ -226,7 +251,7 @@ class _Search:
             self.day,
             self.objective,
             slots,
-            exact_hessian=exact_hessian,
+            effort=effort,
         )
         self.build_s += time.perf_counter() - begun
         return problem
@@ -361,15 +386,9 @@ class _Search:
             self.aircraft, self.mission, variables, self.solar, day=self.day
         )
 
-    def _claimed_h(self, answer: dict[str, Any]) -> float:
-        """Worst excess time that the program promises [h]."""
-        if self.objective is not Objective.max_excess_time:
-            return self.required_h
-        return float(answer["x"][len(self.problem.variable_names) + self.problem.slots])
-
     def _optimal(self, answer: dict[str, Any], simulated: Performance) -> SizingResult:
         value = {
-            Objective.max_excess_time: self._claimed_h(answer),
+            Objective.max_excess_time: float(np.min(simulated.cycle.excess_time_h)),
             Objective.min_wingspan: float(simulated.design.variables.wingspan_m),
             Objective.min_mass: float(simulated.design.total_mass_kg),
         }[self.objective]
@@ -436,29 +455,49 @@ class _Search:
         self.solves += best.solves
         self.message = best.message
         if largest.simulated is None:
-            self.held = largest.active_constraints
-            return self._failed(largest.status, largest.violations, largest.nearest)
+            return self._no_perpetual_flight(largest)
         reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
-        shortfall_h = self.required_h - reached_h
-        if shortfall_h > _AGREEMENT_H:
+        if reached_h < self.required_h:
+            shortfall_h = self.required_h - reached_h
             text = self._words("excess_time", shortfall_h, largest.simulated)
             missed = Violation("excess_time", shortfall_h, text)
             self.held = largest.active_constraints
             return self._failed("infeasible", (missed,), largest.simulated)
+        if self.objective is Objective.max_excess_time:
+            return replace(largest, required_excess_time_h=self.required_h, solver=self._report())
+        # The cushion must not ask for more than there is.
+        self.goal_h = min(self.goal_h, max(reached_h - _GOAL_CUSHION_H / 4.0, 0.0))
         answer = self._solve_from([variables_of_design(largest.simulated.design), *starts])
-        return self._failed("not_converged", (), None) if answer is None else self._last(answer)
+        return self._given_up(largest.simulated) if answer is None else self._last(answer)
+
+    def _no_perpetual_flight(self, largest: SizingResult) -> SizingResult:
+        """No design flies perpetually at all, let alone with the excess time that is required."""
+        missed = [v for v in largest.violations if v.requirement != "excess_time"]
+        nearest = largest.nearest
+        if nearest is not None:
+            worst_h = float(np.min(nearest.cycle.excess_time_h))
+            shortfall_h = self.required_h - worst_h
+            text = self._words("excess_time", shortfall_h, nearest)
+            missed.append(Violation("excess_time", shortfall_h, text))
+        self.held = largest.active_constraints
+        return self._failed(largest.status, tuple(missed), nearest)
 
     def _explain_by_slack(self, starts: list[DesignVariables]) -> SizingResult:
-        self.problem = self._build(self.problem.slots, exact_hessian=True)
-        elastic = self._solve_from(starts, elastic=True)
+        elastic = None
+        for effort in _ELASTIC_EFFORTS:
+            self.problem = self._build(self.problem.slots, effort)
+            elastic = self._solve_from(starts, elastic=True)
+            if elastic is not None:
+                break
         if elastic is None:
             answer = self._solve_from(starts)
-            return self._failed("not_converged", (), None) if answer is None else self._last(answer)
+            nearest = self._simulate(starts[0])
+            return self._given_up(nearest) if answer is None else self._last(answer)
         slack = elastic["x"][-len(self.problem.slack_names) :]
-        if np.max(slack) <= _SLACK_TOLERANCE:
-            answer = self._solve_from([self._variables(elastic), *starts])
-            return self._failed("not_converged", (), None) if answer is None else self._last(answer)
         nearest = self._simulate(self._variables(elastic))
+        if np.max(slack) <= _SLACK_TOLERANCE or self._accepts(nearest):
+            answer = self._solve_from([self._variables(elastic), *starts])
+            return self._given_up(nearest) if answer is None else self._last(answer)
         self.held = self._active(elastic)
         violations = tuple(
             Violation(name, float(value), self._words(name, float(value), nearest))
@@ -467,10 +506,17 @@ class _Search:
         )
         return self._failed("infeasible", violations, nearest)
 
+    def _accepts(self, perf: Performance) -> bool:
+        worst_h = float(np.min(perf.cycle.excess_time_h))
+        return worst_h > 0.0 and worst_h >= self.required_h
+
+    def _given_up(self, nearest: Performance) -> SizingResult:
+        return self._failed("not_converged", (), nearest)
+
     def _last(self, answer: dict[str, Any]) -> SizingResult:
         self.rescues += 1
         if self.rescues > _RESCUES:
-            return self._failed("not_converged", (), None)
+            return self._given_up(self._simulate(self._variables(answer)))
         return self._agree_with_simulator(answer)
 
     def _words(self, name: str, shortfall: float, nearest: Performance) -> str:
@@ -512,6 +558,11 @@ class _Search:
 
     def _report(self) -> SolverReport:
         return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
+
+
+def _value(result: SizingResult) -> float:
+    assert result.objective_value is not None  # kept results are optima
+    return result.objective_value
 
 
 def variables_of_design(design: Design) -> DesignVariables:

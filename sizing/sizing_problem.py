@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -33,10 +33,31 @@ from sizing.objectives import Objective
 from sizing.performance import SolarDay
 
 # Nodes of the program. Coarser than the simulator's: the integrals of surplus and deficit are exact
-# for power that is linear between nodes, and the sun's curvature costs 0.04 % of a day's energy.
-_STEP_H = 0.25
+# for power that is linear between nodes; the sun's curvature costs less than 0.01 h of excess time.
+_STEP_H = 1.0 / 6.0
 # Half-width of the smooth minimum of solar-limited and charger-limited charging [state of charge].
 _BLEND = 1e-5
+
+
+Effort = Literal["quick", "steady", "patient"]
+
+_EFFORTS: dict[Effort, dict[str, Any]] = {
+    "quick": {
+        "ipopt.hessian_approximation": "limited-memory",
+        "ipopt.mu_strategy": "adaptive",
+        "ipopt.max_iter": 120,
+    },
+    "steady": {
+        "ipopt.hessian_approximation": "exact",
+        "ipopt.mu_strategy": "monotone",
+        "ipopt.max_iter": 300,
+    },
+    "patient": {
+        "ipopt.hessian_approximation": "exact",
+        "ipopt.mu_strategy": "adaptive",
+        "ipopt.max_iter": 600,
+    },
+}
 
 
 @dataclass(frozen=True)
@@ -100,13 +121,14 @@ def build_problem(
     objective: Objective,
     slots: int,
     *,
-    exact_hessian: bool = False,
+    effort: Effort = "quick",
 ) -> SizingProblem:
     """Build the program of an aircraft, a mission and an objective.
 
-    The sizing itself makes do with a quasi-Newton Hessian: for a handful of variables it needs few
-    more iterations than exact second derivatives of the charge recursion, and each costs a third.
-    The elastic program, whose slacks reach far, wants the exact one.
+    The sizing itself makes do with a ``quick`` quasi-Newton Hessian: for a handful of variables it
+    needs few more iterations than exact second derivatives of the charge recursion, and each costs
+    a third. The elastic program, whose slacks reach far, wants exact ones: ``steady`` lowers the
+    barrier in steps, ``patient`` adaptively with more iterations.
 
     Raises
     ------
@@ -114,8 +136,7 @@ def build_problem(
         For a measured aircraft.
     """
     program = build_program(aircraft, mission, day, objective, slots)
-    hessian = "exact" if exact_hessian else "limited-memory"
-    options: dict[str, Any] = _IPOPT_OPTIONS | {"ipopt.hessian_approximation": hessian}
+    options: dict[str, Any] = _IPOPT_OPTIONS | _EFFORTS[effort]
     symbols = {"x": program.x, "p": program.p, "f": program.f, "g": program.g}
     names = program.variable_names
     return SizingProblem(
@@ -246,11 +267,9 @@ _IPOPT_OPTIONS = {
     "error_on_fail": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.max_iter": 120,
     "ipopt.tol": 1e-8,
     "ipopt.acceptable_tol": 1e-6,
     "ipopt.acceptable_iter": 8,
-    "ipopt.mu_strategy": "adaptive",
 }
 
 

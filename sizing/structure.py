@@ -45,7 +45,7 @@ class SparStructure(Record):
 
     * Limit load factor ``n = 2.1 + 10900/(m + 4536)`` (m in kg), the form of CS 23.337 in SI units.
     * Root bending moment from an elliptic lift distribution, relieved by the mass spread along the
-      span (battery, modules, the wing itself in part): ``n g b (2 m / (3 pi) - m_span / 4) / 2``,
+      span (battery and modules): ``n g b (2 m / (3 pi) - m_span / 4) / 2``,
       never less than ``minimum_moment_fraction`` of the unrelieved one (handling and landing).
     * Spar caps at their allowable compression stress with a safety factor, a fraction of the
       section's depth apart; cap area falls from root to tip so that the caps weigh

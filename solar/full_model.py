@@ -157,7 +157,7 @@ def _balanced_power(
     The temperature takes back a few per cent of what it rises by, and the tracker's curve is flat
     where it is loaded, so that plain iteration settles to the last digits within a few rounds.
     """
-    rated = cell.rated_power_w_per_m2
+    rated = cell.full_load_w_per_m2
     power = at_25_c * cell.mppt_efficiency
     for _ in range(_ITERATIONS):
         temperature = ambient_c + cell.temperature_rise_k * power / rated

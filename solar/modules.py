@@ -15,6 +15,9 @@ from solar.sun import FloatArray
 
 STC_TEMPERATURE_C = 25.0
 STC_IRRADIANCE_W_PER_M2 = 1000.0
+# Oettershagen's report: about 265 W at the largest insolation, from 1.35 m2 of 23.7 % cells.
+_AS2_RATED_W_PER_M2 = 265.0 / 1.35
+_AS2_EFFICIENCY = 0.237
 
 
 _AngleDeg = Annotated[float, Strict(), Field(ge=0.0, le=90.0, allow_inf_nan=False)]
@@ -61,8 +64,9 @@ class SolarCell(Record):
     The defaults are those of AtlantikSolar AS-2: SunPower E60 cells, foil covered. The constants
     ``mppt_efficiency`` and the curves ``mppt`` and ``low_light`` exclude each other: the simple
     models use the former, the Full Model the latter. ``rated_power_w_per_m2`` is the power at which
-    the modules are ``temperature_rise_k`` warmer than the air (265 W of 1.35 m2, 12 K) and to which
-    the tracker's load is related.
+    the modules are ``temperature_rise_k`` warmer than the air and to which the tracker's load is
+    related; left out it is that of AS-2 (265 W of 1.35 m2, 12 K) in proportion to the efficiency,
+    because modules heat up by the light, not by the power they make of it.
     """
 
     efficiency_stc: Fraction = 0.237
@@ -73,8 +77,15 @@ class SolarCell(Record):
     incidence: IncidenceTable | None = None
     low_light: LowLightTable | None = None
     mppt: MpptTable | None = None
-    rated_power_w_per_m2: PositiveReal = 196.3
+    rated_power_w_per_m2: PositiveReal | None = None
     temperature_rise_k: NonNegativeReal = 12.0
+
+    @property
+    def full_load_w_per_m2(self) -> float:
+        """Specific power at which the modules are ``temperature_rise_k`` warmer than the air."""
+        if self.rated_power_w_per_m2 is not None:
+            return self.rated_power_w_per_m2
+        return _AS2_RATED_W_PER_M2 * self.efficiency_stc / _AS2_EFFICIENCY
 
     def temperature_efficiency(self, module_temperature_c: ArrayLike) -> FloatArray:
         """Component efficiency ``eps_T`` [-]: linear in the temperature above 25 C (eq. 9)."""

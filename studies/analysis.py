@@ -117,6 +117,11 @@ def to_json(analysis: Analysis) -> dict[str, Any]:
         "airspeed_m_per_s": (
             None if design.airspeed_m_per_s is None else finite(design.airspeed_m_per_s)
         ),
+        "airspeed_above_wind": (
+            None
+            if design.airspeed_m_per_s is None
+            else bool(design.airspeed_m_per_s > analysis.mission.wind_m_per_s)
+        ),
         "version": __version__,
         "scenarios": records,
     }

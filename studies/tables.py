@@ -44,6 +44,12 @@ def print_analysis(console: Console, analysis: Analysis, record: dict[str, Any])
         console.print(_scenario_table(record["scenarios"]))
     if "flight" in record:
         console.print(_flight_table(record["flight"]))
+    if record["airspeed_above_wind"] is False:
+        console.print(
+            f"Warning: the airspeed of {record['airspeed_m_per_s']:.1f} m/s does not exceed the "
+            f"mission's wind of {analysis.mission.wind_m_per_s:g} m/s.",
+            style="bold red",
+        )
     band = record["uncertainty"]
     low, high = band["excess_time_low_h"], band["excess_time_high_h"]
     spread = (

@@ -494,7 +494,9 @@ def _with_attitude(
     to_ned = direction_cosines(*lit.attitude[:, chunk])
     light = _light(lit, chunk)
     vm = modules.area_m2 * verification_model(light, sun, to_ned, geometry, modules, lit.module_c)
-    full = full_model(light, sun, to_ned, geometry, modules, lit.ambient_c[chunk])
+    full = full_model(
+        light, sun, to_ned, geometry, modules, lit.ambient_c[chunk], shading=modules.shading
+    )
     power = modules.area_m2 * full.specific_power_w_per_m2
     shares = geometry.area_shares
     shaded = lost = None
@@ -645,7 +647,7 @@ class _Scene:
         """Level the model: a constant bias of it is an error to report, not an anomaly."""
         modules = aircraft.modules
         model = samples.modelled_w.get("FM", samples.modelled_w["CAM"])
-        rated = modules.rated_power_w_per_m2 * modules.area_m2
+        rated = modules.full_load_w_per_m2 * modules.area_m2
         scene = cls(log, samples, model, rated, log.step_s)
         measured, smooth = scene.smooth(samples.measured_w, SMOOTH_S), scene.smooth(model, SMOOTH_S)
         bright = smooth >= BRIGHT * rated
