@@ -20,7 +20,7 @@ from missions.air import (
     air_at,
     standard_air,
 )
-from missions.flight_path import FlightPath, Heading, Wind, orbit
+from missions.flight_path import FlightPath, Heading, Wind
 from solar.schema import (
     Fraction,
     NonNegativeReal,
@@ -72,23 +72,21 @@ class LatitudeRange(Record):
         return [float(v) for v in np.linspace(self.from_deg, self.to_deg, self.count)]
 
 
-def _include(picks: list[int], wanted: int) -> None:
-    """Move the nearest pick between the ends to the wanted one; add it where there is none."""
-    inner = picks[1:-1]
-    if wanted in picks:
-        return
-    if not inner:
-        picks.append(wanted)
-        return
-    nearest = min(range(len(inner)), key=lambda i: abs(inner[i] - wanted))
-    picks[nearest + 1] = wanted
+def _moved(picks: list[int], wanted: int, kept: set[int]) -> bool:
+    """Move the nearest pick between the ends to the wanted one; false where none may move."""
+    movable = [i for i in range(1, len(picks) - 1) if picks[i] not in kept]
+    if not movable:
+        return False
+    picks[min(movable, key=lambda i: abs(picks[i] - wanted))] = wanted
+    return True
 
 
 class Dates(Record):
     """One date (``on``) or a range (``from`` to ``to``, across the year's end if need be).
 
-    A range stands for ``count`` of its days, evenly spaced with both ends, and a solstice within it
-    is always one of them: the longest and shortest days drive a design. Dates are MM-DD.
+    A range stands for ``count`` of its days (default 3), evenly spaced with both ends. The longest
+    and the shortest day drive a design: a pick between the ends is moved to a solstice within the
+    range, or the solstice is added where no count was asked for. Dates are MM-DD.
     """
 
     on: str | None = None
@@ -123,9 +121,10 @@ class Dates(Record):
         every = self.range()
         count = min(self.count or 3, len(every))
         picks = np.unique(np.round(np.linspace(0, len(every) - 1, count)).astype(int)).tolist()
-        for solstice in SOLSTICES:
-            if count > 1 and solstice in every[1:-1]:
-                _include(picks, every.index(solstice))
+        inside = {every.index(day) for day in SOLSTICES if count > 1 and day in every}
+        for solstice in sorted(inside - set(picks)):
+            if not _moved(picks, solstice, inside) and self.count is None:
+                picks.append(solstice)
         return [every[i] for i in sorted(set(picks))]
 
 
@@ -233,17 +232,6 @@ class Mission(Record):
                 "latitudes times days must be at most {limit} scenarios (got {count})",
                 {"key": "latitude_deg", "limit": MAXIMUM_SCENARIOS, "count": count},
             )
-        return self
-
-    @model_validator(mode="after")
-    def _check_flight_path(self) -> Mission:
-        if self.flight_path is not None:
-            try:
-                orbit(self.flight_path, self.wind, samples=4)
-            except ValueError as error:
-                raise PydanticCustomError(
-                    "flight_path", "{text}", {"key": "flight_path", "text": str(error)}
-                ) from None
         return self
 
     @property

@@ -523,7 +523,7 @@ class _Search:
         worst = nearest.worst_scenario()
         where = self.day.scenarios.label(worst)
         excess = float(nearest.cycle.excess_time_h[worst])
-        percent = f"{100.0 * shortfall:.2g} %"
+        percent = f"{100.0 * shortfall:.0f} %" if shortfall > 0.1 else f"{100.0 * shortfall:.2g} %"
         short = f"at {where}: short by {percent} of its capacity"
         return {
             "mass_budget": f"no design carries its own mass: {percent} of it cannot be lifted",

@@ -113,7 +113,8 @@ def sensitivities(
     scenarios = Scenarios(every.latitude_deg[filled], every.day_of_year[filled])
     lagrangian = _Lagrangian(result.objective, result.optimum, solar, scenarios)
     to_units = _objective_per_cost(result)
-    free = {} if aircraft.design_space.aspect_ratio is None else {"airframe.aspect_ratio"}
+    fixed = aircraft.design_space.aspect_ratio is None
+    free = set() if fixed else {"airframe.aspect_ratio"}
     found = []
     for name, unit in PARAMETERS.items():
         value = _value(aircraft, mission, name)
@@ -182,8 +183,12 @@ def _with(
 
 
 def _replaced(node: Any, parts: list[str], value: float) -> Any:
-    """Copy of a description with one value replaced, without validation: the step may leave it."""
+    """Copy of a description with one value replaced, without validation: the step may leave it.
+
+    It is built anew, because a plain copy would take over what the original has cached.
+    """
     assert isinstance(node, BaseModel)
     head, *rest = parts
     new = value if not rest else _replaced(getattr(node, head), rest, value)
-    return node.model_copy(update={head: new})
+    fields = {name: getattr(node, name) for name in type(node).model_fields}
+    return type(node).model_construct(**(fields | {head: new}))

@@ -277,7 +277,7 @@ def size(
         from sizing.certificate import certify
 
         certificate = certify(*asked)
-        record["certificate"] = certificate.__dict__
+        record["certificate"] = sizing_study.certificate_record(certificate)
     if out_dir is not None and result.feasible:
         from studies.sizing_files import write_sizing
 
@@ -595,6 +595,7 @@ def _require_path(model: str, correction: str, craft: LoadedAircraft, where: Loa
     if model not in ATTITUDE_MODELS and correction != "loiter":
         return
     from missions.configfile import located_error
+    from missions.flight_path import orbit
 
     asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
     if craft.aircraft.modules.geometry is None:
@@ -603,6 +604,10 @@ def _require_path(model: str, correction: str, craft: LoadedAircraft, where: Loa
     if where.mission.flight_path is None:
         message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
         raise located_error(where.document, ("name",), message)
+    try:
+        orbit(where.mission.flight_path, where.mission.wind, samples=4)
+    except ValueError as error:
+        raise located_error(where.document, ("flight_path",), str(error)) from None
 
 
 def _solar_model(model: str, correction: str) -> SolarModel:

@@ -43,6 +43,11 @@ def caption(solar: SolarModel) -> str:
     return f"{solar.model}, {corrected}"
 
 
+def _band_name(solar: SolarModel) -> str:
+    corrected = solar.correction != "none"
+    return "RMS error after correction" if corrected else "RMS error of the model"
+
+
 def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
     """State of charge and power over the cycle of a scenario, the worst one by default."""
     perf = analysis.performance
@@ -72,7 +77,7 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
         color=SUN,
         alpha=0.2,
         linewidth=0,
-        label=f"RMS error of the model, {100 * band:.0f} %",
+        label=f"{_band_name(perf.solar)}, {100 * band:.0f} %",
     )
     axes.plot(time_h, solar, color=SUN, label="solar power")
     axes.plot(time_h, load, color=LOAD, label="load")
@@ -101,7 +106,7 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
         color=CHARGE,
         alpha=0.2,
         linewidth=0,
-        label="with the model's RMS error in solar power",
+        label=f"with the {_band_name(perf.solar)} in solar power",
     )
     axes.legend(loc="lower right", fontsize="small")
     axes.plot(time_h, 100 * perf.cycle.energy_wh[index] / energy_max, color=CHARGE)
@@ -199,7 +204,7 @@ def tornado_figure(
     axes.axvline(0.0, color="black", linewidth=0.8)
     label, unit = _OBJECTIVES[objective]
     axes.set(xlabel=f"{label} for +1 % [{unit}]")
-    axes.set_title(f"{name} ({caption(solar)}): green is better", parse_math=False)
+    figure.suptitle(f"{name} ({caption(solar)}): green is better", parse_math=False)
     axes.grid(alpha=0.3, axis="x")
     return figure
 

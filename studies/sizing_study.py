@@ -9,6 +9,7 @@ from missions.mission import Mission
 from missions.output_files import to_yaml
 from missions.yaml_document import Document
 from sizing.aircraft import Aircraft
+from sizing.certificate import Certificate
 from sizing.design import Design, DesignVariables
 from sizing.optimiser import SizingResult
 from sizing.performance import Performance
@@ -110,6 +111,14 @@ def sensitivity_records(worth: list[Sensitivity]) -> list[dict[str, Any]]:
         }
         for s in worth
     ]
+
+
+def certificate_record(certificate: Certificate) -> dict[str, Any]:
+    """Certificate, JSON-ready; a value that does not exist is null."""
+    return {
+        name: finite(value) if isinstance(value, float) else value
+        for name, value in certificate.__dict__.items()
+    }
 
 
 def sensitivity_table(worth: list[Sensitivity]) -> pd.DataFrame:

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
-from sizing.certificate import Certificate
+from sizing.certificate import RELATIVE_TOLERANCE, Certificate
 from sizing.objectives import Objective
 from sizing.optimiser import SizingResult
 from sizing.sensitivity import Sensitivity
@@ -18,6 +18,7 @@ from studies.analysis import Analysis, clock_label
 from studies.model_transfer import TransferredError
 from studies.published import Comparison
 
+_WIDE = 105
 _OBJECTIVE_UNITS = {"max_excess_time": "h", "min_wingspan": "m", "min_mass": "kg"}
 
 
@@ -57,8 +58,9 @@ def print_analysis(console: Console, analysis: Analysis, record: dict[str, Any])
         if low is None and high is None
         else f"puts the excess time between {hours(low, 'no end')} and {hours(high, 'no end')}"
     )
+    error = "the model's RMS error" if solar.correction == "none" else "the RMS error left after it"
     console.print(
-        f"{solar.model}, correction: {solar.correction}; the model's RMS error of "
+        f"{solar.model}, correction: {solar.correction}; {error} of "
         f"{100 * band['solar_power_rms_relative']:.0f} % of the mean power {spread}.",
         style="dim",
     )
@@ -286,14 +288,22 @@ def print_sensitivities(
     unit = _OBJECTIVE_UNITS[objective.value]
     table = Table(title=f"sensitivities of {objective.value}", title_justify="left")
     table.add_column("parameter", overflow="fold")
-    for name in ("value", f"{unit} per unit", f"{unit} per +1 %", "elasticity"):
+    # A narrow terminal shows the names whole and leaves out what JSON and CSV tell as well.
+    wide = console.width >= _WIDE
+    for name in (
+        "value",
+        *([f"{unit} per unit"] if wide else []),
+        f"{unit} per +1 %",
+        "elasticity",
+    ):
         table.add_column(name, justify="right")
     for s in worth[:rows]:
         elasticity = "-" if s.elasticity is None else f"{s.elasticity:+.3f}"
+        per_unit = [f"{s.derivative:+.4g}"] if wide else []
         table.add_row(
-            s.parameter,
+            s.parameter.removeprefix("airframe."),
             f"{s.value:.4g}",
-            f"{s.derivative:+.4g}",
+            *per_unit,
             f"{s.per_percent:+.4f}",
             elasticity,
         )
@@ -304,11 +314,20 @@ def print_certificate(console: Console, certificate: Certificate, objective: Obj
     """Whether the optimum withstood the attack."""
     unit = _OBJECTIVE_UNITS[objective.value]
     verdict = "certified" if certificate.certified else "NOT certified"
+    found = (
+        f"the best of them has {certificate.best_found:.5g} {unit} ({certificate.found_by}), "
+        f"better by {certificate.advantage:.2g} {unit}"
+        if certificate.advantage > RELATIVE_TOLERANCE * abs(certificate.objective_value)
+        else "none is better by more than the tolerance"
+    )
+    fine = (
+        "misses its requirement"
+        if math.isnan(certificate.fine_step_value)
+        else f"has {certificate.fine_step_value:.5g} {unit}"
+    )
     console.print(
-        f"{verdict}: best of {certificate.designs_tried} designs tried is "
-        f"{certificate.best_found:.5g} {unit} ({certificate.found_by}), better by "
-        f"{certificate.advantage:.2g} {unit}; with a time step of one minute the optimum has "
-        f"{certificate.fine_step_value:.5g} {unit}"
+        f"{verdict}: {certificate.designs_tried} designs tried, {found}; with a time step of one "
+        f"minute the optimum {fine}"
     )
 
 

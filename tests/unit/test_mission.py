@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from missions.dates import date_code, day_of_year
-from missions.mission import Dates, LatitudeRange, Launch, Mission, latitude_label
+from missions.mission import SOLSTICES, Dates, LatitudeRange, Launch, Mission, latitude_label
 
 LAUNCH = {"date": "06-30", "time_local": "11:14", "utc_offset_h": 2.0, "duration_h": 28.35}
 LIBRARY = sorted(
@@ -49,8 +49,14 @@ def test_range_may_cross_the_end_of_the_year() -> None:
 
 
 def test_winter_is_represented_in_its_order() -> None:
-    # 123 days from 1 November to 3 March, the middle of them being 1 January.
-    assert dates("11-01", "03-03").days() == [305, 1, 62]
+    # 123 days from 1 November to 3 March; the middle one, 1 January, is moved to the solstice.
+    assert dates("11-01", "03-03").days() == [305, 355, 62]
+
+
+def test_solstices_of_a_whole_year_are_both_there() -> None:
+    assert dates("01-01", "12-31").days() == [1, 172, 355, 365]
+    assert dates("03-01", "10-31", 2).days() == [60, 304]  # asked for the ends alone
+    assert dates("09-01", "10-31").days() == [244, 274, 304]
 
 
 @pytest.mark.parametrize(
@@ -73,8 +79,10 @@ def test_days_are_distinct_members_of_their_range_with_both_ends(
     every, days = chosen.range(), chosen.days()
     assert (days[0], days[-1]) == (first, last)
     assert len(days) == min(count, len(every)) == len(set(days))
-    gaps = np.diff([every.index(day) for day in days])
-    assert gaps.size == 0 or (gaps.min() > 0 and np.ptp(gaps) <= 1)  # evenly spaced
+    even = np.round(np.linspace(0, len(every) - 1, len(days))).astype(int)
+    moved = {days[i] for i in range(len(days)) if every.index(days[i]) not in even}
+    assert moved <= set(SOLSTICES)  # evenly spaced but for the solstices
+    assert all(day in days for day in SOLSTICES if day in every) or count < 4
 
 
 def test_dates_are_normalised() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from missions.configfile import load
+from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.cycle import Status, simulate_cycle
@@ -74,7 +75,7 @@ def test_scenarios_are_independent_of_each_other() -> None:
         day = int(scenarios.day_of_year[i])
         single = mission(
             latitude_deg=float(scenarios.latitude_deg[i]),
-            dates={"on": {15: "01-15", 75: "03-16", 136: "05-16", 196: "07-15"}[day]},
+            dates={"on": date_code(day)},
         )
         one = performance(AS2, single)
         # The same numbers in arrays of another length: rounding.
