@@ -38,7 +38,7 @@ def _clear_sky() -> str:
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", _published),
     "clear-sky": ("validation.md", _clear_sky),
-    "report": ("full-model.md", _report),
+    "report": ("validation.md", _report),
     "transfer": ("full-model.md", _transfer),
 }
 
