@@ -160,6 +160,31 @@ class Turbulence(Record):
     thermal: Annotated[float, Strict(), Field(ge=0.0, le=5.0)] = 0.0
 
 
+class Bands(Record):
+    """What may turn out worse than assumed: a design is judged at the bad end of every band.
+
+    Less sun and less capacity never help, so that the worst case of all combinations is the one
+    with the bad end of each.
+
+    ``solar_model_sigmas`` is how many RMS errors of the solar power model are taken off the power;
+    ``clearness_minimum`` replaces a higher clearness; ``battery_capacity`` is the fraction of the
+    capacity that is left at the end of the battery's life.
+    """
+
+    solar_model_sigmas: Annotated[float, Strict(), Field(ge=0.0, le=4.0)] = 0.0
+    clearness_minimum: Fraction | None = None
+    battery_capacity: Fraction = 1.0
+
+    @property
+    def given(self) -> bool:
+        """Whether any band has a width."""
+        return self != Bands()
+
+    def solar_factor(self, rms_relative: float) -> float:
+        """Factor on the solar power of a model with this RMS error."""
+        return max(1.0 - self.solar_model_sigmas * rms_relative, 0.0)
+
+
 class Launch(Record):
     """Start of a flight to replay: local date and clock time, state of charge, duration."""
 
@@ -199,6 +224,7 @@ class Mission(Record):
     altitude_m: Altitude = 0.0
     air: AirConditions = AirConditions()
     clearness: Fraction = 1.0
+    bands: Bands = Bands()
     turbulence: Turbulence = Turbulence()
     payload: Payload = Payload()
     wind_m_per_s: NonNegativeReal = 0.0
@@ -233,6 +259,31 @@ class Mission(Record):
                 {"key": "latitude_deg", "limit": MAXIMUM_SCENARIOS, "count": count},
             )
         return self
+
+    @model_validator(mode="after")
+    def _check_bands(self) -> Mission:
+        lowest = self.bands.clearness_minimum
+        if lowest is not None and lowest > self.clearness:
+            raise PydanticCustomError(
+                "clearness_band",
+                "must be at most the mission's clearness of {clearness} (got {lowest})",
+                {
+                    "key": "bands.clearness_minimum",
+                    "clearness": f"{self.clearness:g}",
+                    "lowest": f"{lowest:g}",
+                },
+            )
+        return self
+
+    @property
+    def judged_clearness(self) -> float:
+        """Clearness that performance is judged by: the low end of its band, if it has one."""
+        lowest = self.bands.clearness_minimum
+        return self.clearness if lowest is None else lowest
+
+    def without_bands(self) -> Mission:
+        """Same mission with everything as assumed."""
+        return self.model_copy(update={"bands": Bands()})
 
     @property
     def wind(self) -> Wind:

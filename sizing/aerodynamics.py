@@ -19,6 +19,16 @@ PI = 3.141592653589793
 class Polar(Protocol):
     """What level flight asks of an aerodynamic model."""
 
+    @property
+    def flight_lift_coefficient(self) -> Value:
+        """Lift coefficient of level flight [-]."""
+        ...
+
+    @property
+    def maximum_lift_coefficient(self) -> Value:
+        """Lift coefficient at the stall [-]."""
+        ...
+
     def airspeed_m_per_s(self, *, mass_kg: Value, wing_area_m2: Value, density: Value) -> Value:
         """Airspeed of level flight [m/s]."""
         ...
@@ -53,6 +63,11 @@ class DragPolar(Record):
                 f"(got {self.lift_coefficient:g} and {self.maximum_lift_coefficient:g})"
             )
         return self
+
+    @property
+    def flight_lift_coefficient(self) -> Value:
+        """Lift coefficient of level flight [-]."""
+        return self.lift_coefficient
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
         """Drag coefficient of the aircraft [-]."""

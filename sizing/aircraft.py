@@ -157,19 +157,97 @@ class Range(Record):
         return self
 
 
+# Quantities of a design that a file may bound; their formulas are in sizing.limits.
+LimitedQuantity = Literal[
+    "total_mass_kg",
+    "structure_mass_kg",
+    "battery_energy_wh",
+    "battery_fraction",
+    "payload_fraction",
+    "wing_area_m2",
+    "chord_m",
+    "module_coverage",
+    "wing_loading_kg_per_m2",
+    "airspeed_m_per_s",
+    "stall_speed_m_per_s",
+    "stall_margin",
+    "lift_coefficient",
+    "reynolds_number",
+    "propulsion_power_w",
+    "rated_power_w",
+    "load_w",
+    "climb_rate_m_per_s",
+    "cruise_discharge_rate_per_h",
+    "climb_discharge_rate_per_h",
+]
+
+
+class Limit(Record):
+    """Least and largest value that a quantity of the design may have; one of them may be left."""
+
+    minimum: PositiveReal | None = None
+    maximum: PositiveReal | None = None
+
+    @model_validator(mode="after")
+    def _check_order(self) -> Limit:
+        if self.minimum is None and self.maximum is None:
+            raise ValueError("give a minimum, a maximum or both")
+        if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:
+            raise ValueError(
+                f"minimum must not exceed maximum (got {self.minimum:g} and {self.maximum:g})"
+            )
+        return self
+
+
 class DesignSpace(Record):
-    """Bounds within which the optimiser may choose; the aspect ratio is fixed if it has none."""
+    """Bounds within which the optimiser may choose.
+
+    Aspect ratio and lift coefficient stay as they are on the airframe if they have no range here.
+    ``limits`` bounds any other quantity of the design.
+    """
 
     wingspan_m: Range = Range(minimum=1.0, maximum=15.0)
     battery_mass_kg: Range = Range(minimum=0.1, maximum=50.0)
     module_area_m2: Range = Range(minimum=0.05, maximum=25.0)
     aspect_ratio: Range | None = None
+    lift_coefficient: Range | None = None
     maximum_total_mass_kg: PositiveReal | None = None
     maximum_wing_loading_kg_per_m2: PositiveReal | None = None
+    minimum_stall_margin: Annotated[float, Strict(), Field(ge=1.0, le=5.0)] | None = None
+    minimum_climb_rate_m_per_s: PositiveReal | None = None
+    maximum_climb_discharge_rate_per_h: PositiveReal | None = None
+    limits: dict[LimitedQuantity, Limit] = Field(default_factory=dict)
+
+    def all_limits(self) -> dict[LimitedQuantity, Limit]:
+        """Every limit on a quantity of the design, whichever key it was given by."""
+        named: dict[LimitedQuantity, Limit] = {}
+        if self.maximum_wing_loading_kg_per_m2 is not None:
+            limit = Limit(maximum=self.maximum_wing_loading_kg_per_m2)
+            named["wing_loading_kg_per_m2"] = limit
+        if self.minimum_stall_margin is not None:
+            named["stall_margin"] = Limit(minimum=self.minimum_stall_margin)
+        if self.minimum_climb_rate_m_per_s is not None:
+            named["climb_rate_m_per_s"] = Limit(minimum=self.minimum_climb_rate_m_per_s)
+        if self.maximum_climb_discharge_rate_per_h is not None:
+            limit = Limit(maximum=self.maximum_climb_discharge_rate_per_h)
+            named["climb_discharge_rate_per_h"] = limit
+        return named | self.limits
 
     @model_validator(mode="after")
     def _check_mass(self) -> DesignSpace:
         heaviest, battery = self.maximum_total_mass_kg, self.battery_mass_kg.minimum
+        twice = [
+            key
+            for key, name in (
+                ("maximum_wing_loading_kg_per_m2", "wing_loading_kg_per_m2"),
+                ("minimum_stall_margin", "stall_margin"),
+                ("minimum_climb_rate_m_per_s", "climb_rate_m_per_s"),
+                ("maximum_climb_discharge_rate_per_h", "climb_discharge_rate_per_h"),
+            )
+            if getattr(self, key) is not None and name in self.limits
+        ]
+        if twice:
+            raise ValueError(f"{twice[0]} and the same quantity in limits: give one of them")
         if heaviest is not None and heaviest <= battery:
             raise ValueError(
                 "maximum_total_mass_kg must be above the least battery mass "
@@ -188,6 +266,24 @@ class Aircraft(Record):
     battery: Battery
     power: Power
     design_space: DesignSpace = DesignSpace()
+
+    @model_validator(mode="after")
+    def _check_lift(self) -> Aircraft:
+        lift = self.design_space.lift_coefficient
+        if lift is None or not isinstance(self.airframe, ParametricAirframe):
+            return self
+        highest = float(self.airframe.aerodynamics.maximum_lift_coefficient)
+        if lift.maximum > highest:
+            raise PydanticCustomError(
+                "lift_range",
+                "must be at most the maximum lift coefficient of {highest} (got {maximum})",
+                {
+                    "key": "design_space.lift_coefficient.maximum",
+                    "highest": f"{highest:.3g}",
+                    "maximum": f"{lift.maximum:g}",
+                },
+            )
+        return self
 
     @model_validator(mode="after")
     def _check_coverage(self) -> Aircraft:

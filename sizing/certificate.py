@@ -14,10 +14,11 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables
+from sizing.design import DesignVariables, FlightConditions
 from sizing.energy_balance import FloatArray
+from sizing.limits import design_requirements
 from sizing.objectives import Objective
-from sizing.optimiser import SizingResult, size_aircraft
+from sizing.optimiser import size_aircraft
 from sizing.performance import (
     UNCORRECTED_CAM,
     Performance,
@@ -25,15 +26,15 @@ from sizing.performance import (
     performance_of_designs,
     solar_day,
 )
-from sizing.sizing_problem import design_rows
+from sizing.sizing_result import SizingResult, objective_value
 
 # An attack that wins by less than this is within what the time steps and tolerances allow.
 RELATIVE_TOLERANCE = 0.005
 ABSOLUTE_TOLERANCE_H = 0.01
 _FINE_STEP_H = 1.0 / 60.0
 _GRID_STEP_H = 0.25
-_GRID_POINTS = 13
-_GRID_POINTS_FREE_ASPECT_RATIO = 7
+# Points per axis of the grid, by the number of its axes: some 2000 to 3000 designs.
+_GRID_POINTS = {3: 13, 4: 7, 5: 5, 6: 4}
 _FINALISTS = 8
 _NEIGHBOURS = 400
 _SPREADS = (0.03, 0.004)
@@ -136,6 +137,8 @@ class _Judge:
         self.aircraft, self.mission, self.solar = aircraft, mission, solar
         self.objective, self.required_h = result.objective, result.required_excess_time_h
         assert result.simulated is not None
+        assert result.design is not None
+        self.optimum = result.design.variables
         self.day = result.simulated.day
         self.tried = 0
 
@@ -143,7 +146,7 @@ class _Judge:
         """The larger the better; minus infinity for a design that misses a requirement."""
         if np.isnan(value):
             return -np.inf
-        return float(value if self.objective is Objective.max_excess_time else -value)
+        return float(value if self.objective.maximised else -value)
 
     def tolerance(self, value: float) -> float:
         relative = RELATIVE_TOLERANCE * abs(value)
@@ -153,23 +156,19 @@ class _Judge:
     def value(self, perf: Performance) -> FloatArray:
         self.tried += int(np.size(perf.design.total_mass_kg))
         worst = np.min(perf.cycle.excess_time_h, axis=-1)
-        mass = np.asarray(perf.design.total_mass_kg)
-        kept = (worst > 0.0) & (worst >= self.required_h) & self._rows_met(perf)
-        value = {
-            Objective.max_excess_time: worst,
-            Objective.min_wingspan: np.broadcast_to(perf.design.variables.wingspan_m, worst.shape),
-            Objective.min_mass: mass,
-        }[self.objective]
-        return np.where(kept & np.isfinite(mass), value, np.nan)
+        kept = (worst > 0.0) & (worst >= self.required_h) & self._requirements_met(perf)
+        sound = np.isfinite(np.asarray(perf.design.total_mass_kg))
+        return np.where(kept & sound, objective_value(self.objective, perf), np.nan)
 
-    def _rows_met(self, perf: Performance) -> Any:
+    def _requirements_met(self, perf: Performance) -> Any:
+        conditions = FlightConditions.of(self.mission).with_payload_of(perf.design.variables)
         with np.errstate(invalid="ignore"):
-            rows = design_rows(self.aircraft, self.mission, perf.design)
+            rows = design_requirements(self.aircraft, perf.design, conditions)
             heaviest = self.aircraft.design_space.maximum_total_mass_kg or np.inf
             met = np.asarray(perf.design.total_mass_kg) <= heaviest
-            for name, value in rows:
-                if name != "mass_budget":
-                    met = met & (np.asarray(value) >= -_ROW_TOLERANCE)
+            for row in rows:
+                if row.name != "mass_budget":
+                    met = met & (np.asarray(row.value) >= -_ROW_TOLERANCE)
         return met
 
     def best_of(self, variables: DesignVariables) -> float:
@@ -182,7 +181,7 @@ class _Judge:
 
     def best_of_grid(self) -> float:
         """Best of a grid, screened with a coarse time step; the finalists with the usual one."""
-        variables = _grid(self.aircraft)
+        variables = _grid(self.aircraft, self.objective, self.optimum)
         coarse = solar_day(
             self.aircraft,
             self.mission,
@@ -196,7 +195,7 @@ class _Judge:
         merits = np.array([self.merit(v) for v in values])
         order = np.argsort(-merits, kind="stable")[:_FINALISTS]
         order = order[np.isfinite(merits[order])]
-        return self.best_of(DesignVariables(*(np.asarray(v)[order] for v in variables)))
+        return self.best_of(variables.mapped(lambda v: np.asarray(v)[order]))
 
     def best_of_starts(self) -> float:
         values = []
@@ -220,43 +219,49 @@ def _best(values: FloatArray, merit: Any) -> float:
     return float(max(sound, key=merit)) if sound.size else float("nan")
 
 
-def _grid(aircraft: Aircraft) -> DesignVariables:
+def _free_axes(
+    aircraft: Aircraft, objective: Objective, optimum: DesignVariables
+) -> dict[str, tuple[float, float]]:
+    """Bounds of every variable that the optimiser could choose; of payload around the optimum."""
     space = aircraft.design_space
-    free = space.aspect_ratio is not None
-    points = _GRID_POINTS_FREE_ASPECT_RATIO if free else _GRID_POINTS
-    axes = [
-        np.geomspace(r.minimum, r.maximum, points)
-        for r in (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
-    ]
-    ratio = space.aspect_ratio
-    axes.append(
-        np.array([aircraft.airframe.aspect_ratio])
-        if ratio is None
-        else np.geomspace(ratio.minimum, ratio.maximum, points)
-    )
-    span, battery, area, aspect = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
-    return DesignVariables(span, aspect, battery, area)
+    ranges = {
+        "wingspan_m": space.wingspan_m,
+        "battery_mass_kg": space.battery_mass_kg,
+        "module_area_m2": space.module_area_m2,
+        "aspect_ratio": space.aspect_ratio,
+        "lift_coefficient": space.lift_coefficient,
+    }
+    axes = {name: (r.minimum, r.maximum) for name, r in ranges.items() if r is not None}
+    if objective.variable in ("payload_mass_kg", "payload_power_w"):
+        value = float(optimum.chosen()[objective.variable])
+        if value > 0.0:
+            axes[objective.variable] = (0.5 * value, 1.5 * value)
+    return axes
+
+
+def _grid(aircraft: Aircraft, objective: Objective, optimum: DesignVariables) -> DesignVariables:
+    bounds = _free_axes(aircraft, objective, optimum)
+    points = _GRID_POINTS[len(bounds)]
+    axes = [np.geomspace(*ends, points) for ends in bounds.values()]
+    mesh = [v.ravel() for v in np.meshgrid(*axes, indexing="ij")]
+    fixed = {name: np.full(mesh[0].size, value) for name, value in optimum.chosen().items()}
+    return DesignVariables(**(fixed | dict(zip(bounds, mesh, strict=True))))
 
 
 def _neighbours(aircraft: Aircraft, result: SizingResult, seed: int) -> DesignVariables:
     """Random designs around the optimum, near and nearer, within the bounds."""
     assert result.design is not None
     rng = np.random.default_rng(seed)
-    space, centre = aircraft.design_space, result.design.variables
+    centre = result.design.variables
+    bounds = _free_axes(aircraft, result.objective, centre)
     spread = np.repeat(_SPREADS, _NEIGHBOURS // len(_SPREADS))
-
-    def around(value: float, bounds: Any) -> FloatArray:
-        if bounds is None:
-            return np.full(len(spread), value)
-        moved = value * np.exp(spread * rng.standard_normal(len(spread)))
-        return np.clip(moved, bounds.minimum, bounds.maximum)
-
-    return DesignVariables(
-        wingspan_m=around(centre.wingspan_m, space.wingspan_m),
-        aspect_ratio=around(centre.aspect_ratio, space.aspect_ratio),
-        battery_mass_kg=around(centre.battery_mass_kg, space.battery_mass_kg),
-        module_area_m2=around(centre.module_area_m2, space.module_area_m2),
-    )
+    moved = {}
+    for name, value in centre.chosen().items():
+        moved[name] = np.full(len(spread), value)
+        if name in bounds:
+            factor = np.exp(spread * rng.standard_normal(len(spread)))
+            moved[name] = np.clip(value * factor, *bounds[name])
+    return DesignVariables(**moved)
 
 
 def _started_elsewhere(aircraft: Aircraft, fractions: tuple[float, float, float]) -> Aircraft:

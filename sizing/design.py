@@ -7,15 +7,17 @@ budget as a constraint, :func:`closed_design` solves it by iteration.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.mission import Mission
-from sizing.aerodynamics import level_flight_power_w, scaled_power_w
+from sizing.aerodynamics import DragPolar, Polar, level_flight_power_w, scaled_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
+from sizing.parameters import replaced
+from sizing.polars import WingPolar
 from sizing.structure import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
@@ -25,12 +27,26 @@ class ImpossibleDesignError(ValueError):
 
 
 class DesignVariables(NamedTuple):
-    """What the optimiser chooses."""
+    """What the optimiser chooses.
+
+    The last three are chosen on request; None stands for what aircraft and mission say.
+    """
 
     wingspan_m: Value
     aspect_ratio: Value
     battery_mass_kg: Value
     module_area_m2: Value
+    lift_coefficient: Value | None = None
+    payload_mass_kg: Value | None = None
+    payload_power_w: Value | None = None
+
+    def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
+        """Apply a function to every variable that is chosen."""
+        return DesignVariables(*(None if v is None else function(v) for v in self))
+
+    def chosen(self) -> dict[str, Value]:
+        """Variables that are chosen, by name."""
+        return {name: value for name, value in self._asdict().items() if value is not None}
 
 
 class Masses(NamedTuple):
@@ -73,24 +89,50 @@ class Design(NamedTuple):
 
     def nominal_load_w(self, mission: Mission) -> Value:
         """Load with the turbulence of all hours, without thermals [W]."""
-        factor = 1.0 + mission.turbulence.all_day
-        return self.propulsion_power_w * factor + self.constant_power_w
+        return self.load_in_turbulence_w(mission.turbulence.all_day)
+
+    def load_in_turbulence_w(self, turbulence: Value) -> Value:
+        """Load with that much more propulsion power, relative to level flight [W]."""
+        return self.propulsion_power_w * (1.0 + turbulence) + self.constant_power_w
 
 
-@dataclass(frozen=True)
-class _FlightAir:
-    density: float
-    dynamic_viscosity: float
+class FlightConditions(NamedTuple):
+    """What the design needs to know of a mission; numbers or symbols."""
+
+    density: Value
+    dynamic_viscosity: Value
+    payload_mass_kg: Value
+    payload_power_w: Value
+    turbulence: Value
+    wind_m_per_s: Value
+    usable_capacity: Value
 
     @classmethod
-    def of(cls, mission: Mission) -> _FlightAir:
+    def of(cls, mission: Mission) -> FlightConditions:
+        """Conditions of a mission."""
         air = mission.air_state()
-        return cls(float(air.density_kg_per_m3), float(air.dynamic_viscosity_pa_s))
+        return cls(
+            density=float(air.density_kg_per_m3),
+            dynamic_viscosity=float(air.dynamic_viscosity_pa_s),
+            payload_mass_kg=mission.payload.mass_kg,
+            payload_power_w=mission.payload.power_w,
+            turbulence=mission.turbulence.all_day,
+            wind_m_per_s=mission.wind_m_per_s,
+            usable_capacity=mission.bands.battery_capacity,
+        )
+
+    def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
+        """Conditions with the payload that the design carries, where it is chosen."""
+        mass, power = variables.payload_mass_kg, variables.payload_power_w
+        return self._replace(
+            payload_mass_kg=self.payload_mass_kg if mass is None else mass,
+            payload_power_w=self.payload_power_w if power is None else power,
+        )
 
 
-def constant_power_w(aircraft: Aircraft, mission: Mission) -> float:
+def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
     """Electric power of avionics and payload [W]."""
-    return (aircraft.power.avionics_w + mission.payload.power_w) / aircraft.power.supply_efficiency
+    return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
 
 
 def variables_of(aircraft: Aircraft) -> DesignVariables:
@@ -104,7 +146,10 @@ def variables_of(aircraft: Aircraft) -> DesignVariables:
 
 
 def parametric_design(
-    aircraft: Aircraft, mission: Mission, variables: DesignVariables, total_mass_kg: Value
+    aircraft: Aircraft,
+    mission: Mission | FlightConditions,
+    variables: DesignVariables,
+    total_mass_kg: Value,
 ) -> Design:
     """Masses and power of a parametric aircraft for an assumed total mass.
 
@@ -118,9 +163,11 @@ def parametric_design(
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    air = _FlightAir.of(mission)
+    given = mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission)
+    air = given.with_payload_of(variables)
+    aerodynamics = flown_at(airframe.aerodynamics, variables.lift_coefficient)
     shaft_w = level_flight_power_w(
-        airframe.aerodynamics,
+        aerodynamics,
         mass_kg=total_mass_kg,
         wingspan_m=variables.wingspan_m,
         aspect_ratio=variables.aspect_ratio,
@@ -128,7 +175,7 @@ def parametric_design(
         dynamic_viscosity=air.dynamic_viscosity,
     )
     electric_w = shaft_w / airframe.propulsion.efficiency
-    airspeed = airframe.aerodynamics.airspeed_m_per_s(
+    airspeed = aerodynamics.airspeed_m_per_s(
         mass_kg=total_mass_kg,
         wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
         density=air.density,
@@ -136,18 +183,27 @@ def parametric_design(
     return Design(
         variables=variables,
         total_mass_kg=total_mass_kg,
-        masses=_masses(aircraft, airframe, mission, variables, total_mass_kg, electric_w),
-        battery_energy_wh=variables.battery_mass_kg * aircraft.battery.specific_energy_wh_per_kg,
+        masses=_masses(aircraft, airframe, air, variables, total_mass_kg, electric_w),
+        battery_energy_wh=variables.battery_mass_kg
+        * aircraft.battery.specific_energy_wh_per_kg
+        * air.usable_capacity,
         propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, mission),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w),
         airspeed_m_per_s=airspeed,
     )
+
+
+def flown_at(aerodynamics: DragPolar | WingPolar, lift_coefficient: Value | None) -> Polar:
+    """Polar in level flight at a chosen lift coefficient; None leaves it as it is."""
+    if lift_coefficient is None:
+        return aerodynamics
+    return replaced(aerodynamics, ["lift_coefficient"], lift_coefficient)
 
 
 def _masses(
     aircraft: Aircraft,
     airframe: ParametricAirframe,
-    mission: Mission,
+    air: FlightConditions,
     variables: DesignVariables,
     total_mass_kg: Value,
     electric_w: Value,
@@ -169,7 +225,7 @@ def _masses(
         modules=modules_kg,
         mppt=modules.mppt_mass_kg_per_w * rated_w,
         avionics=airframe.avionics_mass_kg,
-        payload=mission.payload.mass_kg,
+        payload=air.payload_mass_kg,
         other=airframe.other_mass_kg,
     )
 
@@ -178,7 +234,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
     """Masses and power of a measured aircraft, scaled to the mission's mass and air."""
     airframe = aircraft.airframe
     assert isinstance(airframe, MeasuredAirframe)
-    air = _FlightAir.of(mission)
+    air = FlightConditions.of(mission)
     battery_kg = aircraft.battery.mass_kg
     total_kg = airframe.mass_without_battery_kg + battery_kg + mission.payload.mass_kg
     flight = airframe.level_flight
@@ -201,11 +257,11 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
             payload=mission.payload.mass_kg,
             other=airframe.mass_without_battery_kg - modules_kg,
         ),
-        battery_energy_wh=aircraft.battery.energy_wh,
+        battery_energy_wh=aircraft.battery.energy_wh * air.usable_capacity,
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),
-        constant_power_w=constant_power_w(aircraft, mission),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w),
         airspeed_m_per_s=airspeed,
     )
 
@@ -223,7 +279,9 @@ def closed_design(
     lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
     infinite.
     """
-    arrays = DesignVariables(*np.broadcast_arrays(*(np.asarray(v, float) for v in variables)))
+    given = variables.chosen()
+    even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
+    arrays = DesignVariables(**dict(zip(given, even, strict=True)))
     mass = np.asarray(arrays.battery_mass_kg, float)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(2000):

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import time
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from missions.mission import Mission
+from sizing.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.cycle import Status
-from sizing.design import Design, DesignVariables, Masses, closed_design, variables_of
+from sizing.design import Design, DesignVariables, Masses, variables_of
 from sizing.energy_balance import FloatArray
+from sizing.limits import design_requirements
 from sizing.objectives import Objective
+from sizing.parameters import with_parameter
 from sizing.performance import (
     DEFAULT_STEP_H,
     UNCORRECTED_CAM,
@@ -24,90 +24,25 @@ from sizing.performance import (
     performance_of_designs,
     solar_day,
 )
-from sizing.sizing_problem import Effort, SizingProblem, build_problem
+from sizing.program_solver import Answer, ProgramSolver, Question
+from sizing.sizing_problem import TECHNOLOGY, Effort, SizingProblems
+from sizing.sizing_result import (
+    Optimum,
+    SizingResult,
+    SolverReport,
+    Violation,
+    objective_value,
+)
+
+__all__ = ["SizingResult", "SolverReport", "Violation", "size_aircraft"]
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5
 _ACTIVE_MULTIPLIER = 1e-5
-# Scenarios that a program starts with; others join when the simulator finds them worse.
-_FIRST_SLOTS = 3
-_ROUNDS = 12
-# The program is asked for a little more than required, as its coarser time step may flatter a
-# design, and asked again for less where that was too much [h].
-_GOAL_CUSHION_H = 0.008
-_WASTE_H = 0.02
-_FIRST_MARGIN = 1e-3
 _RESCUES = 3
 _ELASTIC_EFFORTS: tuple[Effort, ...] = ("steady", "patient")
 _GRID_POINTS = 9
 _GRID_STEP_H = 0.5
-
-
-@dataclass(frozen=True)
-class Violation:
-    """A requirement that no design within its bounds can meet.
-
-    ``shortfall`` is relative to the limit; for the energy requirements to the battery's capacity,
-    for the excess time in hours.
-    """
-
-    requirement: str
-    shortfall: float
-    text: str
-
-
-@dataclass(frozen=True)
-class SolverReport:
-    """What the solver did: iterations and time over all starts and rounds."""
-
-    iterations: int
-    time_s: float
-    build_time_s: float
-    solves: int
-    message: str
-
-
-@dataclass(frozen=True)
-class Optimum:
-    """Solver's answer at an optimum: point, prices of the constraints, and what it was asked.
-
-    ``filled`` are the scenarios in the slots of the program; see
-    :class:`sizing.sizing_problem.SizingProblem`.
-    """
-
-    x: FloatArray
-    constraint_prices: FloatArray
-    filled: tuple[int, ...]
-    goal_h: float
-    margin: float
-
-
-@dataclass(frozen=True)
-class SizingResult:
-    """Outcome of a sizing: an optimum, or the requirements that cannot be met.
-
-    ``status`` is ``optimal``, ``infeasible`` or ``not_converged``. Design, simulated performance
-    and objective value (the simulator's number) exist for an optimum alone. ``nearest`` is the
-    simulated design that comes closest where none is feasible, and ``active_constraints`` then name
-    what holds it back.
-    """
-
-    status: str
-    objective: Objective
-    required_excess_time_h: float
-    objective_value: float | None
-    design: Design | None
-    simulated: Performance | None
-    nearest: Performance | None
-    active_constraints: tuple[str, ...]
-    violations: tuple[Violation, ...]
-    solver: SolverReport
-    optimum: Optimum | None = None
-
-    @property
-    def feasible(self) -> bool:
-        """Whether an optimum was found."""
-        return self.status == "optimal"
 
 
 def size_aircraft(
@@ -119,6 +54,8 @@ def size_aircraft(
     required_excess_time_h: float | None = None,
     day: SolarDay | None = None,
     step_h: float = DEFAULT_STEP_H,
+    problems: SizingProblems | None = None,
+    start: DesignVariables | None = None,
 ) -> SizingResult:
     """Find the best design of a parametric aircraft for a mission.
 
@@ -129,8 +66,9 @@ def size_aircraft(
     mission : Mission
         Latitudes, dates, air, payload and wind.
     objective : Objective
-        ``max_excess_time`` of the worst scenario, or ``min_wingspan`` / ``min_mass`` with a
-        required excess time in every scenario.
+        ``max_excess_time`` of the worst scenario, or another one with a required excess time in
+        every scenario. For the objectives that are a range of days or latitudes see
+        :func:`sizing.widest_range.widest_range`.
     solar : SolarModel
         Solar power model and its correction.
     required_excess_time_h : float, optional
@@ -139,6 +77,10 @@ def size_aircraft(
         Specific power of the scenarios where it is known already.
     step_h : float
         Time step of the simulator [h].
+    problems : SizingProblems, optional
+        Programs of this very aircraft, from an earlier sizing: nothing is built again.
+    start : DesignVariables, optional
+        First guess, for instance the optimum of a similar mission.
 
     Returns
     -------
@@ -148,13 +90,20 @@ def size_aircraft(
     ------
     TypeError
         For a measured aircraft.
+    ValueError
+        For an objective that is a range, or programs of another aircraft.
     """
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
+    if objective.of_range:
+        raise ValueError(f"{objective.value} is a range: use sizing.widest_range.widest_range")
+    if problems is not None and problems.aircraft is not aircraft:
+        raise ValueError("the programs belong to another aircraft")
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    return _Search(aircraft, mission, solar, lit, objective, required).run()
+    solver = ProgramSolver(problems or SizingProblems(aircraft), mission, lit)
+    return _Search(solver, solar, objective, required, start).run()
 
 
 class _Search:
@@ -162,186 +111,51 @@ class _Search:
 
     def __init__(
         self,
-        aircraft: Aircraft,
-        mission: Mission,
+        solver: ProgramSolver,
         solar: SolarModel,
-        day: SolarDay,
         objective: Objective,
         required_h: float,
+        start: DesignVariables | None = None,
     ) -> None:
-        self.aircraft, self.mission, self.solar, self.day = aircraft, mission, solar, day
+        self.solver, self.solar = solver, solar
+        self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
         self.objective, self.required_h = objective, required_h
-        cushion_h = 0.0 if objective is Objective.max_excess_time else _GOAL_CUSHION_H
-        self.goal_h, self.margin = required_h + cushion_h, _FIRST_MARGIN
-        self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
-        self.message = ""
+        self.start = variables_of(self.aircraft) if start is None else start
+        cushion_h = 0.0 if objective is Objective.max_excess_time else GOAL_CUSHION_H
+        self.agreement = Agreement(
+            solver,
+            Question.of(objective, required_h + cushion_h),
+            required_h,
+            self._simulate,
+            self._merit,
+        )
         self.rescues = 0
-        self.best: SizingResult | None = None
         self.held: tuple[str, ...] = ()
-        self.chosen: list[int] = []
-        self.problem = self._build(min(_FIRST_SLOTS, len(day.scenarios)))
 
     def run(self) -> SizingResult:
-        first = self._simulate(variables_of(self.aircraft))
-        self.chosen = _telling_scenarios(first, self.problem.slots)
-        starts = [variables_of(self.aircraft)]
-        answer = self._solve_from(starts)
+        first = self._simulate_design(self.start)
+        self.agreement.chosen = telling_scenarios(first, self.agreement.slots)
+        answer = self.agreement.ask([self.start])
         if answer is None:
-            starts = self._grid_starts()
-            return self._explain_failure(starts)
-        return self._agree_with_simulator(answer)
+            return self._explain_failure(self._grid_starts())
+        return self._settled(answer)
 
-    def _agree_with_simulator(self, answer: dict[str, Any]) -> SizingResult:
-        """Add scenarios and shift the program's goal until the simulator confirms its optimum.
-
-        A program that claims a little more or less than the simulator finds has still found the
-        right design; what counts is the simulator's number. Of all designs that the simulator
-        accepted on the way, the best is the answer.
-        """
-        for _ in range(_ROUNDS):
-            simulated = self._simulate(self._variables(answer))
-            worst = simulated.worst_scenario()
-            found = float(simulated.cycle.excess_time_h[worst])
-            accepted = found > 0.0 and found >= self.required_h
-            if accepted:
-                self._keep(answer, simulated)
-            if worst in self.chosen and accepted and not self._wasteful(found):
-                break
-            self._tighten(worst, found)
-            retried = self._solve_from([self._variables(answer)])
-            if retried is None:
-                break
-            answer = retried
-        if self.best is not None:
-            return self.best
-        return self._explain_failure(self._grid_starts())
-
-    def _keep(self, answer: dict[str, Any], simulated: Performance) -> None:
-        """Remember the best design that the simulator accepts."""
-        result = self._optimal(answer, simulated)
-        sign = 1.0 if self.objective is Objective.max_excess_time else -1.0
-        if self.best is None or sign * _value(result) > sign * _value(self.best):
-            self.best = result
-
-    def _wasteful(self, found_h: float) -> bool:
-        """Whether a design of least size has more excess time than it was asked for."""
-        if self.objective is Objective.max_excess_time:
-            return False
-        return self.goal_h > 0.0 and found_h - self.required_h > _WASTE_H
-
-    def _tighten(self, worst: int, found_h: float) -> None:
-        if worst not in self.chosen:
-            self.chosen.append(worst)
-            if len(self.chosen) > self.problem.slots:
-                self.problem = self._build(min(2 * self.problem.slots, len(self.day.scenarios)))
-        elif found_h <= 0.0:
-            # The battery runs empty over many days: the day must return more.
-            self.margin *= 3.0
-            self.goal_h += _GOAL_CUSHION_H
-        else:
-            self.goal_h = max(self.goal_h + self.required_h - found_h + _GOAL_CUSHION_H, 0.0)
-
-    # --- solving -----------------------------------------------------------------------------
-
-    def _build(self, slots: int, effort: Effort = "quick") -> SizingProblem:
-        begun = time.perf_counter()
-        problem = build_problem(
-            self.aircraft,
-            self.mission,
-            self.day,
-            self.objective,
-            slots,
-            effort=effort,
-        )
-        self.build_s += time.perf_counter() - begun
-        return problem
-
-    def _solve_from(
-        self, starts: list[DesignVariables], *, elastic: bool = False
-    ) -> dict[str, Any] | None:
-        """First start that converges."""
-        for variables in starts:
-            answer = self._solve(self._start(variables), elastic=elastic)
-            if answer is not None:
-                return answer
-        return None
-
-    def _solve(self, start: FloatArray, *, elastic: bool) -> dict[str, Any] | None:
-        problem = self.problem
-        lower, upper = self._variable_bounds(elastic)
-        upper_rows = np.full(len(problem.constraints), np.inf)
-        upper_rows[0] = 0.0  # the mass budget is an equation
-        parameters = problem.parameters(
-            self._filled(), elastic=elastic, goal_h=self.goal_h, margin=self.margin
-        )
-        begun = time.perf_counter()
-        answer = problem.solver(
-            x0=np.clip(start, lower, upper),
-            p=parameters,
-            lbx=lower,
-            ubx=upper,
-            lbg=0.0,
-            ubg=upper_rows,
-        )
-        self.solve_s += time.perf_counter() - begun
-        stats = problem.solver.stats()
-        self.iterations += int(stats["iter_count"])
-        self.solves += 1
-        self.message = str(stats["return_status"])
-        return {k: np.asarray(v).ravel() for k, v in answer.items()} if stats["success"] else None
-
-    def _filled(self) -> list[int]:
-        """Scenarios in the program's slots; spare slots repeat them."""
-        return [self.chosen[i % len(self.chosen)] for i in range(self.problem.slots)]
-
-    def _variable_bounds(self, elastic: bool) -> tuple[FloatArray, FloatArray]:
-        problem = self.problem
-        slacks = len(problem.slack_names)
-        lower: list[ArrayLike] = [
-            np.log([r.minimum for r in problem.bounds]),
-            np.zeros(problem.slots),
-            [self.goal_h],
-            np.zeros(slacks),
-        ]
-        upper: list[ArrayLike] = [
-            np.log([r.maximum for r in problem.bounds]),
-            np.ones(problem.slots),
-            [self.goal_h if elastic else 1e4],
-            np.full(slacks, np.inf if elastic else 0.0),
-        ]
-        return np.hstack(lower), np.hstack(upper)
-
-    def _start(self, variables: DesignVariables) -> FloatArray:
-        problem = self.problem
-        closed = closed_design(self.aircraft, self.mission, variables)
-        mass = float(closed.total_mass_kg)
-        guess = {
-            "wingspan_m": variables.wingspan_m,
-            "battery_mass_kg": variables.battery_mass_kg,
-            "module_area_m2": max(variables.module_area_m2, 1e-3),
-            "total_mass_kg": mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
-            "aspect_ratio": variables.aspect_ratio,
-        }
-        logs = np.log([float(guess[name]) for name in problem.variable_names])
-        return np.concatenate(
-            (
-                logs,
-                np.full(problem.slots, 0.2),
-                [self.required_h + 1.0],
-                np.full(len(problem.slack_names), 0.1),
-            )
-        )
+    def _settled(self, answer: Answer) -> SizingResult:
+        agreed = self.agreement.settle(answer)
+        if agreed is None:
+            return self._explain_failure(self._grid_starts())
+        return self._optimal(agreed)
 
     def _grid_starts(self) -> list[DesignVariables]:
         """Most promising designs of a coarse grid over the design space, best first."""
+        space = self.aircraft.design_space
         axes = [
             np.geomspace(r.minimum, r.maximum, _GRID_POINTS)
-            for name, r in zip(self.problem.variable_names, self.problem.bounds, strict=True)
-            if name in ("wingspan_m", "battery_mass_kg", "module_area_m2")
+            for r in (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
         ]
         span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
-        aspect = self.problem.fixed_aspect_ratio or self.aircraft.airframe.aspect_ratio
         airframe = self.aircraft.airframe
+        aspect = airframe.aspect_ratio
         coverage = getattr(airframe, "maximum_module_coverage", 1.0)
         fits = area <= coverage * span**2 / aspect
         variables = DesignVariables(
@@ -361,70 +175,58 @@ class _Search:
         )
         merit = np.min(found.cycle.excess_time_h, axis=-1)
         best = np.argsort(-merit, kind="stable")[:3]
-        return [DesignVariables(*(float(v[i]) for v in variables)) for i in best]
+        return [variables.mapped(partial(_item, int(i))) for i in best]
 
     # --- verdicts ----------------------------------------------------------------------------
 
-    def _variables(self, answer: dict[str, Any]) -> DesignVariables:
-        problem = self.problem
-        free = np.exp(answer["x"][: len(problem.variable_names)])
-        # The solver may step over a bound by its tolerance.
-        clipped = [
-            float(np.clip(v, r.minimum, r.maximum))
-            for v, r in zip(free, problem.bounds, strict=True)
-        ]
-        values = dict(zip(problem.variable_names, clipped, strict=True))
-        return DesignVariables(
-            wingspan_m=values["wingspan_m"],
-            aspect_ratio=values.get("aspect_ratio", problem.fixed_aspect_ratio),
-            battery_mass_kg=values["battery_mass_kg"],
-            module_area_m2=values["module_area_m2"],
-        )
+    def _simulate(self, answer: Answer) -> Performance:
+        return self._simulate_design(answer.variables)
 
-    def _simulate(self, variables: DesignVariables) -> Performance:
+    def _simulate_design(self, variables: DesignVariables) -> Performance:
         return performance_of_designs(
             self.aircraft, self.mission, variables, self.solar, day=self.day
         )
 
-    def _optimal(self, answer: dict[str, Any], simulated: Performance) -> SizingResult:
-        value = {
-            Objective.max_excess_time: float(np.min(simulated.cycle.excess_time_h)),
-            Objective.min_wingspan: float(simulated.design.variables.wingspan_m),
-            Objective.min_mass: float(simulated.design.total_mass_kg),
-        }[self.objective]
+    def _merit(self, answer: Answer, perf: Performance) -> float:
+        value = float(objective_value(self.objective, perf))
+        return value if self.objective.maximised else -value
+
+    def _optimal(self, agreed: Agreed) -> SizingResult:
+        answer, simulated = agreed.answer, agreed.simulated
         return SizingResult(
             status="optimal",
             objective=self.objective,
             required_excess_time_h=self.required_h,
-            objective_value=value,
-            design=_plain(simulated.design),
+            objective_value=float(objective_value(self.objective, simulated)),
+            design=plain_design(simulated.design),
             simulated=simulated,
             nearest=None,
             active_constraints=self._active(answer),
             violations=(),
-            solver=self._report(),
+            solver=self.solver.report(),
             optimum=Optimum(
-                x=answer["x"],
-                constraint_prices=answer["lam_g"],
-                filled=tuple(self._filled()),
-                goal_h=self.goal_h,
-                margin=self.margin,
+                x=answer.x,
+                constraint_prices=answer.constraint_prices,
+                filled=answer.filled,
+                weights=answer.weights,
+                margin=answer.question.margin,
             ),
         )
 
-    def _active(self, answer: dict[str, Any]) -> tuple[str, ...]:
-        problem = self.problem
+    def _active(self, answer: Answer) -> tuple[str, ...]:
+        problem = answer.problem
         active = []
-        for price, constraint in zip(np.abs(answer["lam_g"]), problem.constraints, strict=True):
+        prices = np.abs(answer.constraint_prices)
+        for price, constraint in zip(prices, problem.constraints, strict=True):
             if price <= _ACTIVE_MULTIPLIER or constraint.name == "mass_budget":
                 continue
             label = constraint.name
             if constraint.slot is not None:
-                scenario = self.chosen[constraint.slot % len(self.chosen)]
-                label += f" ({self.day.scenarios.label(scenario)})"
+                label += f" ({self.day.scenarios.label(answer.filled[constraint.slot])})"
             active.append(label)
-        for price, name in zip(answer["lam_x"], problem.variable_names, strict=False):
-            if abs(price) > _ACTIVE_MULTIPLIER:
+        for price, name in zip(answer.bound_prices, problem.variable_names, strict=False):
+            free = name not in (*TECHNOLOGY, "payload_mass_kg", "payload_power_w")
+            if abs(price) > _ACTIVE_MULTIPLIER and (free or name in answer.question.freed):
                 active.append(f"{name} at its {'maximum' if price > 0 else 'minimum'}")
         return tuple(dict.fromkeys(active))
 
@@ -440,20 +242,9 @@ class _Search:
         return self._explain_by_slack(starts)
 
     def _explain_by_largest_excess(self, starts: list[DesignVariables]) -> SizingResult:
-        best = _Search(
-            self.aircraft,
-            self.mission,
-            self.solar,
-            self.day,
-            Objective.max_excess_time,
-            0.0,
-        )
-        largest = best.run()
-        self.iterations += best.iterations
-        self.solve_s += best.solve_s
-        self.build_s += best.build_s
-        self.solves += best.solves
-        self.message = best.message
+        solver = ProgramSolver(self.solver.problems, self._least_mission(), self.day)
+        largest = _Search(solver, self.solar, Objective.max_excess_time, 0.0).run()
+        self.solver.add(solver)
         if largest.simulated is None:
             return self._no_perpetual_flight(largest)
         reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
@@ -464,11 +255,24 @@ class _Search:
             self.held = largest.active_constraints
             return self._failed("infeasible", (missed,), largest.simulated)
         if self.objective is Objective.max_excess_time:
-            return replace(largest, required_excess_time_h=self.required_h, solver=self._report())
+            return replace(
+                largest, required_excess_time_h=self.required_h, solver=self.solver.report()
+            )
         # The cushion must not ask for more than there is.
-        self.goal_h = min(self.goal_h, max(reached_h - _GOAL_CUSHION_H / 4.0, 0.0))
-        answer = self._solve_from([variables_of_design(largest.simulated.design), *starts])
+        question = self.agreement.question
+        goal_h = min(question.goal_h, max(reached_h - GOAL_CUSHION_H / 4.0, 0.0))
+        self.agreement.question = replace(question, goal_h=goal_h)
+        nearest = largest.simulated.design.variables.mapped(float)
+        answer = self.agreement.ask([nearest, *starts])
         return self._given_up(largest.simulated) if answer is None else self._last(answer)
+
+    def _least_mission(self) -> Mission:
+        """Mission without the payload that is asked for: the easiest one."""
+        if self.objective is Objective.max_payload_mass:
+            return with_parameter(self.aircraft, self.mission, "mission.payload.mass_kg", 0.0)[1]
+        if self.objective is Objective.max_payload_power:
+            return with_parameter(self.aircraft, self.mission, "mission.payload.power_w", 0.0)[1]
+        return self.mission
 
     def _no_perpetual_flight(self, largest: SizingResult) -> SizingResult:
         """No design flies perpetually at all, let alone with the excess time that is required."""
@@ -483,41 +287,40 @@ class _Search:
         return self._failed(largest.status, tuple(missed), nearest)
 
     def _explain_by_slack(self, starts: list[DesignVariables]) -> SizingResult:
+        agreement = self.agreement
+        strict = agreement.question
         elastic = None
+        agreement.question = strict.elastically()
         for effort in _ELASTIC_EFFORTS:
-            self.problem = self._build(self.problem.slots, effort)
-            elastic = self._solve_from(starts, elastic=True)
+            elastic = agreement.ask(starts, effort=effort)
             if elastic is not None:
                 break
+        agreement.question = strict
         if elastic is None:
-            answer = self._solve_from(starts)
-            nearest = self._simulate(starts[0])
+            answer = agreement.ask(starts)
+            nearest = self._simulate_design(starts[0])
             return self._given_up(nearest) if answer is None else self._last(answer)
-        slack = elastic["x"][-len(self.problem.slack_names) :]
-        nearest = self._simulate(self._variables(elastic))
-        if np.max(slack) <= _SLACK_TOLERANCE or self._accepts(nearest):
-            answer = self._solve_from([self._variables(elastic), *starts])
+        slack = elastic.slack()
+        nearest = self._simulate(elastic)
+        if max(slack.values()) <= _SLACK_TOLERANCE or agreement.accepts(nearest):
+            answer = agreement.ask([elastic.variables, *starts])
             return self._given_up(nearest) if answer is None else self._last(answer)
         self.held = self._active(elastic)
         violations = tuple(
-            Violation(name, float(value), self._words(name, float(value), nearest))
-            for name, value in zip(self.problem.slack_names, slack, strict=True)
+            Violation(name, value, self._words(name, value, nearest))
+            for name, value in slack.items()
             if value > _SLACK_TOLERANCE
         )
         return self._failed("infeasible", violations, nearest)
 
-    def _accepts(self, perf: Performance) -> bool:
-        worst_h = float(np.min(perf.cycle.excess_time_h))
-        return worst_h > 0.0 and worst_h >= self.required_h
-
     def _given_up(self, nearest: Performance) -> SizingResult:
         return self._failed("not_converged", (), nearest)
 
-    def _last(self, answer: dict[str, Any]) -> SizingResult:
+    def _last(self, answer: Answer) -> SizingResult:
         self.rescues += 1
         if self.rescues > _RESCUES:
-            return self._given_up(self._simulate(self._variables(answer)))
-        return self._agree_with_simulator(answer)
+            return self._given_up(self._simulate(answer))
+        return self._settled(answer)
 
     def _words(self, name: str, shortfall: float, nearest: Performance) -> str:
         worst = nearest.worst_scenario()
@@ -525,20 +328,19 @@ class _Search:
         excess = float(nearest.cycle.excess_time_h[worst])
         percent = f"{100.0 * shortfall:.0f} %" if shortfall > 0.1 else f"{100.0 * shortfall:.2g} %"
         short = f"at {where}: short by {percent} of its capacity"
-        return {
-            "mass_budget": f"no design carries its own mass: {percent} of it cannot be lifted",
-            "module_coverage": f"the modules need {percent} more wing area than there is",
-            "airspeed_above_wind": (
-                f"airspeed stays {percent} below the wind of {self.mission.wind_m_per_s:g} m/s"
-            ),
-            "wing_loading": f"the wing loading exceeds its limit by {percent}",
+        texts = {
+            one.name: one.text.format(missed=percent)
+            for one in design_requirements(self.aircraft, nearest.design, self.solver.conditions)
+        }
+        texts |= {
             "battery_capacity": f"the battery cannot carry the night {short}",
             "energy_balance": f"the day does not recharge the battery {short}",
             "excess_time": (
                 f"an excess time of {self.required_h:g} h is out of reach at {where}: the nearest "
                 f"design has {excess:.2f} h"
             ),
-        }[name]
+        }
+        return texts[name]
 
     def _failed(
         self, status: str, violations: tuple[Violation, ...], nearest: Performance | None
@@ -553,36 +355,18 @@ class _Search:
             nearest=nearest,
             active_constraints=self.held,
             violations=violations,
-            solver=self._report(),
+            solver=self.solver.report(),
         )
 
-    def _report(self) -> SolverReport:
-        return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
+
+def _item(index: int, values: FloatArray) -> float:
+    return float(values[index])
 
 
-def _value(result: SizingResult) -> float:
-    assert result.objective_value is not None  # kept results are optima
-    return result.objective_value
-
-
-def variables_of_design(design: Design) -> DesignVariables:
-    """Design variables of a single design, as floats."""
-    return DesignVariables(*(float(v) for v in design.variables))
-
-
-def _telling_scenarios(first: Performance, count: int) -> list[int]:
-    """Scenarios likely to drive the sizing: least excess time, and least sun for their load."""
-    cycle = first.cycle
-    short_of_sun = int(np.argmin(cycle.account.solar_wh / cycle.account.load_wh))
-    by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
-    dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
-    return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
-
-
-def _plain(design: Design) -> Design:
+def plain_design(design: Design) -> Design:
     """Turn a design of zero-dimensional arrays into one of floats."""
     return Design(
-        variables=DesignVariables(*(float(v) for v in design.variables)),
+        variables=design.variables.mapped(float),
         total_mass_kg=float(design.total_mass_kg),
         masses=Masses(*(float(m) for m in design.masses)),
         battery_energy_wh=float(design.battery_energy_wh),

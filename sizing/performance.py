@@ -93,8 +93,14 @@ def solar_day(
     power = modelled_power(aircraft, mission, solar.model, chosen, time_h)
     if solar.correction == "loiter":
         power = power * loiter_ratio(aircraft, mission, solar.model, chosen, time_h, power)
-    corrected = power * correction(solar.model, solar.correction).factor
+    corrected = power * judged_factor(mission, solar)
     return SolarDay(chosen, time_h, corrected, times.sunrise_h, times.sunset_h)
+
+
+def judged_factor(mission: Mission, solar: SolarModel) -> float:
+    """Factor on a model's power: its correction, and the low end of the mission's band."""
+    factor = correction(solar.model, solar.correction).factor
+    return factor * mission.bands.solar_factor(solar.rms_relative)
 
 
 def modelled_power(
@@ -146,7 +152,7 @@ def power_on_calendar(
         repeated = modelled_power(aircraft, mission, solar.model, scenarios, axis)
         ratio = loiter_ratio(aircraft, mission, solar.model, scenarios, axis, repeated)
         power = power * ratio[place, 0]
-    return power * correction(solar.model, solar.correction).factor
+    return power * judged_factor(mission, solar)
 
 
 def _horizontal_power(
@@ -164,7 +170,7 @@ def _horizontal_power(
         cell=aircraft.modules,
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
+        clearness=mission.judged_clearness,
         model=model,
     )
 
@@ -194,7 +200,7 @@ def _power_on_path(
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
+        clearness=mission.judged_clearness,
         shading=aircraft.modules.shading,
     )
 

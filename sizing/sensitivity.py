@@ -13,22 +13,22 @@ Programming.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
-from pydantic import BaseModel
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.cycle_program import sun_parameters
+from sizing.design import FlightConditions
 from sizing.energy_balance import FloatArray
 from sizing.objectives import Objective
-from sizing.optimiser import Optimum, SizingResult
+from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import UNCORRECTED_CAM, SolarModel, solar_day
-from sizing.sizing_problem import build_program
+from sizing.sizing_problem import LINEAR_SCALES, SizingProblem, build_problem
+from sizing.sizing_result import Optimum, SizingResult
 
 _RELATIVE_STEP = 1e-4
-_MISSION = "mission."
 
 # Parameters as keys of the aircraft file, or of the mission file behind "mission.", and their unit.
 PARAMETERS: dict[str, str] = {
@@ -111,14 +111,13 @@ def sensitivities(
     every = result.simulated.day.scenarios
     filled = list(result.optimum.filled)
     scenarios = Scenarios(every.latitude_deg[filled], every.day_of_year[filled])
-    lagrangian = _Lagrangian(result.objective, result.optimum, solar, scenarios)
+    lagrangian = _Lagrangian(result.optimum, solar, scenarios)
     to_units = _objective_per_cost(result)
-    fixed = aircraft.design_space.aspect_ratio is None
-    free = set() if fixed else {"airframe.aspect_ratio"}
+    chosen = _chosen_keys(aircraft, result.objective)
     found = []
     for name, unit in PARAMETERS.items():
-        value = _value(aircraft, mission, name)
-        if value is None or name in free:
+        value = parameter_value(aircraft, mission, name)
+        if value is None or name in chosen:
             continue
         derivative = to_units * lagrangian.derivative(aircraft, mission, name, value)
         scale = result.objective_value
@@ -127,68 +126,71 @@ def sensitivities(
     return sorted(found, key=lambda s: -abs(s.per_percent))
 
 
+def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:
+    """Keys whose values the optimiser chooses: no parameters."""
+    space = aircraft.design_space
+    chosen = set()
+    if space.aspect_ratio is not None:
+        chosen.add("airframe.aspect_ratio")
+    if space.lift_coefficient is not None:
+        chosen.add("airframe.aerodynamics.lift_coefficient")
+    if objective is Objective.max_payload_mass:
+        chosen.add("mission.payload.mass_kg")
+    if objective is Objective.max_payload_power:
+        chosen.add("mission.payload.power_w")
+    return chosen
+
+
 def _objective_per_cost(result: SizingResult) -> float:
     """Derivative of the objective with respect to the program's cost."""
     if result.objective is Objective.max_excess_time:
         return -24.0  # the cost is -T/24
+    if result.objective.variable in LINEAR_SCALES:
+        return -LINEAR_SCALES[result.objective.variable]  # the cost is the payload over its scale
     assert result.objective_value is not None
     return result.objective_value  # the cost is the logarithm of span or mass
 
 
 @dataclass(frozen=True)
 class _Lagrangian:
-    objective: Objective
     optimum: Optimum
     solar: SolarModel
     scenarios: Scenarios
 
-    def derivative(self, aircraft: Aircraft, mission: Mission, name: str, value: float) -> float:
+    def derivative(self, aircraft: Aircraft, mission: Mission, key: str, value: float) -> float:
         step = _RELATIVE_STEP * abs(value) if value != 0.0 else _RELATIVE_STEP
         low = max(value - step, 0.0)  # no parameter may become negative
         high = value + step
         return (
-            self._at(*_with(aircraft, mission, name, high))
-            - self._at(*_with(aircraft, mission, name, low))
+            self._at(*with_parameter(aircraft, mission, key, high))
+            - self._at(*with_parameter(aircraft, mission, key, low))
         ) / (high - low)
 
     def _at(self, aircraft: Aircraft, mission: Mission) -> float:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
-        slots = len(self.scenarios)
-        program = build_program(aircraft, mission, day, self.objective, slots)
-        function = ca.Function("program", [program.x, program.p], [program.f, program.g])
-        parameters = program.axis.parameters(
-            range(slots), elastic=False, goal_h=self.optimum.goal_h, margin=self.optimum.margin
+        problem = build_problem(aircraft, len(self.scenarios))
+        symbols = problem.symbols
+        function = ca.Function(
+            "program", [symbols["x"], symbols["p"]], [symbols["f"], symbols["g"]]
         )
-        cost, rows = function(self.optimum.x, parameters)
+        parameters = problem.parameters(
+            self.optimum.weights,
+            FlightConditions.of(mission),
+            sun_parameters(day, mission),
+            margin=self.optimum.margin,
+        )
+        cost, rows = function(self._point(problem, mission), parameters)
         prices: FloatArray = self.optimum.constraint_prices
         return float(cost) + float(np.asarray(rows).ravel() @ prices)
 
-
-def _value(aircraft: Aircraft, mission: Mission, name: str) -> float | None:
-    """Value of a parameter; none where this aircraft does not have it."""
-    on_mission = name.startswith(_MISSION)
-    node: Any = mission if on_mission else aircraft
-    for part in name.removeprefix(_MISSION).split("."):
-        node = getattr(node, part, None)
-    return float(node) if isinstance(node, (int, float)) else None
-
-
-def _with(
-    aircraft: Aircraft, mission: Mission, name: str, value: float
-) -> tuple[Aircraft, Mission]:
-    parts = name.removeprefix(_MISSION).split(".")
-    if name.startswith(_MISSION):
-        return aircraft, _replaced(mission, parts, value)
-    return _replaced(aircraft, parts, value), mission
-
-
-def _replaced(node: Any, parts: list[str], value: float) -> Any:
-    """Copy of a description with one value replaced, without validation: the step may leave it.
-
-    It is built anew, because a plain copy would take over what the original has cached.
-    """
-    assert isinstance(node, BaseModel)
-    head, *rest = parts
-    new = value if not rest else _replaced(getattr(node, head), rest, value)
-    fields = {name: getattr(node, name) for name in type(node).model_fields}
-    return type(node).model_construct(**(fields | {head: new}))
+    def _point(self, problem: SizingProblem, mission: Mission) -> FloatArray:
+        """Decision vector of the optimum; a payload that is no variable is the mission's."""
+        x = self.optimum.x.copy()
+        held = {
+            "payload_mass_kg": mission.payload.mass_kg,
+            "payload_power_w": mission.payload.power_w,
+        }
+        for i, variable in enumerate(problem.variables):
+            if variable.name in held and self.optimum.weights[i] == 0.0:
+                x[i] = variable.to_program(held[variable.name])
+        return x

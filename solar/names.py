@@ -17,5 +17,13 @@ HORIZONTAL_MODEL_NAMES: tuple[ModelName, ...] = ("CDM", "CAM")
 # Models that know the attitude: they need module surfaces on the aircraft and a flight path.
 ATTITUDE_MODELS: tuple[ModelName, ...] = ("VM", "FM")
 
-# The objectives of sizing; their formulation is in sizing.sizing_problem.
-OBJECTIVE_NAMES = ("max_excess_time", "min_wingspan", "min_mass")
+# The objectives of sizing; what they mean is in sizing.objectives.
+OBJECTIVE_NAMES = (
+    "max_excess_time",
+    "min_wingspan",
+    "min_mass",
+    "max_payload_mass",
+    "max_payload_power",
+    "longest_season",
+    "widest_latitude_band",
+)

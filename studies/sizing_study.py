@@ -54,7 +54,7 @@ def _nearest_record(perf: Performance) -> dict[str, Any]:
     """Design that comes closest to an infeasible requirement, and what it reaches."""
     worst = perf.worst_scenario()
     return {
-        **{name: float(value) for name, value in perf.design.variables._asdict().items()},
+        **{name: float(value) for name, value in perf.design.variables.chosen().items()},
         "total_mass_kg": finite(perf.design.total_mass_kg),
         "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
         "worst_scenario": perf.day.scenarios.label(worst),
@@ -66,7 +66,7 @@ def _design_record(design: Design | None) -> dict[str, Any]:
         keys = (*DesignVariables._fields, "total_mass_kg", "masses_kg", "wing_area_m2")
         return dict.fromkeys((*keys, "airspeed_m_per_s", "propulsion_power_w"))
     return {
-        **design.variables._asdict(),
+        **design.variables.chosen(),
         "total_mass_kg": design.total_mass_kg,
         "masses_kg": design.masses._asdict(),
         "wing_area_m2": design.wing_area_m2,

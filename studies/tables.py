@@ -19,7 +19,6 @@ from studies.model_transfer import TransferredError
 from studies.published import Comparison
 
 _WIDE = 105
-_OBJECTIVE_UNITS = {"max_excess_time": "h", "min_wingspan": "m", "min_mass": "kg"}
 
 
 def hours(value: float | None, missing: str = "-") -> str:
@@ -152,7 +151,7 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
         ("load", f"{record['power_out_w']:.1f} W"),
         (
             f"objective {result.objective.value}",
-            f"{result.objective_value:.4g} {_OBJECTIVE_UNITS[result.objective.value]}",
+            f"{result.objective_value:.4g} {result.objective.unit}",
         ),
         (f"excess time simulated, {worst}", hours(simulated["excess_time_h"], "no end")),
         ("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"),
@@ -285,7 +284,7 @@ def print_sensitivities(
     console: Console, worth: list[Sensitivity], objective: Objective, *, rows: int = 15
 ) -> None:
     """What each technology parameter is worth, most important first."""
-    unit = _OBJECTIVE_UNITS[objective.value]
+    unit = objective.unit
     table = Table(title=f"sensitivities of {objective.value}", title_justify="left")
     table.add_column("parameter", overflow="fold")
     # A narrow terminal shows the names whole and leaves out what JSON and CSV tell as well.
@@ -312,7 +311,7 @@ def print_sensitivities(
 
 def print_certificate(console: Console, certificate: Certificate, objective: Objective) -> None:
     """Whether the optimum withstood the attack."""
-    unit = _OBJECTIVE_UNITS[objective.value]
+    unit = objective.unit
     verdict = "certified" if certificate.certified else "NOT certified"
     found = (
         f"the best of them has {certificate.best_found:.5g} {unit} ({certificate.found_by}), "

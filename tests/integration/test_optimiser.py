@@ -173,7 +173,7 @@ def test_optimum_is_confirmed_by_the_simulator_and_keeps_its_bounds(name: str) -
     assert result.design is not None
     assert result.simulated is not None
     assert result.objective_value is not None
-    chosen = DesignVariables(*(float(v) for v in result.design.variables))
+    chosen = result.design.variables.mapped(float)
     again = performance_of_designs(case.plane, case.mission, chosen, case.solar)
     worst = float(again.cycle.excess_time_h.min())
     mass = float(again.design.total_mass_kg)
@@ -235,7 +235,7 @@ def test_wing_loading_and_mass_limits_are_kept() -> None:
     assert result.objective_value < free.objective_value
 
 
-@pytest.mark.parametrize("objective", list(Objective))
+@pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
 def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> None:
     starts: Sequence[tuple[float, float, float]] = (
         (5.65, 2.918, 1.35),

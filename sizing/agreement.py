@@ -1,0 +1,132 @@
+"""Bringing the program and the simulator into agreement.
+
+The program knows a few scenarios on coarse nodes; the simulator judges all of them on fine ones.
+Scenarios join the program and its goal is shifted until the simulator confirms the optimum. A
+program that claims a little more or less than the simulator finds has still found the right design;
+what counts is the simulator's number. Of all designs that the simulator accepted on the way, the
+best is the answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from sizing.cycle import Status
+from sizing.design import DesignVariables
+from sizing.performance import Performance
+from sizing.program_solver import Answer, ProgramSolver, Question
+from sizing.sizing_problem import Effort
+
+# Scenarios that a program starts with; others join when the simulator finds them worse.
+FIRST_SLOTS = 3
+_ROUNDS = 12
+# The program is asked for a little more than required, as its coarser time step may flatter a
+# design, and asked again for less where that was too much [h].
+GOAL_CUSHION_H = 0.008
+_WASTE_H = 0.02
+
+
+class Agreed(NamedTuple):
+    """A design that the simulator accepts: the program's answer and the simulation."""
+
+    answer: Answer
+    simulated: Performance
+    merit: float
+
+
+class Agreement:
+    """One question put to the program until the simulator agrees.
+
+    Parameters
+    ----------
+    solver : ProgramSolver
+        The program, the mission and its sun.
+    question : Question
+        What is asked; its goal carries a cushion for all but the largest excess time.
+    required_h : float
+        Excess time that the simulator must find in every scenario [h].
+    simulate : callable
+        Performance of an answer in all scenarios.
+    merit : callable
+        Merit of a simulated answer, the larger the better.
+    """
+
+    def __init__(
+        self,
+        solver: ProgramSolver,
+        question: Question,
+        required_h: float,
+        simulate: Callable[[Answer], Performance],
+        merit: Callable[[Answer, Performance], float],
+    ) -> None:
+        self.solver, self.question, self.required_h = solver, question, required_h
+        self.simulate, self.merit = simulate, merit
+        self.slots = min(FIRST_SLOTS, len(solver.day.scenarios))
+        self.chosen: list[int] = []
+        self.best: Agreed | None = None
+
+    def ask(self, starts: Sequence[DesignVariables], *, effort: Effort = "quick") -> Answer | None:
+        """Answer of the program alone."""
+        return self.solver.ask(self.question, self.chosen, self.slots, starts, effort=effort)
+
+    def settle(self, answer: Answer) -> Agreed | None:
+        """Best design that the simulator accepts, from a first answer on."""
+        for _ in range(_ROUNDS):
+            simulated = self.simulate(answer)
+            worst = simulated.worst_scenario()
+            found_h = float(simulated.cycle.excess_time_h[worst])
+            accepted = self.accepts(simulated)
+            if accepted:
+                self._keep(answer, simulated)
+            if worst in self.chosen and accepted and not self._wasteful(found_h):
+                break
+            self._tighten(worst, found_h)
+            retried = self.ask([answer.variables])
+            if retried is None:
+                break
+            answer = retried
+        return self.best
+
+    def accepts(self, perf: Performance) -> bool:
+        """Whether the simulator finds enough excess time in every scenario."""
+        worst_h = float(np.min(perf.cycle.excess_time_h))
+        return worst_h > 0.0 and worst_h >= self.required_h
+
+    def _keep(self, answer: Answer, simulated: Performance) -> None:
+        merit = self.merit(answer, simulated)
+        if self.best is None or merit > self.best.merit:
+            self.best = Agreed(answer, simulated, merit)
+
+    def _wasteful(self, found_h: float) -> bool:
+        """Whether a design has more excess time than it was asked for, where that costs."""
+        if self.question.best_excess:
+            return False
+        return self.question.goal_h > 0.0 and found_h - self.required_h > _WASTE_H
+
+    def _tighten(self, worst: int, found_h: float) -> None:
+        question = self.question
+        if worst not in self.chosen:
+            self.chosen.append(worst)
+            if len(self.chosen) > self.slots:
+                self.slots = min(2 * self.slots, len(self.solver.day.scenarios))
+        elif found_h <= 0.0:
+            # The battery runs empty over many days: the day must return more.
+            self.question = replace(
+                question, margin=3.0 * question.margin, goal_h=question.goal_h + GOAL_CUSHION_H
+            )
+        else:
+            shifted_h = question.goal_h + self.required_h - found_h + GOAL_CUSHION_H
+            self.question = replace(question, goal_h=max(shifted_h, 0.0))
+
+
+def telling_scenarios(perf: Performance, count: int) -> list[int]:
+    """Scenarios likely to drive the sizing: least excess time, and least sun for their load."""
+    cycle = perf.cycle
+    short_of_sun = int(np.argmin(cycle.account.solar_wh / cycle.account.load_wh))
+    by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
+    dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
+    return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]

@@ -1,0 +1,164 @@
+"""Quantities of a design that may be bounded, and what a design must be besides staying up.
+
+The formulas use arithmetic only, so that floats, arrays and symbolic expressions pass alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from missions.air import GRAVITY_M_PER_S2
+from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
+from sizing.design import Design, FlightConditions, flown_at
+from sizing.structure import Value
+
+
+class DesignInFlight(NamedTuple):
+    """A design, the aircraft whose technology it has, and the conditions it flies in."""
+
+    aircraft: Aircraft
+    design: Design
+    conditions: FlightConditions
+
+    @property
+    def airframe(self) -> ParametricAirframe:
+        """Airframe of the aircraft."""
+        airframe = self.aircraft.airframe
+        assert isinstance(airframe, ParametricAirframe)
+        return airframe
+
+    @property
+    def lift_coefficient(self) -> Value:
+        """Lift coefficient of level flight [-]."""
+        chosen = self.design.variables.lift_coefficient
+        polar = self.airframe.aerodynamics
+        return polar.flight_lift_coefficient if chosen is None else chosen
+
+    @property
+    def stall_margin(self) -> Value:
+        """Airspeed over the stall speed [-]."""
+        chosen = self.design.variables.lift_coefficient
+        highest = flown_at(self.airframe.aerodynamics, chosen).maximum_lift_coefficient
+        return (highest / self.lift_coefficient) ** 0.5
+
+    @property
+    def chord_m(self) -> Value:
+        """Mean chord [m]."""
+        variables = self.design.variables
+        return variables.wingspan_m / variables.aspect_ratio
+
+    @property
+    def rated_power_w(self) -> Value:
+        """Largest electric power of the propulsion [W]."""
+        return self.design.propulsion_power_w * self.airframe.propulsion.climb_power_ratio
+
+    @property
+    def climb_rate_m_per_s(self) -> Value:
+        """Climb at the airspeed of level flight and rated power [m/s]: excess power over weight."""
+        spare_w = self.rated_power_w - self.design.propulsion_power_w
+        weight_n = self.design.total_mass_kg * GRAVITY_M_PER_S2
+        return spare_w * self.airframe.propulsion.efficiency / weight_n
+
+    @property
+    def load_w(self) -> Value:
+        """Nominal load [W]."""
+        return self.design.load_in_turbulence_w(self.conditions.turbulence)
+
+    @property
+    def reynolds_number(self) -> Value:
+        """Reynolds number of the mean chord in level flight [-]."""
+        air = self.conditions
+        return air.density * self.design.airspeed_m_per_s * self.chord_m / air.dynamic_viscosity
+
+
+class Quantity(NamedTuple):
+    """A quantity that may be bounded: its unit and its formula."""
+
+    unit: str
+    of: Callable[[DesignInFlight], Value]
+
+
+QUANTITIES: dict[LimitedQuantity, Quantity] = {
+    "total_mass_kg": Quantity("kg", lambda it: it.design.total_mass_kg),
+    "structure_mass_kg": Quantity("kg", lambda it: it.design.masses.structure),
+    "battery_energy_wh": Quantity("Wh", lambda it: it.design.battery_energy_wh),
+    "battery_fraction": Quantity(
+        "1", lambda it: it.design.masses.battery / it.design.total_mass_kg
+    ),
+    "payload_fraction": Quantity(
+        "1", lambda it: it.design.masses.payload / it.design.total_mass_kg
+    ),
+    "wing_area_m2": Quantity("m2", lambda it: it.design.wing_area_m2),
+    "chord_m": Quantity("m", lambda it: it.chord_m),
+    "module_coverage": Quantity(
+        "1", lambda it: it.design.variables.module_area_m2 / it.design.wing_area_m2
+    ),
+    "wing_loading_kg_per_m2": Quantity(
+        "kg/m2", lambda it: it.design.total_mass_kg / it.design.wing_area_m2
+    ),
+    "airspeed_m_per_s": Quantity("m/s", lambda it: it.design.airspeed_m_per_s),
+    "stall_speed_m_per_s": Quantity("m/s", lambda it: it.design.airspeed_m_per_s / it.stall_margin),
+    "stall_margin": Quantity("1", lambda it: it.stall_margin),
+    "lift_coefficient": Quantity("1", lambda it: it.lift_coefficient),
+    "reynolds_number": Quantity("1", lambda it: it.reynolds_number),
+    "propulsion_power_w": Quantity("W", lambda it: it.design.propulsion_power_w),
+    "rated_power_w": Quantity("W", lambda it: it.rated_power_w),
+    "load_w": Quantity("W", lambda it: it.load_w),
+    "climb_rate_m_per_s": Quantity("m/s", lambda it: it.climb_rate_m_per_s),
+    "cruise_discharge_rate_per_h": Quantity(
+        "1/h", lambda it: it.load_w / it.design.battery_energy_wh
+    ),
+    "climb_discharge_rate_per_h": Quantity(
+        "1/h",
+        lambda it: (it.rated_power_w + it.design.constant_power_w) / it.design.battery_energy_wh,
+    ),
+}
+
+
+class Requirement(NamedTuple):
+    """A requirement on a design: met where ``value >= 0``, relative to the limit."""
+
+    name: str
+    value: Value
+    text: str
+
+
+def design_requirements(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions
+) -> list[Requirement]:
+    """Requirements on the design itself; the mass budget, an equation, comes first.
+
+    Texts say what is wrong when the requirement is missed; ``{missed}`` stands for by how much.
+    """
+    it = DesignInFlight(aircraft, design, conditions)
+    covered = it.airframe.maximum_module_coverage * design.wing_area_m2
+    rows = [
+        Requirement(
+            "mass_budget",
+            1.0 - design.masses.total_kg / design.total_mass_kg,
+            "no design carries its own mass: {missed} of it cannot be lifted",
+        ),
+        Requirement(
+            "module_coverage",
+            1.0 - design.variables.module_area_m2 / covered,
+            "the modules need {missed} more wing area than there is",
+        ),
+        # Relative to the airspeed, as the wind may be zero.
+        Requirement(
+            "airspeed_above_wind",
+            1.0 - conditions.wind_m_per_s / design.airspeed_m_per_s,
+            "airspeed stays {missed} below the wind",
+        ),
+    ]
+    for name, limit in aircraft.design_space.all_limits().items():
+        quantity = QUANTITIES[name]
+        value = quantity.of(it)
+        label = name if quantity.unit == "1" else f"{name} [{quantity.unit}]"
+        if limit.minimum is not None:
+            text = f"{label} falls short of its minimum {limit.minimum:g} by {{missed}}"
+            rows.append(Requirement(f"{name}_minimum", value / limit.minimum - 1.0, text))
+        if limit.maximum is not None:
+            text = f"{label} exceeds its maximum {limit.maximum:g} by {{missed}}"
+            rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
+    return rows

@@ -1,0 +1,247 @@
+"""Questions to the sizing program: which variables are free, what is minimised, where to start."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.cycle_program import sun_parameters
+from sizing.design import DesignVariables, FlightConditions, closed_design
+from sizing.energy_balance import FloatArray
+from sizing.objectives import Objective
+from sizing.performance import SolarDay
+from sizing.sizing_problem import (
+    MAXIMUM_EXCESS_H,
+    WORST_EXCESS,
+    Effort,
+    SizingProblem,
+    SizingProblems,
+    technology_keys,
+)
+from sizing.sizing_result import SolverReport
+
+_FIRST_MARGIN = 1e-3
+
+# Which requirement an infeasible sizing may miss first: the excess time, then the energy over the
+# cycle, and only as a last resort what makes the design an aircraft at all.
+_SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
+_OTHER_SLACK_WEIGHT = 100.0
+
+_COSTS: dict[Objective, dict[str, float]] = {
+    Objective.max_excess_time: {WORST_EXCESS: -1.0 / 24.0},
+    Objective.min_wingspan: {"wingspan_m": 1.0},
+    Objective.min_mass: {"total_mass_kg": 1.0},
+    Objective.max_payload_mass: {"payload_mass_kg": -1.0},
+    Objective.max_payload_power: {"payload_power_w": -1.0},
+}
+
+
+@dataclass(frozen=True)
+class Question:
+    """What the program is asked.
+
+    Attributes
+    ----------
+    cost : mapping
+        Weights of the decision vector by name of its variables.
+    goal_h : float
+        Excess time that every scenario must have [h].
+    best_excess : bool
+        Whether the worst excess time may exceed the goal: where it is what is maximised.
+    freed : tuple of str
+        Payload or technology variables that may move; all others are held.
+    bounds : mapping
+        Bounds of variables, in their unit, that replace their own.
+    elastic : bool
+        Whether requirements may be missed, at a cost that replaces the other one.
+    margin : float
+        By how much more charge the day must return than the night takes, relative.
+    """
+
+    cost: Mapping[str, float]
+    goal_h: float
+    best_excess: bool = False
+    freed: tuple[str, ...] = ()
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    elastic: bool = False
+    margin: float = _FIRST_MARGIN
+
+    @classmethod
+    def of(cls, objective: Objective, goal_h: float) -> Question:
+        """Question of an objective."""
+        payload = (Objective.max_payload_mass, Objective.max_payload_power)
+        return cls(
+            cost=_COSTS[objective],
+            goal_h=goal_h,
+            best_excess=objective is Objective.max_excess_time,
+            freed=(objective.variable,) if objective in payload else (),
+        )
+
+    def elastically(self) -> Question:
+        """By how much the requirements must be missed."""
+        return replace(self, elastic=True, best_excess=False)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Solution of the program.
+
+    ``x`` is the decision vector, ``constraint_prices`` and ``bound_prices`` the multipliers,
+    ``slack`` the requirements missed by their name, ``filled`` the scenarios in the slots.
+    """
+
+    problem: SizingProblem
+    question: Question
+    x: FloatArray
+    weights: FloatArray
+    constraint_prices: FloatArray
+    bound_prices: FloatArray
+    filled: tuple[int, ...]
+
+    @property
+    def variables(self) -> DesignVariables:
+        """Design that was found."""
+        return self.problem.design_variables(self.x)
+
+    def value(self, name: str) -> float:
+        """Value of a variable, in its unit."""
+        index = self.problem.variable_names.index(name)
+        return float(self.problem.variables[index].from_program(self.x[index]))
+
+    def slack(self) -> dict[str, float]:
+        """By how much each requirement is missed."""
+        values = self.x[self.problem.places()["slack"]]
+        return dict(zip(self.problem.slack_names, values.tolist(), strict=True))
+
+
+class ProgramSolver:
+    """Asks the program of an aircraft about one mission, and counts the work.
+
+    Parameters
+    ----------
+    problems : SizingProblems
+        Programs of the aircraft.
+    mission : Mission
+        Conditions of flight.
+    day : SolarDay
+        Sun in every scenario that may fill a slot.
+    """
+
+    def __init__(self, problems: SizingProblems, mission: Mission, day: SolarDay) -> None:
+        self.problems, self.mission, self.day = problems, mission, day
+        self.conditions = FlightConditions.of(mission)
+        self.suns = sun_parameters(day, mission)
+        self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
+        self.message = ""
+
+    @property
+    def aircraft(self) -> Aircraft:
+        """Aircraft that is sized."""
+        return self.problems.aircraft
+
+    def ask(
+        self,
+        question: Question,
+        scenarios: Sequence[int],
+        slots: int,
+        starts: Sequence[DesignVariables],
+        *,
+        effort: Effort = "quick",
+    ) -> Answer | None:
+        """Answer from the first start that converges; None where none does.
+
+        Spare slots repeat the scenarios.
+        """
+        begun = time.perf_counter()
+        problem = self.problems.of(slots)
+        solver = problem.solver(effort)
+        self.build_s += time.perf_counter() - begun
+        filled = tuple(scenarios[i % len(scenarios)] for i in range(slots))
+        weights = problem.weights(_elastic_cost(problem) if question.elastic else question.cost)
+        parameters = problem.parameters(
+            weights, self.conditions, self.suns[list(filled)], margin=question.margin
+        )
+        lower, upper = self._bounds(problem, question)
+        upper_rows = np.full(len(problem.constraints), np.inf)
+        upper_rows[0] = 0.0  # the mass budget is an equation
+        for variables in starts:
+            begun = time.perf_counter()
+            found = solver(
+                x0=np.clip(self._start(problem, question, variables), lower, upper),
+                p=parameters,
+                lbx=lower,
+                ubx=upper,
+                lbg=0.0,
+                ubg=upper_rows,
+            )
+            self.solve_s += time.perf_counter() - begun
+            stats = solver.stats()
+            self.iterations += int(stats["iter_count"])
+            self.solves += 1
+            self.message = str(stats["return_status"])
+            if stats["success"]:
+                x, g, b = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
+                return Answer(problem, question, x, weights, g, b, filled)
+        return None
+
+    def add(self, other: ProgramSolver) -> None:
+        """Count the work of another solver as well."""
+        self.iterations += other.iterations
+        self.solve_s += other.solve_s
+        self.build_s += other.build_s
+        self.solves += other.solves
+        self.message = other.message
+
+    def report(self) -> SolverReport:
+        """Work so far."""
+        return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
+
+    def _bounds(self, problem: SizingProblem, question: Question) -> tuple[FloatArray, FloatArray]:
+        places = problem.places()
+        lower, upper = np.zeros(places["slack"].stop), np.ones(places["slack"].stop)
+        held = self._held_values()
+        for i, variable in enumerate(problem.variables):
+            ends = question.bounds.get(variable.name, (variable.minimum, variable.maximum))
+            if variable.name in held and variable.name not in question.freed:
+                ends = (held[variable.name],) * 2
+            lower[i], upper[i] = (variable.to_program(end) for end in ends)
+        lower[places[WORST_EXCESS]] = question.goal_h
+        upper[places[WORST_EXCESS]] = MAXIMUM_EXCESS_H if question.best_excess else question.goal_h
+        upper[places["slack"]] = np.inf if question.elastic else 0.0
+        return lower, upper
+
+    def _held_values(self) -> dict[str, float]:
+        """Variables that stay as aircraft and mission have them unless they are freed."""
+        payload = self.mission.payload
+        technology = dict.fromkeys(technology_keys(self.aircraft), 1.0)
+        return technology | {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
+
+    def _start(
+        self, problem: SizingProblem, question: Question, variables: DesignVariables
+    ) -> FloatArray:
+        closed = closed_design(self.aircraft, self.mission, variables)
+        mass = float(closed.total_mass_kg)
+        airframe = self.aircraft.airframe
+        guess = self._held_values() | {
+            "total_mass_kg": mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
+            "lift_coefficient": getattr(
+                getattr(airframe, "aerodynamics", None), "flight_lift_coefficient", 1.0
+            ),
+        }
+        guess |= {name: float(value) for name, value in variables.chosen().items()}
+        guess["module_area_m2"] = max(guess["module_area_m2"], 1e-3)
+        places = problem.places()
+        start = np.full(places["slack"].stop, 0.1)
+        start[places["variables"]] = [v.to_program(guess[v.name]) for v in problem.variables]
+        start[places["dawn"]] = 0.2
+        start[places[WORST_EXCESS]] = question.goal_h + 1.0
+        return start
+
+
+def _elastic_cost(problem: SizingProblem) -> dict[str, float]:
+    return {name: _SLACK_WEIGHTS.get(name, _OTHER_SLACK_WEIGHT) for name in problem.slack_names}
