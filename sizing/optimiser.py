@@ -56,6 +56,7 @@ def size_aircraft(
     step_h: float = DEFAULT_STEP_H,
     problems: SizingProblems | None = None,
     start: DesignVariables | None = None,
+    explain: bool = True,
 ) -> SizingResult:
     """Find the best design of a parametric aircraft for a mission.
 
@@ -81,6 +82,9 @@ def size_aircraft(
         Programs of this very aircraft, from an earlier sizing: nothing is built again.
     start : DesignVariables, optional
         First guess, for instance the optimum of a similar mission.
+    explain : bool
+        Whether to find out why a search fails. If not, it ends as ``not_converged``: faster, for
+        searches in which failures are many and their reasons idle.
 
     Returns
     -------
@@ -103,7 +107,7 @@ def size_aircraft(
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     solver = ProgramSolver(problems or SizingProblems(aircraft), mission, lit)
-    return _Search(solver, solar, objective, required, start).run()
+    return _Search(solver, solar, objective, required, start, explain).run()
 
 
 class _Search:
@@ -116,7 +120,9 @@ class _Search:
         objective: Objective,
         required_h: float,
         start: DesignVariables | None = None,
+        explain: bool = True,
     ) -> None:
+        self.explain = explain
         self.solver, self.solar = solver, solar
         self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
         self.objective, self.required_h = objective, required_h
@@ -137,14 +143,19 @@ class _Search:
         self.agreement.chosen = telling_scenarios(first, self.agreement.slots)
         answer = self.agreement.ask([self.start])
         if answer is None:
-            return self._explain_failure(self._grid_starts())
+            return self._failure(first)
         return self._settled(answer)
 
     def _settled(self, answer: Answer) -> SizingResult:
         agreed = self.agreement.settle(answer)
         if agreed is None:
-            return self._explain_failure(self._grid_starts())
+            return self._failure(self._simulate(answer))
         return self._optimal(agreed)
+
+    def _failure(self, nearest: Performance) -> SizingResult:
+        return (
+            self._explain_failure(self._grid_starts()) if self.explain else self._given_up(nearest)
+        )
 
     def _grid_starts(self) -> list[DesignVariables]:
         """Most promising designs of a coarse grid over the design space, best first."""

@@ -64,6 +64,18 @@ class SolarDay:
         """Same day with all power multiplied by a factor."""
         return replace(self, specific_power_w_per_m2=self.specific_power_w_per_m2 * factor)
 
+    def at(self, indices: ArrayLike) -> SolarDay:
+        """Same day in some of its scenarios."""
+        some = np.asarray(indices, int)
+        of = self.scenarios
+        return SolarDay(
+            Scenarios(of.latitude_deg[some], of.day_of_year[some]),
+            self.time_h,
+            self.specific_power_w_per_m2[some],
+            np.asarray(self.sunrise_h)[some],
+            np.asarray(self.sunset_h)[some],
+        )
+
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
     """Nodes from 0 to 24 h, at most ``step_h`` apart.

@@ -78,7 +78,7 @@ TECHNOLOGY = (
     "airframe.propulsion.propeller_efficiency",
     "power.avionics_w",
 )
-_SOLAR_TECHNOLOGY = "modules.efficiency_stc"
+SOLAR_TECHNOLOGY = "modules.efficiency_stc"
 
 # Payload counts in these units so that all variables are of order one.
 LINEAR_SCALES = {"payload_mass_kg": 1.0, "payload_power_w": 10.0}
@@ -320,7 +320,7 @@ def _design_function(
         "design",
         [x, symbols],
         [
-            design.variables.module_area_m2 * values[_SOLAR_TECHNOLOGY],
+            design.variables.module_area_m2 * values[SOLAR_TECHNOLOGY],
             design.battery_energy_wh,
             design.load_in_turbulence_w(conditions.turbulence),
             design.propulsion_power_w,

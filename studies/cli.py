@@ -237,9 +237,13 @@ def size(
     """Find the best design of AIRCRAFT (name or file) for a mission."""
     from sizing.aircraft import MeasuredAirframe
     from sizing.objectives import Objective
-    from sizing.optimiser import size_aircraft
     from studies import sizing_study
 
+    asked = Objective(objective)
+    if asked.of_range and (with_sensitivities or with_certificate):
+        raise click.UsageError(
+            f"{objective} counts days or degrees: it has no sensitivities and no certificate"
+        )
     craft, where = _load(aircraft, mission, overrides)
     if isinstance(craft.aircraft.airframe, MeasuredAirframe):
         from missions.configfile import located_error
@@ -249,7 +253,8 @@ def size(
             ("airframe", "kind"),
             "a measured aircraft cannot be sized; allowed: parametric",
         )
-    _refuse_polar_night(where.mission, where, options=False)
+    if not asked.of_range:
+        _refuse_polar_night(where.mission, where, options=False)
     _require_path(model, correction, craft, where)
     if required_h is not None and required_h != required_h:
         raise click.BadParameter("must be a number of hours", param_hint="--required-excess-time")
@@ -257,48 +262,29 @@ def size(
         from missions.output_files import check_writable_folder
 
         check_writable_folder(Path(out_dir))
-    result = size_aircraft(
+    study = sizing_study.size(
         craft.aircraft,
         where.mission,
-        Objective(objective),
+        asked,
         _solar_model(model, correction),
         required_excess_time_h=required_h,
+        with_sensitivities=with_sensitivities,
+        with_certificate=with_certificate,
     )
-    record = sizing_study.to_json(result, craft.aircraft, where.mission)
-    asked = (craft.aircraft, where.mission, result, _solar_model(model, correction))
-    worth = None
-    if with_sensitivities and result.feasible:
-        from sizing.sensitivity import sensitivities
-
-        worth = sensitivities(*asked)
-        record["sensitivities"] = sizing_study.sensitivity_records(worth)
-    certificate = None
-    if with_certificate and result.feasible:
-        from sizing.certificate import certify
-
-        certificate = certify(*asked)
-        record["certificate"] = sizing_study.certificate_record(certificate)
-    if out_dir is not None and result.feasible:
+    record = study.record()
+    if out_dir is not None and study.result.feasible:
         from studies.sizing_files import write_sizing
 
-        write_sizing(Path(out_dir), result, record, craft, where.mission, worth)
+        write_sizing(Path(out_dir), study, record, craft)
     if as_json:
         _print_json(record)
     else:
-        from studies.tables import print_sizing
+        from studies.tables import print_sizing_study
 
-        print_sizing(_console(), result, record)
-        if worth is not None:
-            from studies.tables import print_sensitivities
-
-            print_sensitivities(_console(), worth, result.objective)
-        if certificate is not None:
-            from studies.tables import print_certificate
-
-            print_certificate(_console(), certificate, result.objective)
-        if out_dir is not None and result.feasible:
+        print_sizing_study(_console(), study, record)
+        if out_dir is not None and study.result.feasible:
             click.echo(f"written to {out_dir}")
-    if not result.feasible:
+    if not study.result.feasible:
         sys.exit(EXIT_FAILED)
 
 

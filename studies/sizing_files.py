@@ -7,24 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from missions.configfile import validate
-from missions.mission import Mission
 from missions.output_files import write_folder
 from missions.yaml_document import parse_yaml
 from sizing.aircraft import Aircraft
-from sizing.optimiser import SizingResult
-from sizing.sensitivity import Sensitivity
 from studies import plots, sizing_study
 from studies.analysis import analyse
 from studies.library import LoadedAircraft
+from studies.sizing_study import SizingStudy
 
 
 def write_sizing(
-    folder: Path,
-    result: SizingResult,
-    record: dict[str, Any],
-    craft: LoadedAircraft,
-    mission: Mission,
-    worth: list[Sensitivity] | None = None,
+    folder: Path, study: SizingStudy, record: dict[str, Any], craft: LoadedAircraft
 ) -> None:
     """Write the files of an optimum into a folder; existing files of these names are replaced.
 
@@ -35,11 +28,13 @@ def write_sizing(
     OutputError
         If the folder cannot be written.
     """
+    result, worth = study.result, study.worth
     assert result.design is not None
     assert result.simulated is not None
-    text = sizing_study.sized_yaml(craft.document, result.design, result, mission)
+    text = sizing_study.sized_yaml(craft.document, result.design, result, study.mission)
     sized = validate(parse_yaml(text, "sized aircraft"), Aircraft)
-    analysis = analyse(sized, mission, result.simulated.solar, replay=False)
+    flown = sizing_study.sized_mission(study.mission, result.design)
+    analysis = analyse(sized, flown, result.simulated.solar, replay=False)
     masses = plots.mass_figure(result.design.masses._asdict(), f"{sized.name}: mass budget")
     contents: dict[str, bytes] = {
         "aircraft.yaml": text.encode(),

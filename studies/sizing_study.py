@@ -3,22 +3,125 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from missions.dates import date_code
 from missions.mission import Mission
 from missions.output_files import to_yaml
 from missions.yaml_document import Document
 from sizing.aircraft import Aircraft
-from sizing.certificate import Certificate
+from sizing.certificate import Certificate, certify
 from sizing.design import Design, DesignVariables
-from sizing.optimiser import SizingResult
-from sizing.performance import Performance
-from sizing.sensitivity import Sensitivity
+from sizing.objectives import Objective
+from sizing.optimiser import size_aircraft
+from sizing.performance import (
+    UNCORRECTED_CAM,
+    Performance,
+    SolarModel,
+    performance_of_designs,
+    solar_day,
+)
+from sizing.remedies import Remedy, remedies
+from sizing.sensitivity import Sensitivity, sensitivities
+from sizing.sizing_problem import SizingProblems
+from sizing.sizing_result import SizingResult
+from sizing.widest_range import WidestRange, widest_range
 from solar._version import __version__
 from studies.analysis import finite
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+@dataclass(frozen=True)
+class SizingStudy:
+    """A sizing and what was asked about it.
+
+    ``band`` is the range of days or latitudes for the objectives that have one; ``remedies`` exist
+    for an infeasible sizing, ``worth`` and ``certificate`` where they were asked for;
+    ``as_assumed`` is the optimum without the mission's bands, where it has any.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    result: SizingResult
+    band: WidestRange | None = None
+    remedies: tuple[Remedy, ...] = ()
+    worth: list[Sensitivity] | None = None
+    certificate: Certificate | None = None
+    as_assumed: Performance | None = None
+
+    def record(self) -> dict[str, Any]:
+        """All of it, JSON-ready."""
+        record = to_json(self.result, self.aircraft, self.mission)
+        if self.band is not None:
+            record["range"] = _range_record(self.band)
+        if self.result.status == "infeasible":
+            record["remedies"] = [_remedy_record(remedy) for remedy in self.remedies]
+        if self.worth is not None:
+            record["sensitivities"] = sensitivity_records(self.worth)
+        if self.certificate is not None:
+            record["certificate"] = certificate_record(self.certificate)
+        if self.as_assumed is not None:
+            record["as_assumed"] = _reached(self.as_assumed)
+        return record
+
+
+def size(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    required_excess_time_h: float | None = None,
+    with_sensitivities: bool = False,
+    with_certificate: bool = False,
+) -> SizingStudy:
+    """Size an aircraft, and say what would help where that is infeasible."""
+    problems = SizingProblems(aircraft)
+    band = None
+    if objective.of_range:
+        band = widest_range(
+            aircraft,
+            mission,
+            objective,
+            solar,
+            required_excess_time_h=required_excess_time_h,
+            problems=problems,
+        )
+        result = band.sizing
+    else:
+        result = size_aircraft(
+            aircraft,
+            mission,
+            objective,
+            solar,
+            required_excess_time_h=required_excess_time_h,
+            problems=problems,
+        )
+    helpful: tuple[Remedy, ...] = ()
+    if result.status == "infeasible" and not objective.of_range:
+        helpful = tuple(remedies(aircraft, mission, result, solar, problems=problems))
+    asked = (aircraft, mission, result, solar)
+    return SizingStudy(
+        *(aircraft, mission, solar, result, band, helpful),
+        worth=sensitivities(*asked) if with_sensitivities and result.feasible else None,
+        certificate=certify(*asked) if with_certificate and result.feasible else None,
+        as_assumed=_as_assumed(aircraft, mission, result, solar),
+    )
+
+
+def _as_assumed(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
+) -> Performance | None:
+    """Optimum without the mission's bands; None where the mission has none."""
+    if result.design is None or result.simulated is None or not mission.bands.given:
+        return None
+    plain = mission.without_bands()
+    day = solar_day(aircraft, plain, solar, scenarios=result.simulated.day.scenarios)
+    return performance_of_designs(aircraft, plain, result.design.variables, solar, day=day)
 
 
 def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
@@ -88,14 +191,35 @@ def _simulated_record(perf: Performance | None) -> dict[str, Any]:
             "label": scenarios.label(worst),
         },
         "simulated": {
-            "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
-            "charge_margin_h": finite(perf.cycle.charge_margin_h[worst]),
-            "minimum_state_of_charge": finite(perf.cycle.minimum_state_of_charge[worst]),
+            **_reached(perf),
             "total_mass_kg": float(perf.design.total_mass_kg),
             "model": perf.solar.model,
             "correction": perf.solar.correction,
         },
     }
+
+
+def _reached(perf: Performance) -> dict[str, Any]:
+    """What a design reaches in its worst scenario."""
+    worst = perf.worst_scenario()
+    return {
+        "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
+        "charge_margin_h": finite(perf.cycle.charge_margin_h[worst]),
+        "minimum_state_of_charge": finite(perf.cycle.minimum_state_of_charge[worst]),
+    }
+
+
+def _range_record(band: WidestRange) -> dict[str, Any]:
+    season = band.sizing.objective is Objective.longest_season
+    first, last = band.first, band.last
+    if season and first is not None and last is not None:
+        ends = {"from": date_code(int(first)), "to": date_code(int(last))}
+        return {**ends, "days": int(band.extent)}
+    return {"from_deg": first, "to_deg": last, "width_deg": band.extent}
+
+
+def _remedy_record(remedy: Remedy) -> dict[str, Any]:
+    return {**remedy.__dict__, "text": remedy.text}
 
 
 def sensitivity_records(worth: list[Sensitivity]) -> list[dict[str, Any]]:
@@ -162,15 +286,30 @@ def sized_document(document: Document, design: Design) -> dict[str, Any]:
     data["airframe"]["aspect_ratio"] = design.variables.aspect_ratio
     data["battery"]["mass_kg"] = design.variables.battery_mass_kg
     data["modules"]["area_m2"] = design.variables.module_area_m2
+    if design.variables.lift_coefficient is not None:
+        data["airframe"]["aerodynamics"]["lift_coefficient"] = design.variables.lift_coefficient
     return data
+
+
+def sized_mission(mission: Mission, design: Design) -> Mission:
+    """Mission with the payload that the design carries."""
+    payload = mission.payload.model_copy(
+        update={
+            "mass_kg": design.masses.payload,
+            "power_w": design.variables.payload_power_w or mission.payload.power_w,
+        }
+    )
+    return mission.model_copy(update={"payload": payload})
 
 
 def sized_yaml(document: Document, design: Design, result: SizingResult, mission: Mission) -> str:
     """Sized aircraft as a file that the other commands accept."""
+    carried = sized_mission(mission, design).payload
     header = (
         f"# Sized by solar-uav {__version__} from {document.source} for the mission "
         f"{mission.name}.\n"
         f"# Objective: {result.objective.value}, required excess time "
         f"{result.required_excess_time_h:g} h.\n"
+        f"# Payload, to be set on the mission: {carried.mass_kg:.6g} kg, {carried.power_w:.6g} W.\n"
     )
     return header + to_yaml(sized_document(document, design))

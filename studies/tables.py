@@ -12,11 +12,13 @@ from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
 from sizing.certificate import RELATIVE_TOLERANCE, Certificate
 from sizing.objectives import Objective
-from sizing.optimiser import SizingResult
+from sizing.remedies import Remedy
 from sizing.sensitivity import Sensitivity
+from sizing.sizing_result import SizingResult
 from studies.analysis import Analysis, clock_label
 from studies.model_transfer import TransferredError
 from studies.published import Comparison
+from studies.sizing_study import SizingStudy
 
 _WIDE = 105
 
@@ -124,6 +126,40 @@ def _flight_table(flight: dict[str, Any]) -> Table:
     if flight["empty_clock_h"] is not None:
         table.add_row("battery empty", clock_label(flight["empty_clock_h"], first_day=first_day))
     return table
+
+
+def print_sizing_study(console: Console, study: SizingStudy, record: dict[str, Any]) -> None:
+    """A sizing, and what was asked about it."""
+    print_sizing(console, study.result, record)
+    if study.band is not None and study.band.first is not None:
+        console.print(_range_text(record["range"]))
+    if study.as_assumed is not None:
+        reached = record["as_assumed"]["excess_time_h"]
+        console.print(
+            "without the mission's bands the excess time would be " + hours(reached, "without end")
+        )
+    if study.result.status == "infeasible" and study.band is None:
+        _print_remedies(console, study.remedies)
+    if study.worth is not None:
+        print_sensitivities(console, study.worth, study.result.objective)
+    if study.certificate is not None:
+        print_certificate(console, study.certificate, study.result.objective)
+
+
+def _range_text(band: dict[str, Any]) -> str:
+    if "days" in band:
+        return f"season: {band['from']} to {band['to']}, {band['days']} days"
+    ends = " to ".join(latitude_label(band[end]) for end in ("from_deg", "to_deg"))
+    return f"latitudes: {ends}, {band['width_deg']:g} degrees"
+
+
+def _print_remedies(console: Console, remedies: tuple[Remedy, ...]) -> None:
+    if not remedies:
+        console.print("no single parameter would make it feasible")
+        return
+    console.print("feasible with one of these, all else unchanged:")
+    for remedy in remedies:
+        console.print(f"  {remedy.text}")
 
 
 def print_sizing(console: Console, result: SizingResult, record: dict[str, Any]) -> None:

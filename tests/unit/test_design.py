@@ -267,9 +267,8 @@ def test_measured_aircraft_has_no_mass_budget_to_size() -> None:
 
 
 def test_constant_power_goes_through_the_supply() -> None:
-    with_payload = mission(payload={"power_w": 4.5})
     # Sky-Sailor: 2 W and 4.5 W behind a supply of 65 %.
-    assert constant_power_w(SKY_SAILOR, with_payload.payload.power_w) == pytest.approx(6.5 / 0.65, rel=1e-12)
+    assert constant_power_w(SKY_SAILOR, 4.5) == pytest.approx(6.5 / 0.65, rel=1e-12)
 
 
 def test_load_profile_by_hand() -> None:

@@ -1,0 +1,393 @@
+"""What would make an infeasible mission feasible: the value of one parameter at a time.
+
+Each remedy is a sizing of its own: the program frees the parameter besides the design and moves it
+no further than it must. The simulator confirms the design with the parameter at the value told,
+which is rounded away from the edge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from missions.mission import LatitudeRange, Mission
+from sizing.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables
+from sizing.energy_balance import FloatArray
+from sizing.objectives import Objective
+from sizing.optimiser import size_aircraft
+from sizing.parameters import parameter_value, with_parameter
+from sizing.performance import (
+    UNCORRECTED_CAM,
+    Performance,
+    SolarModel,
+    performance_of_designs,
+    solar_day,
+)
+from sizing.program_solver import Answer, ProgramSolver, Question
+from sizing.sizing_problem import SOLAR_TECHNOLOGY, SizingProblems, technology_keys
+from sizing.sizing_result import SizingResult
+
+Direction = Literal["at least", "at most"]
+
+# How far each parameter may be moved: about what has been built or is in sight.
+_FURTHEST: dict[str, tuple[str, float]] = {
+    "battery.specific_energy_wh_per_kg": ("Wh/kg", 1000.0),
+    "modules.efficiency_stc": ("1", 0.47),  # best concentrator cells in laboratories
+    "airframe.propulsion.propeller_efficiency": ("1", 0.95),
+    "airframe.structure.calibration": ("1", 0.0),
+    "airframe.structure.coefficient_kg": ("kg", 0.0),
+    "power.avionics_w": ("W", 0.0),
+}
+# A structure lighter than this fraction of today's is no remedy.
+_LEAST_RELATIVE = {"airframe.structure.calibration": 0.5, "airframe.structure.coefficient_kg": 0.5}
+_PAYLOADS = {
+    "payload_mass_kg": "mission.payload.mass_kg",
+    "payload_power_w": "mission.payload.power_w",
+}
+_PAYLOAD_UNITS = {"payload_mass_kg": "kg", "payload_power_w": "W"}
+_BOUNDS = {
+    "wingspan_m": "m",
+    "battery_mass_kg": "kg",
+    "module_area_m2": "m2",
+    "total_mass_kg": "kg",
+}
+_WIDER = 4.0  # bounds of the design space are moved by no more than this factor
+_AT_BOUND = 0.995
+_LARGER = 1.4
+_SLOTS = 2
+_LATITUDE_STEP_DEG = 0.25
+_LATITUDE_REACH_DEG = 60.0
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """A parameter, and the value from which on the mission is feasible, all else unchanged.
+
+    Attributes
+    ----------
+    parameter : str
+        Key of the aircraft's or, behind ``mission.``, of the mission's file.
+    unit : str
+        Of the values.
+    present : float
+        Value now.
+    direction : str
+        ``at least`` or ``at most``.
+    value : float
+        Value that suffices, rounded to three digits away from the edge.
+    excess_time_h : float
+        Worst excess time that the simulator finds there.
+    """
+
+    parameter: str
+    unit: str
+    present: float
+    direction: Direction
+    value: float
+    excess_time_h: float
+
+    @property
+    def text(self) -> str:
+        """Remedy in words, for instance ``battery.specific_energy_wh_per_kg >= 287 Wh/kg``."""
+        sign = ">=" if self.direction == "at least" else "<="
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.parameter} {sign} {self.value:g}{unit} (now {self.present:g})"
+
+    @property
+    def relative_change(self) -> float:
+        """Size of the change relative to the present value, to compare remedies."""
+        return abs(self.value - self.present) / max(abs(self.present), 1e-12)
+
+
+def remedies(
+    aircraft: Aircraft,
+    mission: Mission,
+    result: SizingResult,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    problems: SizingProblems | None = None,
+) -> list[Remedy]:
+    """Find what would make an infeasible mission feasible, one parameter at a time.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        What :func:`sizing.optimiser.size_aircraft` was asked.
+    result : SizingResult
+        Its answer.
+    problems : SizingProblems, optional
+        Programs of this very aircraft.
+
+    Returns
+    -------
+    list of Remedy
+        Smallest relative change first; empty where no single parameter suffices.
+
+    Raises
+    ------
+    ValueError
+        If the result is not infeasible.
+    """
+    if result.status != "infeasible" or result.nearest is None:
+        raise ValueError(f"the sizing is {result.status}: only an infeasible one has remedies")
+    search = _Remedies(aircraft, mission, result, solar, problems or SizingProblems(aircraft))
+    return sorted(search.all(), key=lambda remedy: remedy.relative_change)
+
+
+class _Remedies:
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        result: SizingResult,
+        solar: SolarModel,
+        problems: SizingProblems,
+    ) -> None:
+        assert result.nearest is not None
+        self.aircraft, self.mission, self.solar, self.problems = aircraft, mission, solar, problems
+        self.nearest, self.required_h = result.nearest, result.required_excess_time_h
+        self.objective = result.objective
+        self.day = result.nearest.day
+        self.solver = ProgramSolver(problems, mission, self.day)
+        self.start = result.nearest.design.variables.mapped(float)
+
+    def all(self) -> Iterable[Remedy]:
+        """Every remedy that works."""
+        found = [self._technology(key) for key in technology_keys(self.aircraft)]
+        found += [self._payload(name) for name in _PAYLOADS]
+        found += [self._bound(name) for name in self._bounds_reached()]
+        found += [self._latitude(), self._required_excess()]
+        return [remedy for remedy in found if remedy is not None]
+
+    # --- one parameter in the program ----------------------------------------------------------
+
+    def _technology(self, key: str) -> Remedy | None:
+        unit, furthest = _FURTHEST[key]
+        present = parameter_value(self.aircraft, self.mission, key)
+        assert present is not None
+        limit = furthest / present
+        upwards = furthest > 0.0
+        if upwards and limit <= 1.0:
+            return None
+        least = _LEAST_RELATIVE.get(key, 1e-3)
+        ends = (1.0, limit) if upwards else (least, 1.0)
+        agreed = self._settled(key, 1.0 if upwards else -1.0, ends)
+        if agreed is None:
+            return None
+        found = present * agreed.answer.value(key)
+        return self._confirmed(
+            key, unit, present, found, "at least" if upwards else "at most", agreed
+        )
+
+    def _payload(self, name: str) -> Remedy | None:
+        key = _PAYLOADS[name]
+        present = parameter_value(self.aircraft, self.mission, key)
+        if not present or self.objective.variable == name:
+            return None
+        agreed = self._settled(name, -1.0, (0.0, present))
+        if agreed is None:
+            return None
+        found = agreed.answer.value(name)
+        return self._confirmed(key, _PAYLOAD_UNITS[name], present, found, "at most", agreed)
+
+    def _bounds_reached(self) -> list[str]:
+        """Upper bounds that the nearest design has reached, and always that of the wingspan."""
+        values = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
+        maxima = {v.name: v.maximum for v in self.problems.of(_SLOTS).variables}
+        return [
+            name
+            for name in _BOUNDS
+            if name == "wingspan_m" or values[name] >= _AT_BOUND * maxima[name]
+        ]
+
+    def _bound(self, name: str) -> Remedy | None:
+        maxima = {v.name: v.maximum for v in self.problems.of(_SLOTS).variables}
+        present = maxima[name]
+        agreed = self._settled(name, 1.0, (present, _WIDER * present))
+        if agreed is None:
+            return None
+        key = "design_space." + (
+            "maximum_total_mass_kg" if name == "total_mass_kg" else f"{name}.maximum"
+        )
+        value = _rounded(agreed.answer.value(name), "at least")
+        worst_h = float(np.min(agreed.simulated.cycle.excess_time_h))
+        return Remedy(key, _BOUNDS[name], present, "at least", value, worst_h)
+
+    def _settled(self, name: str, cost: float, ends: tuple[float, float]) -> Agreed | None:
+        """Design that moves one variable no further than it must."""
+        question = Question(
+            cost={name: cost},
+            goal_h=self.required_h + GOAL_CUSHION_H,
+            freed=(name,),
+            bounds={name: ends},
+        )
+        agreement = Agreement(
+            self.solver,
+            question,
+            self.required_h,
+            self._simulate,
+            lambda answer, _: -cost * answer.value(name),
+        )
+        agreement.slots = min(_SLOTS, len(self.day.scenarios))
+        agreement.chosen = telling_scenarios(self.nearest, agreement.slots)
+        answer = agreement.ask([self.start, self._larger_start()])
+        return None if answer is None else agreement.settle(answer)
+
+    def _larger_start(self) -> DesignVariables:
+        """Nearest design blown up, for where a larger aircraft is the answer."""
+        start = self.start
+        return start._replace(
+            wingspan_m=_LARGER * start.wingspan_m,
+            battery_mass_kg=_LARGER**2 * start.battery_mass_kg,
+            module_area_m2=_LARGER**2 * start.module_area_m2,
+        )
+
+    def _simulate(self, answer: Answer) -> Performance:
+        """Performance with the technology that the program chose."""
+        aircraft, day = self.aircraft, self.day
+        for key in answer.question.freed:
+            present = parameter_value(self.aircraft, self.mission, key)
+            if key in answer.problem.variable_names and present is not None:
+                aircraft, _ = with_parameter(
+                    aircraft, self.mission, key, present * answer.value(key)
+                )
+                if key == SOLAR_TECHNOLOGY:
+                    day = day.scaled(answer.value(key))
+        return performance_of_designs(aircraft, self.mission, answer.variables, self.solar, day=day)
+
+    def _confirmed(
+        self,
+        key: str,
+        unit: str,
+        present: float,
+        found: float,
+        direction: Direction,
+        agreed: Agreed,
+    ) -> Remedy | None:
+        """Remedy at the rounded value, if the simulator finds the design feasible there."""
+        value = _rounded(found, direction)
+        aircraft, mission = with_parameter(self.aircraft, self.mission, key, value)
+        variables = agreed.answer.variables
+        if key in _PAYLOADS.values():
+            variables = variables._replace(payload_mass_kg=None, payload_power_w=None)
+        day = solar_day(aircraft, mission, self.solar, scenarios=self.day.scenarios)
+        perf = performance_of_designs(aircraft, mission, variables, self.solar, day=day)
+        worst_h = float(np.min(perf.cycle.excess_time_h))
+        if not (worst_h > 0.0 and worst_h >= self.required_h):
+            return None
+        return Remedy(key, unit, present, direction, value, worst_h)
+
+    # --- latitude and required time ------------------------------------------------------------
+
+    def _required_excess(self) -> Remedy | None:
+        """Largest excess time there is, where more is required."""
+        worst_h = float(np.min(self.nearest.cycle.excess_time_h))
+        if worst_h <= 0.0 or self.required_h <= worst_h:
+            return None
+        value = _rounded(worst_h, "at most")
+        return Remedy(
+            "mission.required_excess_time_h", "h", self.required_h, "at most", value, worst_h
+        )
+
+    def _latitude(self) -> Remedy | None:
+        """Latitude nearest to the mission's at which a design stays up."""
+        latitude = self.mission.latitude_deg
+        if isinstance(latitude, LatitudeRange):
+            return self._narrower_band(latitude)
+        places = self._easier_latitudes(latitude)
+        if not len(places):
+            return None
+        return self._least_move(latitude, places, "mission.latitude_deg", lambda place: place)
+
+    def _narrower_band(self, band: LatitudeRange) -> Remedy | None:
+        """End of the band that holds back, moved towards the other one."""
+        worst = float(self.day.scenarios.latitude_deg[self.nearest.worst_scenario()])
+        at_end = abs(worst - band.to_deg) < abs(worst - band.from_deg)
+        moved, other = (band.to_deg, band.from_deg) if at_end else (band.from_deg, band.to_deg)
+        count = round(abs(other - moved) / _LATITUDE_STEP_DEG)
+        places = np.linspace(moved, other, count + 1)[1:-1]
+        if not len(places):
+            return None
+        name = "to_deg" if at_end else "from_deg"
+
+        def narrowed(place: float) -> LatitudeRange:
+            return band.model_copy(update={name: place})
+
+        return self._least_move(moved, places, f"mission.latitude_deg.{name}", narrowed)
+
+    def _easier_latitudes(self, latitude: float) -> FloatArray:
+        """Latitudes from the mission's to where the nearest design does best, in steps."""
+        reach = np.arange(_LATITUDE_STEP_DEG, _LATITUDE_REACH_DEG, _LATITUDE_STEP_DEG)
+        sides = [np.clip(latitude + sign * reach, -90.0, 90.0) for sign in (-1.0, 1.0)]
+        best_h = -math.inf
+        best: FloatArray = np.empty(0)
+        for side in sides:
+            coarse = side[3::20]
+            excess = np.array([self._excess_of_nearest(place) for place in coarse])
+            peak = int(np.argmax(excess))
+            if excess[peak] > best_h:
+                best_h, best = float(excess[peak]), side[: 4 + 20 * peak]
+        return best
+
+    def _excess_of_nearest(self, latitude: float) -> float:
+        mission = self._moved(latitude)
+        perf = performance_of_designs(self.aircraft, mission, self.start, self.solar, step_h=0.5)
+        return float(np.min(perf.cycle.excess_time_h))
+
+    def _moved(self, latitude: float | LatitudeRange) -> Mission:
+        return self.mission.model_copy(update={"latitude_deg": latitude})
+
+    def _least_move(
+        self,
+        present: float,
+        places: FloatArray,
+        key: str,
+        as_latitude: Callable[[float], float | LatitudeRange],
+    ) -> Remedy | None:
+        """First of the places, ordered from hard to easy, at which a design stays up."""
+        low, high = -1, len(places) - 1
+        worst_h = self._best_excess_h(as_latitude(float(places[high])))
+        if worst_h is None:
+            return None
+        while high - low > 1:
+            middle = (low + high) // 2
+            found_h = self._best_excess_h(as_latitude(float(places[middle])))
+            if found_h is None:
+                low = middle
+            else:
+                high, worst_h = middle, found_h
+        value = float(places[high])
+        direction: Direction = "at most" if value < present else "at least"
+        return Remedy(key, "deg", present, direction, value, worst_h)
+
+    def _best_excess_h(self, latitude: float | LatitudeRange) -> float | None:
+        """Largest worst excess time at a latitude; None if it is not enough."""
+        found = size_aircraft(
+            self.aircraft,
+            self._moved(latitude),
+            Objective.max_excess_time,
+            self.solar,
+            required_excess_time_h=0.0,
+            problems=self.problems,
+            start=self.start,
+            explain=False,
+        )
+        worst_h = found.objective_value
+        return worst_h if worst_h is not None and worst_h >= self.required_h else None
+
+
+def _rounded(value: float, direction: Direction) -> float:
+    """Value with three digits, on the safe side."""
+    if value <= 0.0:
+        return 0.0
+    digits = 10.0 ** (math.floor(math.log10(value)) - 2)
+    steps = value / digits
+    return float(
+        f"{(math.ceil(steps) if direction == 'at least' else math.floor(steps)) * digits:.6g}"
+    )
