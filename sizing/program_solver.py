@@ -106,7 +106,7 @@ class Answer:
     @property
     def variables(self) -> DesignVariables:
         """Design that was found."""
-        return self.problem.design_variables(self.x)
+        return self.problem.design_variables(self.x, self.question.bounds)
 
     def value(self, name: str) -> float:
         """Value of a variable, in its unit."""

@@ -193,12 +193,17 @@ class SizingProblem:
         """Parameter vector, with one row of ``suns`` in every slot."""
         return np.concatenate((weights, [margin], conditions, suns.ravel()))
 
-    def design_variables(self, x: FloatArray) -> DesignVariables:
-        """Design in a decision vector, within its bounds: the solver may step over by a hair."""
-        values = {"aspect_ratio": self.aircraft.airframe.aspect_ratio} | {
-            v.name: float(np.clip(float(v.from_program(x[i])), v.minimum, v.maximum))
-            for i, v in enumerate(self.variables)
-        }
+    def design_variables(
+        self, x: FloatArray, bounds: Mapping[str, tuple[float, float]]
+    ) -> DesignVariables:
+        """Design in a decision vector, within its bounds: the solver may step over by a hair.
+
+        ``bounds`` replace those of the variables.
+        """
+        values = {"aspect_ratio": self.aircraft.airframe.aspect_ratio}
+        for i, v in enumerate(self.variables):
+            ends = bounds.get(v.name, (v.minimum, v.maximum))
+            values[v.name] = float(np.clip(float(v.from_program(x[i])), *ends))
         return DesignVariables(
             **{name: values[name] for name in DesignVariables._fields if name in values}
         )
