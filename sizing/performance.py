@@ -308,25 +308,53 @@ def performance_of_designs(
     return _simulate(aircraft, mission, solar, design, lit)
 
 
-def _simulate(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, design: Design, day: SolarDay
+def performance_of_pairs(
+    aircraft: Aircraft,
+    mission: Mission,
+    variables: DesignVariables,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    day: SolarDay,
 ) -> Performance:
+    """Simulate one design of a parametric aircraft in every scenario of a day.
+
+    ``variables`` are arrays over the scenarios, and so are the results.
+    """
+    design = closed_design(aircraft, mission, variables)
+    return _simulate(aircraft, mission, solar, design, day, paired=True)
+
+
+def _simulate(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    design: Design,
+    day: SolarDay,
+    *,
+    paired: bool = False,
+) -> Performance:
+    """Simulate every design in every scenario, or ``paired``: every design in its own."""
+
+    def over_scenarios(value: ArrayLike) -> FloatArray:
+        return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
+
     # An impossible design draws infinite power; a finite, hopeless one keeps the arithmetic clean.
     power_w = np.asarray(design.propulsion_power_w)
     sound = design._replace(propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12))
-    area = np.asarray(design.variables.module_area_m2)[..., np.newaxis, np.newaxis]
+    area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
     solar_w = area * day.specific_power_w_per_m2
     per_scenario = sound._replace(
-        propulsion_power_w=np.asarray(sound.propulsion_power_w)[..., np.newaxis],
-        constant_power_w=np.asarray(sound.constant_power_w)[..., np.newaxis],
+        propulsion_power_w=over_scenarios(sound.propulsion_power_w),
+        constant_power_w=over_scenarios(sound.constant_power_w),
     )
     load_w = load_profile(day.time_h, per_scenario, mission, day.sunrise_h, day.sunset_h)
     load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
-    nominal = np.asarray(per_scenario.nominal_load_w(mission))
-    energy = np.asarray(design.battery_energy_wh)[..., np.newaxis]
-    store = Store.of(aircraft.battery, energy)
+    nominal = per_scenario.nominal_load_w(mission)
+    store = Store.of(aircraft.battery, over_scenarios(design.battery_energy_wh))
     cycle = simulate_cycle(day.time_h, solar_w, load_w, store, nominal_load_w=nominal)
-    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
+    return Performance(
+        design, mission, solar, day, solar_w, load_w, np.asarray(nominal), store, cycle
+    )
 
 
 def perpetual_days(

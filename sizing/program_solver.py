@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -189,6 +190,75 @@ class ProgramSolver:
                 return Answer(problem, question, x, weights, g, b, filled)
         return None
 
+    def ask_softly(
+        self,
+        question: Question,
+        scenario: int,
+        penalty: float | None,
+        *,
+        held: Mapping[str, float],
+        start: DesignVariables,
+        previous: Answer | None = None,
+    ) -> Answer | None:
+        """Answer about one scenario with requirements that may be missed at a price.
+
+        Parameters
+        ----------
+        question : Question
+            What is asked.
+        scenario : int
+            Index of the scenario.
+        penalty : float or None
+            Price of a missed requirement on top of the question's cost; none where missing as
+            little as possible is all that is asked.
+        held : mapping
+            Variables held at other values than the aircraft's and the mission's.
+        start : DesignVariables
+            First guess of the interior-point method.
+        previous : Answer, optional
+            Answer to a similar question, from which sequential quadratic programming starts.
+        """
+        problem = self.problems.of(1)
+        weights = problem.weights(_soft_cost(problem, question, penalty))
+        parameters = problem.parameters(
+            weights, self.conditions, self.suns[[scenario]], margin=question.margin
+        )
+        lower, upper = self._bounds(problem, question, held)
+        upper[problem.places()["slack"]] = np.inf
+        upper_rows = np.full(len(problem.constraints), np.inf)
+        upper_rows[0] = 0.0  # the mass budget is an equation
+        limits: dict[str, Any] = {
+            "p": parameters,
+            "lbx": lower,
+            "ubx": upper,
+            "lbg": 0.0,
+            "ubg": upper_rows,
+        }
+        guesses: list[tuple[Effort, dict[str, Any]]] = []
+        if previous is not None:
+            warm = {
+                "x0": np.clip(previous.x, lower, upper),
+                "lam_x0": previous.bound_prices,
+                "lam_g0": previous.constraint_prices,
+            }
+            guesses.append(("next", warm))
+        cold = {"x0": np.clip(self._start(problem, question, start), lower, upper)}
+        guesses += [("quick", cold), ("steady", cold)]
+        for effort, guess in guesses:
+            begun = time.perf_counter()
+            solver = problem.solver(effort)
+            found: Any = solver(**limits, **guess)
+            self.solve_s += time.perf_counter() - begun
+            stats = solver.stats()
+            self.iterations += int(stats["iter_count"])
+            self.solves += 1
+            self.message = str(stats["return_status"])
+            if stats["success"]:
+                x, g, b = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
+                if np.isfinite(x).all():
+                    return Answer(problem, question, x, weights, g, b, (scenario,))
+        return None
+
     def add(self, other: ProgramSolver) -> None:
         """Count the work of another solver as well."""
         self.iterations += other.iterations
@@ -201,10 +271,15 @@ class ProgramSolver:
         """Work so far."""
         return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
 
-    def _bounds(self, problem: SizingProblem, question: Question) -> tuple[FloatArray, FloatArray]:
+    def _bounds(
+        self,
+        problem: SizingProblem,
+        question: Question,
+        otherwise_held: Mapping[str, float] | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
         places = problem.places()
         lower, upper = np.zeros(places["slack"].stop), np.ones(places["slack"].stop)
-        held = self._held_values()
+        held = self._held_values() | dict(otherwise_held or {})
         for i, variable in enumerate(problem.variables):
             ends = question.bounds.get(variable.name, (variable.minimum, variable.maximum))
             if variable.name in held and variable.name not in question.freed:
@@ -241,6 +316,18 @@ class ProgramSolver:
         start[places["dawn"]] = 0.2
         start[places[WORST_EXCESS]] = question.goal_h + 1.0
         return start
+
+
+def _soft_cost(
+    problem: SizingProblem, question: Question, penalty: float | None
+) -> dict[str, float]:
+    """Cost of a question with a price on what is missed; the price alone without a penalty."""
+    prices = _elastic_cost(problem)
+    if penalty is None:
+        return prices
+    # The rows of the energy count in fractions of the battery, those of the excess time in tenths
+    # of the day; what makes a design an aircraft at all must not be sold.
+    return {name: penalty * price**0.5 for name, price in prices.items()} | dict(question.cost)
 
 
 def _elastic_cost(problem: SizingProblem) -> dict[str, float]:

@@ -35,9 +35,9 @@ from sizing.energy_balance import FloatArray
 from sizing.limits import Requirement, design_requirements
 from sizing.parameters import parameter_value, replaced
 
-Effort = Literal["quick", "steady", "patient"]
+Effort = Literal["quick", "steady", "patient", "next"]
 
-_EFFORTS: dict[Effort, dict[str, Any]] = {
+_IPOPT_EFFORTS: dict[Effort, dict[str, Any]] = {
     "quick": {
         "ipopt.hessian_approximation": "limited-memory",
         "ipopt.mu_strategy": "adaptive",
@@ -64,6 +64,27 @@ _IPOPT_OPTIONS = {
     "ipopt.tol": 1e-8,
     "ipopt.acceptable_tol": 1e-6,
     "ipopt.acceptable_iter": 8,
+}
+
+# Sequential quadratic programming, for the next one of a row of similar problems.
+_SQP_OPTIONS: dict[str, Any] = {
+    "print_time": False,
+    "show_eval_warnings": False,
+    "error_on_fail": False,
+    "print_header": False,
+    "print_iteration": False,
+    "print_status": False,
+    "qpsol": "qrqp",
+    "qpsol_options": {
+        "print_iter": False,
+        "print_header": False,
+        "print_info": False,
+        "error_on_fail": False,
+    },
+    "hessian_approximation": "limited-memory",
+    "max_iter": 80,
+    "tol_du": 1e-6,
+    "tol_pr": 1e-7,
 }
 
 WORST_EXCESS = "worst_excess_time_h"
@@ -137,16 +158,22 @@ class SizingProblem:
     _solvers: dict[Effort, ca.Function] = field(default_factory=dict)
 
     def solver(self, effort: Effort = "quick") -> ca.Function:
-        """IPOPT on the program, silent; built at the first call.
+        """Solver of the program, silent; built at the first call.
 
         The sizing itself makes do with a ``quick`` quasi-Newton Hessian: for a handful of variables
         it needs few more iterations than exact second derivatives of the charge recursion, and each
         costs a third. The elastic program, whose slacks reach far, wants exact ones: ``steady``
-        lowers the barrier in steps, ``patient`` adaptively with more iterations.
+        lowers the barrier in steps, ``patient`` adaptively with more iterations. ``next`` is
+        sequential quadratic programming, which starts well from the answer to a similar question,
+        as interior points do not.
         """
         if effort not in self._solvers:
-            options: dict[str, Any] = _IPOPT_OPTIONS | _EFFORTS[effort]
-            self._solvers[effort] = ca.nlpsol("sizing", "ipopt", self.symbols, options)
+            if effort == "next":
+                solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, _SQP_OPTIONS)
+            else:
+                options: dict[str, Any] = _IPOPT_OPTIONS | _IPOPT_EFFORTS[effort]
+                solver = ca.nlpsol("sizing", "ipopt", self.symbols, options)
+            self._solvers[effort] = solver
         return self._solvers[effort]
 
     @property

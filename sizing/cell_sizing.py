@@ -1,0 +1,378 @@
+"""Many sizings of one aircraft at once: a design for every cell of a map.
+
+Every cell is one place on one day, with a payload of its own if need be. The program of the
+optimiser is asked with its requirements made soft: missing one costs more than any design could
+save, so that a cell without a design ends as quickly as one that has it, and says what it lacks.
+Cells are solved one after the other by sequential quadratic programming, each from the last one's
+solution and prices; where that fails, by the interior-point method from the aircraft's own design.
+The simulator judges all cells at once, and those it corrects are asked again.
+
+Source of the penalty: Nocedal, J. and Wright, S. J. (2006), Numerical Optimization, section 17.2:
+an exact penalty has the solutions of the original problem once it outweighs the prices. Where it
+may not have, a second question, for the least that must be missed alone, decides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from missions.mission import Mission, Scenarios
+from sizing.agreement import GOAL_CUSHION_H
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.energy_balance import FloatArray
+from sizing.limits import design_requirements
+from sizing.objectives import Objective
+from sizing.performance import (
+    UNCORRECTED_CAM,
+    Performance,
+    SolarDay,
+    SolarModel,
+    performance_of_pairs,
+    solar_day,
+)
+from sizing.program_solver import Answer, ProgramSolver, Question
+from sizing.sizing_problem import SizingProblems
+from sizing.sizing_result import objective_value
+
+# Prices of missed requirements in units of the cost; see the module's docstring.
+_PENALTIES = (10.0, 300.0)
+_SLACK_TOLERANCE = 1e-5
+_ROUNDS = 6
+_WASTE_H = 0.02
+# Certification: random neighbours of every optimum, and by how much one may be better.
+_NEIGHBOURS = 24
+_SPREADS = (0.03, 0.004)
+_TOLERANCE, _TOLERANCE_H = 0.005, 0.01
+_ROW_TOLERANCE = 1e-6  # the solver meets its rows to about 1e-8
+
+
+class CellStatus(IntEnum):
+    """How a cell ends; the values are flags of gridded results.
+
+    ``optimal`` is an optimum that the simulator confirms but a neighbour beats; ``certified`` one
+    that none of its neighbours beats; ``infeasible`` misses a requirement whatever the design;
+    ``not_converged`` says nothing about feasibility.
+    """
+
+    infeasible = 0
+    certified = 1
+    optimal = 2
+    not_converged = 3
+
+
+@dataclass(frozen=True)
+class CellSizings:
+    """Designs of all cells; arrays over the cells, NaN where there is no design.
+
+    Attributes
+    ----------
+    status : ndarray of int
+        See :class:`CellStatus`.
+    objective_value : ndarray
+        Objective as the simulator finds it.
+    variables : DesignVariables
+        Of arrays.
+    total_mass_kg, excess_time_h, airspeed_m_per_s, load_w : ndarray
+        Of the design.
+    requirement : ndarray of str
+        Requirement that is missed most where the cell is infeasible, empty elsewhere.
+    shortfall : ndarray
+        By how much, relative to its limit; excess time in hours.
+    """
+
+    status: NDArray[np.int_]
+    objective_value: FloatArray
+    variables: DesignVariables
+    total_mass_kg: FloatArray
+    excess_time_h: FloatArray
+    airspeed_m_per_s: FloatArray
+    load_w: FloatArray
+    requirement: NDArray[np.str_]
+    shortfall: FloatArray
+
+
+def size_cells(
+    aircraft: Aircraft,
+    mission: Mission,
+    scenarios: Scenarios,
+    objective: Objective = Objective.min_wingspan,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    required_excess_time_h: float | None = None,
+    payload_mass_kg: ArrayLike | None = None,
+    payload_power_w: ArrayLike | None = None,
+    problems: SizingProblems | None = None,
+    seed: int = 0,
+) -> CellSizings:
+    """Size a parametric aircraft for many cells.
+
+    Neighbouring cells should follow each other. Results depend on the other cells within the
+    search's tolerance: the same cells in the same order give the same bits.
+
+    Parameters
+    ----------
+    aircraft, mission, objective, solar, required_excess_time_h
+        As for :func:`sizing.optimiser.size_aircraft`; latitude and dates of the mission play no
+        part.
+    scenarios : Scenarios
+        Latitude and day of every cell.
+    payload_mass_kg, payload_power_w : array_like, optional
+        Payload of every cell, instead of the mission's.
+    problems : SizingProblems, optional
+        Programs of this very aircraft.
+    seed : int
+        Of the random neighbours of the certification.
+
+    Raises
+    ------
+    TypeError
+        For a measured aircraft.
+    ValueError
+        For an objective that is a range, or programs of another aircraft.
+    """
+    if objective.of_range:
+        raise ValueError(f"{objective.value} is a range: cells are single days and latitudes")
+    if problems is not None and problems.aircraft is not aircraft:
+        raise ValueError("the programs belong to another aircraft")
+    required = mission.required_excess_time_h
+    required = required if required_excess_time_h is None else required_excess_time_h
+    count = len(scenarios)
+    payload = np.stack(
+        [
+            np.broadcast_to(np.asarray(given, float), count)
+            for given in (
+                mission.payload.mass_kg if payload_mass_kg is None else payload_mass_kg,
+                mission.payload.power_w if payload_power_w is None else payload_power_w,
+            )
+        ]
+    )
+    day = solar_day(aircraft, mission, solar, scenarios=scenarios)
+    solver = ProgramSolver(problems or SizingProblems(aircraft), mission, day)
+    return _Cells(solver, solar, objective, required, payload, seed).run()
+
+
+class _Cells:
+    def __init__(
+        self,
+        solver: ProgramSolver,
+        solar: SolarModel,
+        objective: Objective,
+        required_h: float,
+        payload: FloatArray,
+        seed: int,
+    ) -> None:
+        self.solver, self.solar, self.objective = solver, solar, objective
+        self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
+        self.required_h, self.payload, self.seed = required_h, payload, seed
+        self.count = len(self.day.scenarios)
+        cushion_h = 0.0 if objective is Objective.max_excess_time else GOAL_CUSHION_H
+        self.goals_h = np.full(self.count, required_h + cushion_h)
+        self.margins = np.full(self.count, Question(cost={}, goal_h=0.0).margin)
+        self.answers: list[Answer | None] = [None] * self.count
+        self.slacks: list[dict[str, float]] = [{} for _ in range(self.count)]
+        self.own = variables_of(self.aircraft)
+
+    def run(self) -> CellSizings:
+        open_cells = np.arange(self.count)
+        best: dict[int, tuple[float, Answer]] = {}
+        for _ in range(_ROUNDS):
+            if not len(open_cells):
+                break
+            self._solve(open_cells)
+            solved = np.array(
+                [i for i in open_cells if self.answers[i] is not None and not self.slacks[i]], int
+            )
+            if not len(solved):
+                break
+            open_cells = self._judge(solved, best)
+        return self._results(best)
+
+    # --- the program ---------------------------------------------------------------------------
+
+    def _solve(self, cells: NDArray[np.int_]) -> None:
+        previous: Answer | None = None
+        for i in cells:
+            known = self.answers[i]
+            answer = self._ask(int(i), previous if known is None else known)
+            self.answers[i] = answer
+            if answer is not None:
+                previous = answer
+
+    def _ask(self, cell: int, previous: Answer | None) -> Answer | None:
+        """Answer for a cell; what it misses whatever the design goes into ``slacks``."""
+        self.slacks[cell] = {}
+        answer = None
+        for penalty in _PENALTIES:
+            answer = self._softly(cell, penalty, previous)
+            if answer is None or not _missed(answer):
+                return answer
+            # The penalty may have been too low: what must be missed at least?
+            least = self._softly(cell, None, answer)
+            if least is None or _missed(least):
+                break
+            previous = answer
+        if answer is not None:
+            self.slacks[cell] = _missed(answer)
+        return answer
+
+    def _softly(self, cell: int, penalty: float | None, previous: Answer | None) -> Answer | None:
+        question = Question.of(self.objective, float(self.goals_h[cell]))
+        held = dict(zip(("payload_mass_kg", "payload_power_w"), self.payload[:, cell], strict=True))
+        if penalty is None:
+            question = question.elastically()
+        return self.solver.ask_softly(
+            replace(question, margin=float(self.margins[cell])),
+            cell,
+            penalty,
+            held={k: float(v) for k, v in held.items()},
+            start=self.own,
+            previous=previous,
+        )
+
+    # --- the simulator -------------------------------------------------------------------------
+
+    def _judge(
+        self, solved: NDArray[np.int_], best: dict[int, tuple[float, Answer]]
+    ) -> NDArray[np.int_]:
+        """Keep what the simulator accepts, shift the goals of the others; cells to ask again."""
+        perf = self._simulate(self._variables(solved), self.day.at(solved))
+        excess = perf.cycle.excess_time_h
+        value = objective_value(self.objective, _as_designs(perf))
+        merit = value if self.objective.maximised else -value
+        again = []
+        for k, i in enumerate(solved):
+            found_h = float(excess[k])
+            accepted = found_h > 0.0 and found_h >= self.required_h
+            answer = self.answers[i]
+            assert answer is not None
+            if accepted and (i not in best or merit[k] > best[i][0]):
+                best[int(i)] = (float(merit[k]), answer)
+            costs = self.objective is not Objective.max_excess_time
+            wasteful = costs and self.goals_h[i] > 0.0 and found_h - self.required_h > _WASTE_H
+            if accepted and not wasteful:
+                continue
+            if found_h <= 0.0:
+                self.margins[i] *= 3.0
+                self.goals_h[i] += GOAL_CUSHION_H
+            else:
+                shifted = self.goals_h[i] + self.required_h - found_h + GOAL_CUSHION_H
+                self.goals_h[i] = max(shifted, 0.0)
+            again.append(i)
+        return np.array(again, int)
+
+    def _variables(self, cells: NDArray[np.int_]) -> DesignVariables:
+        found = []
+        for i in cells:
+            answer = self.answers[i]
+            assert answer is not None
+            found.append(answer.variables)
+        return _stacked(found)
+
+    def _simulate(self, variables: DesignVariables, day: SolarDay) -> Performance:
+        return performance_of_pairs(self.aircraft, self.mission, variables, self.solar, day=day)
+
+    def _withstands(
+        self, cells: NDArray[np.int_], variables: DesignVariables, perf: Performance
+    ) -> NDArray[np.bool_]:
+        """Whether no random neighbour of a design is better by more than the tolerance."""
+        bounds = {v.name: (v.minimum, v.maximum) for v in self.solver.problems.of(1).variables}
+        fixed = {"payload_mass_kg", "payload_power_w", "aspect_ratio"} - (
+            {self.objective.variable} | ({"aspect_ratio"} & set(bounds))
+        )
+        rng = np.random.default_rng(self.seed)
+        spread = np.repeat(_SPREADS, _NEIGHBOURS // len(_SPREADS))
+        moved = {}
+        for name, values in variables.chosen().items():
+            factor = np.exp(spread * rng.standard_normal(len(spread)))
+            factor = np.ones_like(factor) if name in fixed else factor
+            around = np.outer(values, factor)
+            moved[name] = (np.clip(around, *bounds[name]) if name in bounds else around).ravel()
+        attack = DesignVariables(**moved)
+        found = self._simulate(attack, self.day.at(np.repeat(cells, len(spread))))
+        good = _keeps_requirements(self.aircraft, self.mission, found, self.required_h)
+        value = objective_value(self.objective, _as_designs(found))
+        sign = 1.0 if self.objective.maximised else -1.0
+        merit = np.where(good, sign * value, -np.inf).reshape(len(cells), -1).max(axis=1)
+        own = sign * objective_value(self.objective, _as_designs(perf))
+        in_hours = _TOLERANCE_H if self.objective is Objective.max_excess_time else 0.0
+        return np.asarray(merit - own <= np.maximum(_TOLERANCE * np.abs(own), in_hours))
+
+    # --- results -------------------------------------------------------------------------------
+
+    def _results(self, best: dict[int, tuple[float, Answer]]) -> CellSizings:
+        kept = np.array(sorted(best), int)
+        status = np.full(self.count, CellStatus.not_converged, int)
+        nothing = [i for i in range(self.count) if i not in best and self.slacks[i]]
+        status[nothing] = CellStatus.infeasible
+        columns = {
+            name: np.full(self.count, np.nan)
+            for name in ("value", "mass", "excess", "airspeed", "load")
+        }
+        chosen: dict[str, FloatArray] = {}
+        if len(kept):
+            variables = _stacked([best[int(i)][1].variables for i in kept])
+            perf = self._simulate(variables, self.day.at(kept))
+            sound = self._withstands(kept, variables, perf)
+            status[kept] = np.where(sound, CellStatus.certified, CellStatus.optimal)
+            columns["value"][kept] = objective_value(self.objective, _as_designs(perf))
+            columns["mass"][kept] = perf.design.total_mass_kg
+            columns["excess"][kept] = perf.cycle.excess_time_h
+            columns["airspeed"][kept] = perf.design.airspeed_m_per_s
+            columns["load"][kept] = perf.nominal_load_w
+            for name, values in variables.chosen().items():
+                chosen[name] = np.full(self.count, np.nan)
+                chosen[name][kept] = values
+        else:
+            chosen = {name: np.full(self.count, np.nan) for name in DesignVariables._fields[:4]}
+        requirement = np.full(self.count, "", dtype="<U40")
+        shortfall = np.full(self.count, np.nan)
+        for i in nothing:
+            name = max(self.slacks[i], key=lambda key: self.slacks[i][key])
+            in_hours = 2.4 if name == "excess_time" else 1.0  # the row counts in tenths of a day
+            requirement[i], shortfall[i] = name, in_hours * self.slacks[i][name]
+        return CellSizings(
+            status=status,
+            objective_value=columns["value"],
+            variables=DesignVariables(**chosen),
+            total_mass_kg=columns["mass"],
+            excess_time_h=columns["excess"],
+            airspeed_m_per_s=columns["airspeed"],
+            load_w=columns["load"],
+            requirement=requirement,
+            shortfall=shortfall,
+        )
+
+
+def _missed(answer: Answer) -> dict[str, float]:
+    """Requirements that an answer misses, and by how much."""
+    return {name: s for name, s in answer.slack().items() if s > _SLACK_TOLERANCE}
+
+
+def _stacked(designs: list[DesignVariables]) -> DesignVariables:
+    names = designs[0].chosen()
+    return DesignVariables(**{n: np.array([d.chosen()[n] for d in designs]) for n in names})
+
+
+def _as_designs(perf: Performance) -> Performance:
+    """Performance of pairs with the scenario of each as an axis of its own."""
+    excess = perf.cycle.excess_time_h[..., np.newaxis]
+    return replace(perf, cycle=replace(perf.cycle, excess_time_h=excess))
+
+
+def _keeps_requirements(
+    aircraft: Aircraft, mission: Mission, perf: Performance, required_h: float
+) -> NDArray[np.bool_]:
+    conditions = FlightConditions.of(mission).with_payload_of(perf.design.variables)
+    excess, mass = perf.cycle.excess_time_h, np.asarray(perf.design.total_mass_kg)
+    heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
+    met = (excess > 0.0) & (excess >= required_h) & np.isfinite(mass) & (mass <= heaviest)
+    with np.errstate(invalid="ignore"):
+        for row in design_requirements(aircraft, perf.design, conditions):
+            if row.name != "mass_budget":
+                met = met & (np.asarray(row.value) >= -_ROW_TOLERANCE)
+    return np.asarray(met)
