@@ -13,9 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aerodynamics import level_flight_power_w, scaled_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
+from sizing.rib_wing import RibWingStructure, StructureParts
 from sizing.structure import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
@@ -136,7 +138,16 @@ def parametric_design(
     return Design(
         variables=variables,
         total_mass_kg=total_mass_kg,
-        masses=_masses(aircraft, airframe, mission, variables, total_mass_kg, electric_w),
+        masses=_masses(
+            aircraft,
+            airframe,
+            mission,
+            variables,
+            total_mass_kg=total_mass_kg,
+            electric_w=electric_w,
+            airspeed_m_per_s=airspeed,
+            density=air.density,
+        ),
         battery_energy_wh=variables.battery_mass_kg * aircraft.battery.specific_energy_wh_per_kg,
         propulsion_power_w=electric_w,
         constant_power_w=constant_power_w(aircraft, mission),
@@ -149,28 +160,58 @@ def _masses(
     airframe: ParametricAirframe,
     mission: Mission,
     variables: DesignVariables,
+    *,
     total_mass_kg: Value,
     electric_w: Value,
+    airspeed_m_per_s: Value,
+    density: float,
 ) -> Masses:
     modules = aircraft.modules
     modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
-    span_load_kg = modules_kg + airframe.distributed_battery_fraction * variables.battery_mass_kg
     propulsion = airframe.propulsion
     return Masses(
         structure=airframe.structure.mass_kg(
             wingspan_m=variables.wingspan_m,
             aspect_ratio=variables.aspect_ratio,
             total_mass_kg=total_mass_kg,
-            span_load_kg=span_load_kg,
+            span_load_kg=span_load_kg(aircraft, airframe, variables),
+            airspeed_m_per_s=airspeed_m_per_s,
+            density=density,
         ),
-        propulsion=propulsion.mass_kg_per_w * propulsion.climb_power_ratio * electric_w,
+        propulsion=propulsion.mass_kg_per_w
+        * propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2),
         battery=variables.battery_mass_kg,
         modules=modules_kg,
         mppt=modules.mppt_mass_kg_per_w * rated_w,
         avionics=airframe.avionics_mass_kg,
         payload=mission.payload.mass_kg,
         other=airframe.other_mass_kg,
+    )
+
+
+def span_load_kg(
+    aircraft: Aircraft, airframe: ParametricAirframe, variables: DesignVariables
+) -> Value:
+    """Mass spread along the span [kg]: modules, and the battery's share that lies in the wing."""
+    battery_kg = airframe.distributed_battery_fraction * variables.battery_mass_kg
+    return aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + battery_kg
+
+
+def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
+    """Masses of the structure's parts; none where the model of the structure knows no parts."""
+    airframe = aircraft.airframe
+    if not isinstance(airframe, ParametricAirframe):
+        return None
+    if not isinstance(airframe.structure, RibWingStructure):
+        return None
+    return airframe.structure.breakdown(
+        wingspan_m=design.variables.wingspan_m,
+        aspect_ratio=design.variables.aspect_ratio,
+        total_mass_kg=design.total_mass_kg,
+        span_load_kg=span_load_kg(aircraft, airframe, design.variables),
+        airspeed_m_per_s=design.airspeed_m_per_s,
+        density=_FlightAir.of(mission).density,
     )
 
 
