@@ -262,21 +262,27 @@ def closed_design(
 
     The budget grows faster than the mass it assumes, so the iteration from below climbs to the
     lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
-    infinite.
+    infinite. Only designs that have not settled are iterated on: few of a batch take long.
     """
     arrays = DesignVariables(*np.broadcast_arrays(*(np.asarray(v, float) for v in variables)))
-    mass = np.asarray(arrays.battery_mass_kg, float)
+    flat = DesignVariables(*(np.ravel(v) for v in arrays))
+    mass = np.array(flat.battery_mass_kg)
+    climbing = np.arange(mass.size)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(2000):
-            budget = np.asarray(parametric_design(aircraft, mission, arrays, mass).masses.total_kg)
+            some = DesignVariables(*(v[climbing] for v in flat))
+            assumed = mass[climbing]
+            budget = np.asarray(parametric_design(aircraft, mission, some, assumed).masses.total_kg)
             budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
-            settled = (budget <= mass * (1.0 + relative_tolerance)) | np.isinf(budget)
-            mass = budget
-            if np.all(settled):
+            mass[climbing] = budget
+            still = np.abs(budget - assumed) <= relative_tolerance * assumed
+            settled = still | np.isinf(budget)
+            climbing = climbing[~settled]
+            if climbing.size == 0:
                 break
-        else:
-            mass = np.where(settled, mass, np.inf)
-        return parametric_design(aircraft, mission, arrays, mass)
+        mass[climbing] = np.inf
+        total = mass.reshape(np.shape(arrays.wingspan_m))
+        return parametric_design(aircraft, mission, arrays, total)
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:

@@ -24,7 +24,7 @@ from sizing.performance import (
     performance_of_designs,
     solar_day,
 )
-from sizing.sizing_problem import Effort, SizingProblem, build_problem
+from sizing.sizing_problem import Effort, SizingProblem, build_problem, design_rows
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5
@@ -471,14 +471,16 @@ class _Search:
         return self._given_up(largest.simulated) if answer is None else self._last(answer)
 
     def _no_perpetual_flight(self, largest: SizingResult) -> SizingResult:
-        """No design flies perpetually at all, let alone with the excess time that is required."""
+        """No design that meets all else flies perpetually, let alone for the required time."""
         missed = [v for v in largest.violations if v.requirement != "excess_time"]
         nearest = largest.nearest
         if nearest is not None:
             worst_h = float(np.min(nearest.cycle.excess_time_h))
             shortfall_h = self.required_h - worst_h
-            text = self._words("excess_time", shortfall_h, nearest)
-            missed.append(Violation("excess_time", shortfall_h, text))
+            # The nearest design may fly long enough and miss another requirement.
+            if shortfall_h > 0.0:
+                text = self._words("excess_time", shortfall_h, nearest)
+                missed.append(Violation("excess_time", shortfall_h, text))
         self.held = largest.active_constraints
         return self._failed(largest.status, tuple(missed), nearest)
 
@@ -507,8 +509,14 @@ class _Search:
         return self._failed("infeasible", violations, nearest)
 
     def _accepts(self, perf: Performance) -> bool:
+        """Whether a closed design meets every requirement, also those on the aircraft itself."""
         worst_h = float(np.min(perf.cycle.excess_time_h))
-        return worst_h > 0.0 and worst_h >= self.required_h
+        heaviest = self.aircraft.design_space.maximum_total_mass_kg or np.inf
+        rows = design_rows(self.aircraft, self.mission, perf.design)
+        flyable = float(perf.design.total_mass_kg) <= heaviest and all(
+            float(value) >= -_SLACK_TOLERANCE for name, value in rows if name != "mass_budget"
+        )
+        return flyable and worst_h > 0.0 and worst_h >= self.required_h
 
     def _given_up(self, nearest: Performance) -> SizingResult:
         return self._failed("not_converged", (), nearest)

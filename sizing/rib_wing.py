@@ -16,7 +16,7 @@ from pydantic import Field, Strict
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.flight_loads import SEA_LEVEL_DENSITY, gust_load_increment, limit_load_factor
-from sizing.smooth import Value, smooth_absolute, smooth_maximum
+from sizing.smooth import Value, smooth_absolute, smooth_maximum, smooth_minimum
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 
 # Points of the Gauss-Legendre rule along the half-span; see docs/structure.md for its error.
@@ -229,13 +229,15 @@ class RibWingStructure(Record):
         covering = _PERIMETER * area_m2 * self.covering_kg_per_m2
         ribs = self._ribs_kg(area_m2, sheet_m)
         edges = self._edges_kg(area_m2, chord_m, sheet_m)
+        # The wing's own shell relieves the spar; the spar itself is left out, on the safe side.
+        spread = span_load_kg + covering + ribs + edges
         wing = _Wing(
             wingspan_m=wingspan_m,
             chord_m=chord_m,
             wing_area_m2=area_m2,
             total_mass_kg=total_mass_kg,
-            # The wing's own shell relieves the spar; the spar itself is left out, on the safe side.
-            relief_kg=span_load_kg + covering + ribs + edges,
+            # No more than the aircraft weighs: an assumed mass may be below that of its own wing.
+            relief_kg=smooth_minimum(spread, total_mass_kg),
             factors=self.load_factors(
                 total_mass_kg=total_mass_kg,
                 wing_area_m2=area_m2,
@@ -297,7 +299,7 @@ class RibWingStructure(Record):
         ratio = self.transverse_modulus_pa / self.modulus_pa
         coupling = 1.0 - self.poisson_ratio**2 * ratio
         along, across = self.modulus_pa / coupling, self.transverse_modulus_pa / coupling
-        stiffness = (along * across) ** 0.5 + self.poisson_ratio * across
+        stiffness = float((along * across) ** 0.5) + self.poisson_ratio * across
         return 2.0 * pi**2 / 12.0 * (stiffness + 2.0 * self.shear_modulus_pa)
 
     @property
@@ -355,8 +357,8 @@ class RibWingStructure(Record):
         needed = smooth_maximum(strong, gauge)
         if self.maximum_tip_deflection is None:
             return needed
-        # Strains of at most 2 f h/b make a curvature of at most 4 f/b, which bends the tip by no more
-        # than f half-spans.
+        # Strains of at most 2 f h/b make a curvature of at most 4 f/b, which bends the tip by no
+        # more than f half-spans.
         allowed = self.maximum_tip_deflection * 2.0 * depth_m / wing.wingspan_m
         limit_n = smooth_maximum(compression_n, tension_n) / self.safety_factor
         return smooth_maximum(needed, limit_n / (self.modulus_pa * allowed))

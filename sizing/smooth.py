@@ -1,4 +1,4 @@
-"""Maximum and absolute value without a kink, in arithmetic that floats, arrays and symbols share."""
+"""Maximum and absolute value without a kink, for floats, arrays and symbols alike."""
 
 from __future__ import annotations
 
@@ -22,6 +22,11 @@ def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
     total = first + second
     gap = first - second
     return (total + (gap * gap + (blend * total) ** 2) ** 0.5) / 2.0
+
+
+def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
+    """Smaller of two positive values; below it by at most ``blend`` times it."""
+    return first + second - smooth_maximum(first, second, blend)
 
 
 def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:
