@@ -25,8 +25,11 @@ def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
 
 
 def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
-    """Smaller of two positive values; below it by at most ``blend`` times it."""
-    return first + second - smooth_maximum(first, second, blend)
+    """Smaller of two positive values: their product over the smooth maximum, so positive as well.
+
+    Never above the smaller value, below it by at most ``blend`` times it, where both are equal.
+    """
+    return first * second / smooth_maximum(first, second, blend)
 
 
 def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:

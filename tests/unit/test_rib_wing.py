@@ -21,7 +21,7 @@ from sizing.flight_loads import (
     limit_load_factor,
 )
 from sizing.rib_wing import RibWingStructure, StructureParts, stations
-from sizing.smooth import BLEND, smooth_absolute, smooth_maximum
+from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
 
 G = 9.80665
 RIB_WING = RibWingStructure(model="rib_wing")
@@ -67,6 +67,16 @@ def test_smooth_maximum_is_just_above_and_rises(first: float, second: float, gro
     assert larger * (1.0 - 1e-12) <= found <= larger * (1.0 + BLEND + 1e-12)
     assert smooth_maximum(first * growth, second) > found
     assert smooth_maximum(3.0 * first, 3.0 * second) == pytest.approx(3.0 * found, rel=1e-12)
+
+
+@given(first=positives, second=positives, growth=st.floats(1.001, 2.0))
+def test_smooth_minimum_is_just_below_and_rises(
+    first: float, second: float, growth: float
+) -> None:
+    found = smooth_minimum(first, second)
+    smaller = min(first, second)
+    assert smaller / (1.0 + BLEND + 1e-12) <= found <= smaller * (1.0 + 1e-12)
+    assert smooth_minimum(first * growth, second) > found
 
 
 def test_smooth_maximum_of_equals_and_of_nothing() -> None:
