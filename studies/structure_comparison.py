@@ -14,7 +14,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from missions.output_files import OutputError, write_bytes_atomically
-from sizing.rib_wing import StructureParts
+from sizing.rib_wing import RibWingStructure, StructureParts
+from sizing.smooth import Value
 from sizing.structure import (
     AllPowerLawStructure,
     PowerLawStructure,
@@ -87,7 +88,7 @@ def structure_image(drawn_as: str = "png") -> bytes:
 
 
 def markdown() -> str:
-    """Tables: every model against the built aircraft, and the rib wing part by part."""
+    """Tables: models against built aircraft; the rib wing part by part, and what varies it."""
     head = " | ".join(f"{c.name}, {c.built_kg:g} kg as built" for c in KNOWN)
     lines = [f"| model | {head} | at 12 m | at 25 m |", "|---|" + "---|" * (len(KNOWN) + 2)]
     for name, model in models().items():
@@ -101,7 +102,64 @@ def markdown() -> str:
         cells = [f"{getattr(p, part):.3f}" for p in parts]
         lines.append(f"| {part.replace('_', ' ')} | " + " | ".join(cells) + " |")
     lines.append("| structure | " + " | ".join(f"{p.total_kg:.3f}" for p in parts) + " |")
+    lines += ["", *_variation_lines()]
     return "\n".join(lines) + "\n"
+
+
+def variations() -> dict[str, RibWingStructure]:
+    """The rib wing with one assumption changed at a time."""
+    changes: dict[str, dict[str, float]] = {
+        "as shipped": {},
+        "no gusts": {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0},
+        "no landing case": {"landing_load_factor": 0.0},
+        "no gusts, no landing case": {
+            "cruise_gust_m_per_s": 0.0,
+            "dive_gust_m_per_s": 0.0,
+            "landing_load_factor": 0.0,
+        },
+        "caps half as wide": {"cap_width_fraction": 0.03},
+        "caps twice as wide": {"cap_width_fraction": 0.12},
+        "compressive strength +50 %": {"compressive_strength_pa": 1.5 * 368e6},
+        "webs from 0.3 mm": {"minimum_web_thickness_m": 0.3e-3},
+        "tip deflection up to 10 % of the half-span": {"maximum_tip_deflection": 0.1},
+        "covering, tails and pod +50 %": {
+            "covering_kg_per_m2": 0.075,
+            "tail_kg_per_m2": 0.525,
+            "pod_kg_per_m2": 0.6,
+        },
+        "sheet 1 mm instead of 1.5 mm": {"minimum_sheet_thickness_m": 1e-3},
+        "joints 10 % instead of 15 %": {"joint_fraction": 0.1},
+    }
+    shipped = calibrated_rib_wing()
+    return {name: shipped.model_copy(update=change) for name, change in changes.items()}
+
+
+def _variation_lines() -> list[str]:
+    cases = (*KNOWN, family(12.0), family(25.0))
+    shipped = [float(case.mass_kg(calibrated_rib_wing())) for case in cases]
+    lines = [
+        "| assumption | AtlantikSolar | Sky-Sailor | at 12 m | at 25 m |",
+        "|---|---|---|---|---|",
+    ]
+    fuselage = "battery in the fuselage"
+    alone = [case._replace(span_load_kg=_modules_kg(case)) for case in cases]
+    rows = {name: [c.mass_kg(model) for c in cases] for name, model in variations().items()}
+    rows[fuselage] = [case.mass_kg(calibrated_rib_wing()) for case in alone]
+    for name, masses in rows.items():
+        cells = (
+            f"{float(kg):.2f} ({100.0 * (float(kg) / own - 1.0):+.1f} %)"
+            for kg, own in zip(masses, shipped, strict=True)
+        )
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return lines
+
+
+def _modules_kg(case: StructureCase) -> Value:
+    """What Sky-Sailor carries along the span anyway; AtlantikSolar without its battery."""
+    if case.name == SKY_SAILOR.name:
+        return case.span_load_kg
+    share = 0.59 * 1.35 / ATLANTIKSOLAR.total_mass_kg
+    return share * case.total_mass_kg
 
 
 def _against(case: StructureCase, model: StructureModel) -> str:

@@ -70,9 +70,7 @@ def test_smooth_maximum_is_just_above_and_rises(first: float, second: float, gro
 
 
 @given(first=positives, second=positives, growth=st.floats(1.001, 2.0))
-def test_smooth_minimum_is_just_below_and_rises(
-    first: float, second: float, growth: float
-) -> None:
+def test_smooth_minimum_is_just_below_and_rises(first: float, second: float, growth: float) -> None:
     found = smooth_minimum(first, second)
     smaller = min(first, second)
     assert smaller / (1.0 + BLEND + 1e-12) <= found <= smaller * (1.0 + 1e-12)
@@ -267,9 +265,9 @@ def test_mass_is_that_of_hard_maxima_on_a_fine_grid(
 ) -> None:
     found = structure_kg(span, aspect, mass, share, maximum_tip_deflection=deflection)
     hard = hard_wing(span, aspect, mass, share, deflection).mass_kg
-    # Below: six stations instead of 2000 err by up to 2 %. Above: up to four maxima in a row
-    # overshoot by 2 % each, and those of moment and load factor are under them.
-    assert 0.98 * hard <= found <= 1.11 * hard
+    # 3000 random designs were within -0.5 % (six stations instead of 2000) and +1 %; the spar alone
+    # could be 2 % above for each maximum whose two sides are equal.
+    assert 0.985 * hard <= found <= 1.04 * hard
 
 
 @settings(max_examples=40)
@@ -447,8 +445,8 @@ def test_no_kinks_in_the_design_space(deflection: float | None) -> None:
         assert np.all(np.isfinite(value))
         assert np.all(np.isfinite(first))
         assert np.all(np.isfinite(second))
-        # Elasticities of a wing: spars by m^1 b^3/h at most.
-        assert np.max(np.abs(first)) < 8.0
+        # Elasticities of a wing: at most those of a spar in span.
+        assert np.max(np.abs(first)) < 5.0
         # Where branches whose elasticities differ by e are equal, a smooth maximum turns from one
         # to the other with a second derivative of e^2/(4 blend) = 12.5 e^2 at most. Elasticities
         # differ by up to 4, half of the structure at most turns at once. A kink has no bound.
