@@ -17,6 +17,7 @@ import numpy as np
 
 from sizing.cycle import Status
 from sizing.design import DesignVariables
+from sizing.limits import meets_requirements
 from sizing.performance import Performance
 from sizing.program_solver import Answer, ProgramSolver, Question
 from sizing.sizing_problem import Effort
@@ -28,6 +29,7 @@ _ROUNDS = 12
 # design, and asked again for less where that was too much [h].
 GOAL_CUSHION_H = 0.008
 _WASTE_H = 0.02
+_ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 
 
 class Agreed(NamedTuple):
@@ -92,9 +94,16 @@ class Agreement:
         return self.best
 
     def accepts(self, perf: Performance) -> bool:
-        """Whether the simulator finds enough excess time in every scenario."""
+        """Whether a closed design has enough excess time everywhere and keeps its requirements."""
         worst_h = float(np.min(perf.cycle.excess_time_h))
-        return worst_h > 0.0 and worst_h >= self.required_h
+        if not (worst_h > 0.0 and worst_h >= self.required_h):
+            return False
+        if "total_mass_kg" in self.question.bounds:  # the limit on it is what is asked for
+            return True
+        met = meets_requirements(
+            self.solver.aircraft, perf.design, self.solver.conditions, tolerance=_ROW_TOLERANCE
+        )
+        return bool(np.all(met))
 
     def _keep(self, answer: Answer, simulated: Performance) -> None:
         merit = self.merit(answer, simulated)

@@ -10,11 +10,14 @@ from pydantic_core import PydanticCustomError
 from sizing.aerodynamics import DragPolar
 from sizing.battery import Battery
 from sizing.polars import WingPolar
-from sizing.structure import SparStructure, Structure
+from sizing.structure import SparStructure, Structure, Value
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
+
+# Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
+_CLIMB_POWER_RATIO = 5.0
 
 
 class LevelFlight(Record):
@@ -42,8 +45,9 @@ class MeasuredAirframe(Record):
 class Propulsion(Record):
     """Propulsion chain from the battery bus to thrust power, and its mass.
 
-    The group's mass follows its rated power: level flight's electric power times
-    ``climb_power_ratio``.
+    The group's mass follows its rated electric power: level flight's times ``climb_power_ratio``
+    (5 by default), or what climbing at ``climb_rate_m_per_s`` takes at the airspeed of level
+    flight, ``P_level + m g v_climb / efficiency``. One of the two, not both.
     """
 
     controller_efficiency: Fraction = 0.97
@@ -51,7 +55,30 @@ class Propulsion(Record):
     gearbox_efficiency: Fraction = 0.96
     propeller_efficiency: Fraction = 0.82
     mass_kg_per_w: NonNegativeReal = 0.0011
-    climb_power_ratio: Annotated[float, Strict(), Field(ge=1.0)] = 5.0
+    climb_power_ratio: Annotated[float, Strict(), Field(ge=1.0)] | None = None
+    climb_rate_m_per_s: PositiveReal | None = None
+
+    @model_validator(mode="after")
+    def _check_rating(self) -> Propulsion:
+        if self.climb_power_ratio is not None and self.climb_rate_m_per_s is not None:
+            raise PydanticCustomError(
+                "two_ratings",
+                "is an alternative to climb_power_ratio: give one of them, null for the other "
+                "(got {rate} and a ratio of {ratio})",
+                {
+                    "key": "climb_rate_m_per_s",
+                    "rate": f"{self.climb_rate_m_per_s:g}",
+                    "ratio": f"{self.climb_power_ratio:g}",
+                },
+            )
+        return self
+
+    def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
+        """Rated electric power [W] for that of level flight and a weight [N]."""
+        if self.climb_rate_m_per_s is not None:
+            return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency
+        ratio = self.climb_power_ratio
+        return (_CLIMB_POWER_RATIO if ratio is None else ratio) * level_w
 
     @property
     def efficiency(self) -> float:

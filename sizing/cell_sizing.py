@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.agreement import GOAL_CUSHION_H
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.energy_balance import FloatArray
-from sizing.limits import design_requirements
+from sizing.limits import meets_requirements
 from sizing.objectives import Objective
 from sizing.performance import (
     UNCORRECTED_CAM,
@@ -294,7 +294,11 @@ class _Cells:
             moved[name] = (np.clip(around, *bounds[name]) if name in bounds else around).ravel()
         attack = DesignVariables(**moved)
         found = self._simulate(attack, self.day.at(np.repeat(cells, len(spread))))
-        good = _keeps_requirements(self.aircraft, self.mission, found, self.required_h)
+        excess = found.cycle.excess_time_h
+        good = (excess > 0.0) & (excess >= self.required_h)
+        good = good & meets_requirements(
+            self.aircraft, found.design, self.solver.conditions, tolerance=_ROW_TOLERANCE
+        )
         value = objective_value(self.objective, _as_designs(found))
         sign = 1.0 if self.objective.maximised else -1.0
         merit = np.where(good, sign * value, -np.inf).reshape(len(cells), -1).max(axis=1)
@@ -362,17 +366,3 @@ def _as_designs(perf: Performance) -> Performance:
     """Performance of pairs with the scenario of each as an axis of its own."""
     excess = perf.cycle.excess_time_h[..., np.newaxis]
     return replace(perf, cycle=replace(perf.cycle, excess_time_h=excess))
-
-
-def _keeps_requirements(
-    aircraft: Aircraft, mission: Mission, perf: Performance, required_h: float
-) -> NDArray[np.bool_]:
-    conditions = FlightConditions.of(mission).with_payload_of(perf.design.variables)
-    excess, mass = perf.cycle.excess_time_h, np.asarray(perf.design.total_mass_kg)
-    heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
-    met = (excess > 0.0) & (excess >= required_h) & np.isfinite(mass) & (mass <= heaviest)
-    with np.errstate(invalid="ignore"):
-        for row in design_requirements(aircraft, perf.design, conditions):
-            if row.name != "mass_budget":
-                met = met & (np.asarray(row.value) >= -_ROW_TOLERANCE)
-    return np.asarray(met)

@@ -16,7 +16,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions
 from sizing.energy_balance import FloatArray
-from sizing.limits import design_requirements
+from sizing.limits import meets_requirements
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
 from sizing.performance import (
@@ -156,20 +156,14 @@ class _Judge:
     def value(self, perf: Performance) -> FloatArray:
         self.tried += int(np.size(perf.design.total_mass_kg))
         worst = np.min(perf.cycle.excess_time_h, axis=-1)
-        kept = (worst > 0.0) & (worst >= self.required_h) & self._requirements_met(perf)
-        sound = np.isfinite(np.asarray(perf.design.total_mass_kg))
-        return np.where(kept & sound, objective_value(self.objective, perf), np.nan)
-
-    def _requirements_met(self, perf: Performance) -> Any:
-        conditions = FlightConditions.of(self.mission).with_payload_of(perf.design.variables)
-        with np.errstate(invalid="ignore"):
-            rows = design_requirements(self.aircraft, perf.design, conditions)
-            heaviest = self.aircraft.design_space.maximum_total_mass_kg or np.inf
-            met = np.asarray(perf.design.total_mass_kg) <= heaviest
-            for row in rows:
-                if row.name != "mass_budget":
-                    met = met & (np.asarray(row.value) >= -_ROW_TOLERANCE)
-        return met
+        kept = (worst > 0.0) & (worst >= self.required_h)
+        kept = kept & meets_requirements(
+            self.aircraft,
+            perf.design,
+            FlightConditions.of(self.mission),
+            tolerance=_ROW_TOLERANCE,
+        )
+        return np.where(kept, objective_value(self.objective, perf), np.nan)
 
     def best_of(self, variables: DesignVariables) -> float:
         if np.size(variables.wingspan_m) == 0:

@@ -8,16 +8,19 @@ budget as a constraint, :func:`closed_design` solves it by iteration.
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aerodynamics import DragPolar, Polar, level_flight_power_w, scaled_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
 from sizing.polars import WingPolar
+from sizing.rib_wing import RibWingStructure, StructureParts
 from sizing.structure import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
@@ -183,7 +186,15 @@ def parametric_design(
     return Design(
         variables=variables,
         total_mass_kg=total_mass_kg,
-        masses=_masses(aircraft, airframe, air, variables, total_mass_kg, electric_w),
+        masses=_masses(
+            aircraft,
+            airframe,
+            air,
+            variables,
+            total_mass_kg=total_mass_kg,
+            electric_w=electric_w,
+            airspeed_m_per_s=airspeed,
+        ),
         battery_energy_wh=variables.battery_mass_kg
         * aircraft.battery.specific_energy_wh_per_kg
         * air.usable_capacity,
@@ -205,28 +216,57 @@ def _masses(
     airframe: ParametricAirframe,
     air: FlightConditions,
     variables: DesignVariables,
+    *,
     total_mass_kg: Value,
     electric_w: Value,
+    airspeed_m_per_s: Value,
 ) -> Masses:
     modules = aircraft.modules
     modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
-    span_load_kg = modules_kg + airframe.distributed_battery_fraction * variables.battery_mass_kg
     propulsion = airframe.propulsion
     return Masses(
         structure=airframe.structure.mass_kg(
             wingspan_m=variables.wingspan_m,
             aspect_ratio=variables.aspect_ratio,
             total_mass_kg=total_mass_kg,
-            span_load_kg=span_load_kg,
+            span_load_kg=span_load_kg(aircraft, airframe, variables),
+            airspeed_m_per_s=airspeed_m_per_s,
+            density=air.density,
         ),
-        propulsion=propulsion.mass_kg_per_w * propulsion.climb_power_ratio * electric_w,
+        propulsion=propulsion.mass_kg_per_w
+        * propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2),
         battery=variables.battery_mass_kg,
         modules=modules_kg,
         mppt=modules.mppt_mass_kg_per_w * rated_w,
         avionics=airframe.avionics_mass_kg,
         payload=air.payload_mass_kg,
         other=airframe.other_mass_kg,
+    )
+
+
+def span_load_kg(
+    aircraft: Aircraft, airframe: ParametricAirframe, variables: DesignVariables
+) -> Value:
+    """Mass spread along the span [kg]: modules, and the battery's share that lies in the wing."""
+    battery_kg = airframe.distributed_battery_fraction * variables.battery_mass_kg
+    return aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + battery_kg
+
+
+def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
+    """Masses of the structure's parts; none where the model of the structure knows no parts."""
+    airframe = aircraft.airframe
+    if not isinstance(airframe, ParametricAirframe):
+        return None
+    if not isinstance(airframe.structure, RibWingStructure):
+        return None
+    return airframe.structure.breakdown(
+        wingspan_m=design.variables.wingspan_m,
+        aspect_ratio=design.variables.aspect_ratio,
+        total_mass_kg=design.total_mass_kg,
+        span_load_kg=span_load_kg(aircraft, airframe, design.variables),
+        airspeed_m_per_s=design.airspeed_m_per_s,
+        density=FlightConditions.of(mission).density,
     )
 
 
@@ -277,23 +317,29 @@ def closed_design(
 
     The budget grows faster than the mass it assumes, so the iteration from below climbs to the
     lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
-    infinite.
+    infinite. Only designs that have not settled are iterated on: few of a batch take long.
     """
     given = variables.chosen()
     even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
     arrays = DesignVariables(**dict(zip(given, even, strict=True)))
-    mass = np.asarray(arrays.battery_mass_kg, float)
+    flat = arrays.mapped(np.ravel)
+    mass = np.array(flat.battery_mass_kg)
+    climbing = np.arange(mass.size)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(2000):
-            budget = np.asarray(parametric_design(aircraft, mission, arrays, mass).masses.total_kg)
+            some = flat.mapped(itemgetter(climbing))
+            assumed = mass[climbing]
+            budget = np.asarray(parametric_design(aircraft, mission, some, assumed).masses.total_kg)
             budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
-            settled = (budget <= mass * (1.0 + relative_tolerance)) | np.isinf(budget)
-            mass = budget
-            if np.all(settled):
+            mass[climbing] = budget
+            still = np.abs(budget - assumed) <= relative_tolerance * assumed
+            settled = still | np.isinf(budget)
+            climbing = climbing[~settled]
+            if climbing.size == 0:
                 break
-        else:
-            mass = np.where(settled, mass, np.inf)
-        return parametric_design(aircraft, mission, arrays, mass)
+        mass[climbing] = np.inf
+        total = mass.reshape(np.shape(arrays.wingspan_m))
+        return parametric_design(aircraft, mission, arrays, total)
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:

@@ -8,6 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import Design, FlightConditions, flown_at
@@ -51,7 +54,10 @@ class DesignInFlight(NamedTuple):
     @property
     def rated_power_w(self) -> Value:
         """Largest electric power of the propulsion [W]."""
-        return self.design.propulsion_power_w * self.airframe.propulsion.climb_power_ratio
+        weight_n = self.design.total_mass_kg * GRAVITY_M_PER_S2
+        return self.airframe.propulsion.rated_power_w(
+            self.design.propulsion_power_w, weight_n=weight_n
+        )
 
     @property
     def climb_rate_m_per_s(self) -> Value:
@@ -162,3 +168,18 @@ def design_requirements(
             text = f"{label} exceeds its maximum {limit.maximum:g} by {{missed}}"
             rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
     return rows
+
+
+def meets_requirements(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions, *, tolerance: float
+) -> NDArray[np.bool_]:
+    """Whether closed designs, of floats or arrays, keep every requirement on the design itself."""
+    heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
+    carried = conditions.with_payload_of(design.variables)
+    mass = np.asarray(design.total_mass_kg)
+    met = np.isfinite(mass) & (mass <= heaviest * (1.0 + tolerance))
+    with np.errstate(invalid="ignore"):
+        for row in design_requirements(aircraft, design, carried):
+            if row.name != "mass_budget":  # closed
+                met = met & (np.asarray(row.value) >= -tolerance)
+    return np.asarray(met)

@@ -286,14 +286,16 @@ class _Search:
         return self.mission
 
     def _no_perpetual_flight(self, largest: SizingResult) -> SizingResult:
-        """No design flies perpetually at all, let alone with the excess time that is required."""
+        """No design that meets all else flies perpetually, let alone for the required time."""
         missed = [v for v in largest.violations if v.requirement != "excess_time"]
         nearest = largest.nearest
         if nearest is not None:
             worst_h = float(np.min(nearest.cycle.excess_time_h))
             shortfall_h = self.required_h - worst_h
-            text = self._words("excess_time", shortfall_h, nearest)
-            missed.append(Violation("excess_time", shortfall_h, text))
+            # The nearest design may fly long enough and miss another requirement.
+            if shortfall_h > 0.0:
+                text = self._words("excess_time", shortfall_h, nearest)
+                missed.append(Violation("excess_time", shortfall_h, text))
         self.held = largest.active_constraints
         return self._failed(largest.status, tuple(missed), nearest)
 

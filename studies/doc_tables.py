@@ -11,7 +11,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from missions.output_files import write_text_atomically
-from studies import clear_sky_comparison, model_transfer, published, report_reproduction
+from studies import (
+    clear_sky_comparison,
+    model_transfer,
+    published,
+    report_reproduction,
+    structure_comparison,
+)
 
 
 def _published() -> str:
@@ -35,10 +41,15 @@ def _clear_sky() -> str:
     return clear_sky_comparison.markdown(clear_sky_comparison.compare())
 
 
+def _structure() -> str:
+    return structure_comparison.markdown()
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", _published),
     "clear-sky": ("validation.md", _clear_sky),
     "report": ("validation.md", _report),
+    "structure": ("structure.md", _structure),
     "transfer": ("full-model.md", _transfer),
 }
 

@@ -12,6 +12,8 @@ from sizing.performance import SolarModel, performance, perpetual_days
 from solar.modules import SolarCell
 from solar.names import CORRECTION_NAMES, ModelName
 from solar.power import horizontal_specific_power
+from studies.known_structures import SKY_SAILOR as SKY_SAILOR_CASE
+from studies.known_structures import calibrated_rib_wing
 from studies.library import load_aircraft, load_mission
 
 REPORT = "Oettershagen, solar power models, table 3"
@@ -61,6 +63,7 @@ def comparisons() -> list[Comparison]:
         *_flight_28h(),
         *_parametric_atlantiksolar(),
         *_sky_sailor(),
+        *_rib_wing_of_sky_sailor(),
     ]
 
 
@@ -198,6 +201,20 @@ def _sky_sailor() -> list[Comparison]:
             design.nominal_load_w(mission),
             2.0,
         ),
+    ]
+
+
+def _rib_wing_of_sky_sailor() -> list[Comparison]:
+    computed_kg = float(SKY_SAILOR_CASE.mass_kg(calibrated_rib_wing()))
+    return [
+        Comparison(
+            "structure, rib wing calibrated on AtlantikSolar",
+            SKY_SAILOR,
+            "kg",
+            SKY_SAILOR_CASE.built_kg,
+            computed_kg,
+            0.15,
+        )
     ]
 
 

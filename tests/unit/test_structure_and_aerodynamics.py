@@ -14,6 +14,7 @@ from scipy.integrate import quad
 
 from sizing.aerodynamics import DragPolar, level_flight_power_w, scaled_power_w
 from sizing.structure import (
+    AllPowerLawStructure,
     PowerLawStructure,
     SparStructure,
     limit_load_factor,
@@ -29,6 +30,8 @@ POLAR = DragPolar(
     reference_reynolds=158000.0,
 )
 AIR: dict[str, float] = {"density": 1.1, "dynamic_viscosity": 1.8e-5}
+# What the simpler models of the structure ignore.
+FLIGHT: dict[str, float] = {"airspeed_m_per_s": 9.0, "density": 1.1}
 
 spans = st.floats(1.0, 30.0)
 aspects = st.floats(6.0, 35.0)
@@ -37,7 +40,7 @@ growths = st.floats(1.01, 2.0)
 
 
 def spar_mass(b: Any, ar: Any, m: Any, load: Any = 0.0) -> Any:
-    return SPAR.mass_kg(wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=load)
+    return SPAR.mass_kg(wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=load, **FLIGHT)
 
 
 # ---- structure
@@ -85,11 +88,32 @@ def test_root_moment_never_falls_below_its_floor() -> None:
 
 def test_power_law_is_noths() -> None:
     law = PowerLawStructure()
-    found = law.mass_kg(wingspan_m=3.2, aspect_ratio=13.2, total_mass_kg=1.0, span_load_kg=0.0)
+    wing = {"wingspan_m": 3.2, "aspect_ratio": 13.2}
+    found = law.mass_kg(**wing, total_mass_kg=1.0, span_load_kg=0.0, **FLIGHT)
     # Noth (2008): weight 0.44 b^3.1 AR^-0.25 in newton, by hand 8.50 N at b = 3.2 m, AR = 13.2.
     assert found * 9.81 == pytest.approx(0.44 * 36.81 * 0.5246, rel=1e-3)
-    other = law.mass_kg(wingspan_m=3.2, aspect_ratio=13.2, total_mass_kg=50.0, span_load_kg=9.0)
+    other = law.mass_kg(
+        **wing, total_mass_kg=50.0, span_load_kg=9.0, airspeed_m_per_s=20.0, density=0.4
+    )
     assert other == found
+
+
+@pytest.mark.parametrize(
+    ("law", "newton"),
+    # As published, in wing area and aspect ratio.
+    [
+        (PowerLawStructure(), lambda s, ar: 0.44 * s**1.55 * ar**1.30),
+        (AllPowerLawStructure(model="power_law_all"), lambda s, ar: 5.58 * s**1.59 * ar**0.71),
+    ],
+    ids=["best 5 %", "all 415"],
+)
+@given(span=spans, aspect=aspects)
+def test_power_laws_are_those_published(law: Any, newton: Any, span: float, aspect: float) -> None:
+    found = law.mass_kg(
+        wingspan_m=span, aspect_ratio=aspect, total_mass_kg=1.0, span_load_kg=0.0, **FLIGHT
+    )
+    # The same law in other variables: rounding.
+    assert found * 9.81 == pytest.approx(newton(span**2 / aspect, aspect), rel=1e-9)
 
 
 @given(span=spans, aspect=aspects, mass=masses, growth=growths)
@@ -98,7 +122,9 @@ def test_structures_grow_with_span_and_mass(
 ) -> None:
     law = PowerLawStructure()
     here, wider = (
-        law.mass_kg(wingspan_m=b, aspect_ratio=aspect, total_mass_kg=mass, span_load_kg=0.0)
+        law.mass_kg(
+            wingspan_m=b, aspect_ratio=aspect, total_mass_kg=mass, span_load_kg=0.0, **FLIGHT
+        )
         for b in (span, span * growth)
     )
     # A pure power law, so this is exact but for rounding.
@@ -125,7 +151,7 @@ def test_spar_structure_adds_up_by_hand() -> None:
     # The same sum: rounding.
     assert spar_mass(b, ar, m, 3.7) == pytest.approx(shell + boom + web + caps, rel=1e-12)
     doubled = SparStructure(calibration=2.0).mass_kg(
-        wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=3.7
+        wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=3.7, **FLIGHT
     )
     assert doubled == pytest.approx(2.0 * spar_mass(b, ar, m, 3.7), rel=1e-12)
 

@@ -1,0 +1,73 @@
+"""Load factors that size the structure, in the forms of CS-23 (EASA, formerly FAR 23).
+
+Airworthiness codes for light aeroplanes are not binding for aircraft of this class; they are what
+AtlantikSolar was designed with. Airspeeds are equivalent airspeeds: a wing feels the same load at
+every altitude for the same equivalent airspeed. Arithmetic only, for floats, arrays and symbols.
+"""
+
+from __future__ import annotations
+
+from missions.air import GRAVITY_M_PER_S2
+from sizing.smooth import Value
+
+SEA_LEVEL_DENSITY = 1.225  # [kg/m3], standard day
+_PI = 3.141592653589793
+
+
+def limit_load_factor(total_mass_kg: Value) -> Value:
+    """Limit load factor [-] of the CS-23 form, ``2.1 + 10900/(m + 4536)`` with m in kg."""
+    return 2.1 + 10900.0 / (total_mass_kg + 4536.0)
+
+
+def lift_curve_slope(aspect_ratio: Value) -> Value:
+    """Lift slope of a straight wing [1/rad], ``2 pi AR/(AR + 2)``.
+
+    Prandtl's lifting line with elliptic lift (Anderson, Fundamentals of Aerodynamics, chapter 5).
+    """
+    return 2.0 * _PI * aspect_ratio / (aspect_ratio + 2.0)
+
+
+def gust_alleviation_factor(mass_ratio: Value) -> Value:
+    """Gust alleviation factor of CS 23.341, ``0.88 mu/(5.3 + mu)``."""
+    return 0.88 * mass_ratio / (5.3 + mass_ratio)
+
+
+def gust_mass_ratio(
+    *, total_mass_kg: Value, wing_area_m2: Value, aspect_ratio: Value, density: Value
+) -> Value:
+    """Aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)``, with the mean chord c = b/AR."""
+    chord_m = (wing_area_m2 / aspect_ratio) ** 0.5
+    slope = lift_curve_slope(aspect_ratio)
+    return 2.0 * total_mass_kg / (density * wing_area_m2 * chord_m * slope)
+
+
+def gust_load_increment(
+    gust_times_airspeed: Value,
+    *,
+    total_mass_kg: Value,
+    wing_area_m2: Value,
+    aspect_ratio: Value,
+    density: Value,
+) -> Value:
+    """Load factor that a sharp-edged gust adds or takes away [-], CS 23.341.
+
+    ``dn = K_g rho_0 a U V / (2 W/S)``.
+
+    Parameters
+    ----------
+    gust_times_airspeed
+        Gust velocity U times airspeed V, both equivalent [m2/s2].
+    total_mass_kg, wing_area_m2, aspect_ratio
+        Mass [kg], wing area [m2] and aspect ratio [-].
+    density
+        Of the air [kg/m3]: it alone sets the mass ratio.
+    """
+    ratio = gust_mass_ratio(
+        total_mass_kg=total_mass_kg,
+        wing_area_m2=wing_area_m2,
+        aspect_ratio=aspect_ratio,
+        density=density,
+    )
+    pressure = total_mass_kg * GRAVITY_M_PER_S2 / wing_area_m2
+    rate = SEA_LEVEL_DENSITY * lift_curve_slope(aspect_ratio) * gust_times_airspeed
+    return gust_alleviation_factor(ratio) * rate / (2.0 * pressure)
