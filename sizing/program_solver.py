@@ -33,6 +33,8 @@ _FIRST_MARGIN = 1e-3
 _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
 _OTHER_SLACK_WEIGHT = 100.0
 
+_COLD_EFFORTS: tuple[Effort, ...] = ("quick", "steady")
+
 _COSTS: dict[Objective, dict[str, float]] = {
     Objective.max_excess_time: {WORST_EXCESS: -1.0 / 24.0},
     Objective.min_wingspan: {"wingspan_m": 1.0},
@@ -160,7 +162,6 @@ class ProgramSolver:
         """
         begun = time.perf_counter()
         problem = self.problems.of(slots)
-        solver = problem.solver(effort)
         self.build_s += time.perf_counter() - begun
         filled = tuple(scenarios[i % len(scenarios)] for i in range(slots))
         weights = problem.weights(_elastic_cost(problem) if question.elastic else question.cost)
@@ -168,26 +169,12 @@ class ProgramSolver:
             weights, self.conditions, self.suns[list(filled)], margin=question.margin
         )
         lower, upper = self._bounds(problem, question)
-        upper_rows = np.full(len(problem.constraints), np.inf)
-        upper_rows[0] = 0.0  # the mass budget is an equation
+        limits = _limits(problem, parameters, lower, upper)
         for variables in starts:
-            begun = time.perf_counter()
-            found = solver(
-                x0=np.clip(self._start(problem, question, variables), lower, upper),
-                p=parameters,
-                lbx=lower,
-                ubx=upper,
-                lbg=0.0,
-                ubg=upper_rows,
-            )
-            self.solve_s += time.perf_counter() - begun
-            stats = solver.stats()
-            self.iterations += int(stats["iter_count"])
-            self.solves += 1
-            self.message = str(stats["return_status"])
-            if stats["success"]:
-                x, g, b = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
-                return Answer(problem, question, x, weights, g, b, filled)
+            start = np.clip(self._start(problem, question, variables), lower, upper)
+            found = self._solve(problem, effort, limits | {"x0": start})
+            if found is not None:
+                return Answer(problem, question, found[0], weights, *found[1:], filled)
         return None
 
     def ask_softly(
@@ -225,39 +212,39 @@ class ProgramSolver:
         )
         lower, upper = self._bounds(problem, question, held)
         upper[problem.places()["slack"]] = np.inf
-        upper_rows = np.full(len(problem.constraints), np.inf)
-        upper_rows[0] = 0.0  # the mass budget is an equation
-        limits: dict[str, Any] = {
-            "p": parameters,
-            "lbx": lower,
-            "ubx": upper,
-            "lbg": 0.0,
-            "ubg": upper_rows,
-        }
-        guesses: list[tuple[Effort, dict[str, Any]]] = []
+        limits = _limits(problem, parameters, lower, upper)
         if previous is not None:
             warm = {
                 "x0": np.clip(previous.x, lower, upper),
                 "lam_x0": previous.bound_prices,
                 "lam_g0": previous.constraint_prices,
             }
-            guesses.append(("next", warm))
+            found = self._solve(problem, "next", limits | warm)
+            if found is not None:
+                return Answer(problem, question, found[0], weights, *found[1:], (scenario,))
         cold = {"x0": np.clip(self._start(problem, question, start), lower, upper)}
-        guesses += [("quick", cold), ("steady", cold)]
-        for effort, guess in guesses:
-            begun = time.perf_counter()
-            solver = problem.solver(effort)
-            found: Any = solver(**limits, **guess)
-            self.solve_s += time.perf_counter() - begun
-            stats = solver.stats()
-            self.iterations += int(stats["iter_count"])
-            self.solves += 1
-            self.message = str(stats["return_status"])
-            if stats["success"]:
-                x, g, b = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
-                if np.isfinite(x).all():
-                    return Answer(problem, question, x, weights, g, b, (scenario,))
+        for effort in _COLD_EFFORTS:
+            found = self._solve(problem, effort, limits | cold)
+            if found is not None:
+                return Answer(problem, question, found[0], weights, *found[1:], (scenario,))
         return None
+
+    def _solve(
+        self, problem: SizingProblem, effort: Effort, arguments: dict[str, Any]
+    ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Point and prices of constraints and bounds; None where the solver fails."""
+        begun = time.perf_counter()
+        solver = problem.solver(effort)
+        self.build_s += time.perf_counter() - begun
+        begun = time.perf_counter()
+        found: Any = solver(**arguments)
+        self.solve_s += time.perf_counter() - begun
+        stats = solver.stats()
+        self.iterations += int(stats["iter_count"])
+        self.solves += 1
+        self.message = str(stats["return_status"])
+        x, g, b = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
+        return (x, g, b) if stats["success"] and np.isfinite(x).all() else None
 
     def add(self, other: ProgramSolver) -> None:
         """Count the work of another solver as well."""
@@ -316,6 +303,15 @@ class ProgramSolver:
         start[places["dawn"]] = 0.2
         start[places[WORST_EXCESS]] = question.goal_h + 1.0
         return start
+
+
+def _limits(
+    problem: SizingProblem, parameters: FloatArray, lower: FloatArray, upper: FloatArray
+) -> dict[str, Any]:
+    """Arguments of the solver besides the start."""
+    upper_rows = np.full(len(problem.constraints), np.inf)
+    upper_rows[0] = 0.0  # the mass budget is an equation
+    return {"p": parameters, "lbx": lower, "ubx": upper, "lbg": 0.0, "ubg": upper_rows}
 
 
 def _soft_cost(
