@@ -169,7 +169,7 @@ def _design_record(design: Design | None) -> dict[str, Any]:
         keys = (*DesignVariables._fields, "total_mass_kg", "masses_kg", "wing_area_m2")
         return dict.fromkeys((*keys, "airspeed_m_per_s", "propulsion_power_w"))
     return {
-        **design.variables.chosen(),
+        **design.variables._asdict(),
         "total_mass_kg": design.total_mass_kg,
         "masses_kg": design.masses._asdict(),
         "wing_area_m2": design.wing_area_m2,
