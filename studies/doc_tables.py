@@ -13,6 +13,7 @@ from pathlib import Path
 from missions.output_files import write_text_atomically
 from studies import (
     clear_sky_comparison,
+    found_designs,
     model_transfer,
     published,
     report_reproduction,
@@ -48,6 +49,7 @@ def _structure() -> str:
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", _published),
     "clear-sky": ("validation.md", _clear_sky),
+    "found-designs": ("validation.md", found_designs.markdown),
     "report": ("validation.md", _report),
     "structure": ("structure.md", _structure),
     "transfer": ("full-model.md", _transfer),
