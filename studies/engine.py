@@ -9,7 +9,8 @@ order, in one run or in several.
   recorded as failed with its message.
 * A chunk that its worker process dies of is tried again twice, then cell by cell; a cell that its
   process dies of twice is recorded as failed. (Cells computed singly agree with those of a chunk
-  as far as the chunk's function does.)
+  as far as the chunk's function does.) Where it is not certain which of several tasks a worker died
+  of, each is tried again with nothing else going on.
 * With a store every finished chunk is kept, under a key made of function, configuration, code and
   cells; what is there already is not computed again, unless cells of it failed.
 * SIGINT and SIGTERM end the workers at once and raise :class:`Stopped`.
@@ -300,13 +301,14 @@ class _Run:
         self.parts: dict[int, Part] = {}
         self.singles: dict[int, dict[int, Part]] = {}  # of chunks computed cell by cell
         self.waiting: deque[_Piece] = deque()
+        self.suspects: deque[_Piece] = deque()  # what may have ended a worker
         self.flying: dict[Future[Part], tuple[int, _Piece]] = {}
         self.done, self.total = 0, job.cells
 
     def outcome(self) -> Outcome:
         kept = self._take_kept()
         self.progress(self.done, self.total)
-        while self.waiting or self.flying:
+        while self.waiting or self.suspects or self.flying:
             self.stop.check()
             self._send()
             finished, _ = wait(self.flying, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
@@ -331,7 +333,9 @@ class _Run:
         return len(self.parts)
 
     def _send(self) -> None:
-        """Give every free lane a piece."""
+        """Give every free lane a piece; suspects come last, each by itself."""
+        if self.suspects and not (self.waiting or self.flying):
+            self.waiting.append(self.suspects.popleft())
         lanes = self.crew.lanes(len(self.waiting) + len(self.flying))
         free = set(range(lanes)) - {lane for lane, _ in self.flying.values()}
         for lane in sorted(free):
@@ -379,7 +383,7 @@ class _Run:
         if alone:
             allowed = min(allowed, _DEATHS_OF_A_CELL - 1)
         if piece.deaths <= allowed:
-            self.waiting.append(piece)
+            (self.waiting if self.crew.certain else self.suspects).append(piece)
         elif alone:
             self._file(piece, _failed(self.job.blanks, _DIED))
         else:

@@ -57,6 +57,10 @@ class Crew(Protocol):
     def elsewhere(self) -> bool:
         """Whether tasks run in other processes."""
 
+    @property
+    def certain(self) -> bool:
+        """Whether a task whose worker died was the only one that this worker had."""
+
     def lanes(self, tasks_left: int) -> int:
         """How many tasks the crew takes at once, told how many there are."""
 
@@ -96,6 +100,7 @@ class SerialCrew:
 
     retries = 0
     elsewhere = False
+    certain = True
 
     def __init__(self) -> None:
         self._executor = _InThisProcess()
@@ -172,6 +177,7 @@ class ProcessCrew:
 
     retries = 2
     elsewhere = True
+    certain = True
 
     def __init__(self, workers: int | None = None) -> None:
         self._lanes = [_Lane() for _ in range(available_cores() if workers is None else workers)]
@@ -218,6 +224,11 @@ class AutomaticCrew:
         """Whether the processes have taken over."""
         return self._crew.elsewhere
 
+    @property
+    def certain(self) -> bool:
+        """That of the present crew."""
+        return self._crew.certain
+
     def lanes(self, tasks_left: int) -> int:
         """One, or the number of processes once they pay."""
         serial = isinstance(self._crew, SerialCrew)
@@ -251,8 +262,9 @@ class DaskCrew:
     ended several (`distributed.scheduler.allowed-failures`).
     """
 
-    retries = 0
+    retries = 1
     elsewhere = True
+    certain = False
 
     def __init__(self, scheduler: str, workers: int | None = None) -> None:
         try:

@@ -432,7 +432,7 @@ def test_killed_runs_go_on_and_end_alike(functions: Any, tmp_path: Path, workers
 def test_twenty_kills(functions: Any, tmp_path: Path, scheduler: str) -> None:
     if scheduler:
         pytest.importorskip("distributed")
-    kills = np.random.default_rng(7).integers(1, 29, 20)
+    kills = np.random.default_rng(7).choice(np.arange(1, 29), 20, replace=False)
     driver = Driver(tmp_path, 2, scheduler)
     kill_and_finish(driver, expected_values(functions), sorted(kills.tolist()))
 
