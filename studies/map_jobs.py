@@ -171,7 +171,8 @@ def sized_map_dataset(
         for name, (unit, text) in sizing_columns.DESCRIBED.items()
     }
     data = xr.Dataset(
-        variables | {"status": (dims, columns["status"], status_attributes())},
+        variables
+        | {"status": (dims, columns["status"], sizing_columns.flag_attributes(SizingStatus))},
         coords=feasibility_map.coordinates(latitudes_deg, days),
         attrs={
             "Conventions": "CF-1.11",
@@ -186,15 +187,6 @@ def sized_map_dataset(
         },
     )
     return data.assign_attrs(_failed_cells(job, outcome))
-
-
-def status_attributes() -> dict[str, Any]:
-    """CF attributes of the flags that tell how a sizing ended."""
-    return {
-        "long_name": "how the sizing ended",
-        "flag_values": np.array([s.value for s in SizingStatus], np.int8),
-        "flag_meanings": " ".join(s.name for s in SizingStatus),
-    }
 
 
 # Objective -> variable that is drawn.

@@ -15,7 +15,7 @@ from sizing.objectives import Objective
 from sizing.optimiser import SizingResult, size_aircraft
 from sizing.performance import SolarModel
 
-__all__ = ["BLANKS", "DESCRIBED", "SizingStatus", "size_cells", "sizing_columns"]
+__all__ = ["BLANKS", "DESCRIBED", "SizingStatus", "flag_attributes", "size_cells", "sizing_row"]
 
 
 class SizingStatus(IntEnum):
@@ -25,6 +25,7 @@ class SizingStatus(IntEnum):
     optimal = 0
     infeasible = 1
     not_converged = 2
+    invalid = 3
 
 
 _NAN = np.float64("nan")
@@ -67,13 +68,8 @@ DESCRIBED: dict[str, tuple[str, str]] = {
 }
 
 
-def sizing_columns(results: Sequence[SizingResult]) -> dict[str, Any]:
-    """Columns of several sizings."""
-    rows = [_row(result) for result in results]
-    return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
-
-
-def _row(result: SizingResult) -> dict[str, Any]:
+def sizing_row(result: SizingResult) -> dict[str, Any]:
+    """What a sizing has to say; what it has not is missing, see :data:`BLANKS`."""
     status = SizingStatus[result.status]
     row: dict[str, Any] = {"status": status}
     if status is SizingStatus.not_converged:
@@ -120,7 +116,7 @@ def size_cells(
             continue
         update = {"latitude_deg": latitude, "dates": Dates(on=date_code(day)), "launch": None}
         placed = mission.model_copy(update=update)
-        rows.append(_row(size_aircraft(aircraft, placed, objective, solar)))
+        rows.append(sizing_row(size_aircraft(aircraft, placed, objective, solar)))
     return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
 
 
@@ -130,3 +126,12 @@ _POLAR_NIGHT: dict[str, Any] = {
     "violated_requirement": "sun",
     "message": "polar night: the sun never rises",
 }
+
+
+def flag_attributes(flags: type[IntEnum]) -> dict[str, Any]:
+    """CF attributes of a status."""
+    return {
+        "long_name": "how it ends",
+        "flag_values": np.array([s.value for s in flags], np.int8),
+        "flag_meanings": " ".join(s.name for s in flags),
+    }
