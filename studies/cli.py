@@ -25,6 +25,7 @@ from studies.command_options import require_path as _require_path
 from studies.command_options import solar_model as _solar_model
 from studies.command_options import write_files as _write_files
 from studies.map_command import map_
+from studies.sweep_command import sweep
 from studies.verify_command import verify
 
 if TYPE_CHECKING:
@@ -410,6 +411,7 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
 
 
 cli.add_command(map_)
+cli.add_command(sweep)
 cli.add_command(verify)
 
 

@@ -193,13 +193,22 @@ def sized_map_dataset(
 _SHOWN = {"max_excess_time": "excess_time", "min_wingspan": "wingspan", "min_mass": "total_mass"}
 
 
+HATCHES = {
+    SizingStatus.infeasible: "////",
+    SizingStatus.not_converged: "xxxx",
+    SizingStatus.failed: "....",
+    SizingStatus.invalid: "....",
+}
+
+
 def sized_map_figure(data: xr.Dataset) -> Figure:
     """Objective of the best design over season and latitude; cells without one are hatched.
 
     Cells are drawn as they are: nothing is smoothed or filled in between.
     """
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
+
+    from studies.hatching import hatch_cells
 
     name = _SHOWN.get(data.attrs["objective"], "wingspan")
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
@@ -209,20 +218,10 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     values = np.where(optimal, data[name].to_numpy(), np.nan)
     mesh = axes.pcolormesh(days, latitudes, values, cmap="viridis", shading="nearest")
     figure.colorbar(mesh, ax=axes).set_label(f"{data[name].long_name} [{data[name].units}]")
-    hatched = []
-    for status, hatch in (
-        (SizingStatus.infeasible, "////"),
-        (SizingStatus.not_converged, "xxxx"),
-        (SizingStatus.failed, "...."),
-    ):
-        here = data["status"].to_numpy() == status
-        if here.any():
-            mark = np.ma.masked_where(~here, np.zeros(here.shape))
-            axes.pcolor(days, latitudes, mark, hatch=hatch, alpha=0.0, shading="nearest")
-            label = status.name.replace("_", " ")
-            hatched.append(Patch(facecolor="white", edgecolor="grey", hatch=hatch, label=label))
-    if hatched:
-        figure.legend(handles=hatched, loc="outside lower right", ncols=3)
+    names = {status: status.name for status in HATCHES}
+    handles = hatch_cells(axes, days, latitudes, data["status"].to_numpy(), HATCHES, names)
+    if handles:
+        figure.legend(handles=handles, loc="outside lower right", ncols=3)
     feasibility_map.season_axes(axes, days)
     corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
     axes.set_title(

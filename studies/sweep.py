@@ -309,7 +309,7 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     variables = {
         name: (dims, columns[name].reshape(shape), {"units": text[0], "long_name": text[1]})
         for name, text in described.items()
-        if name in columns
+        if name in columns and name not in coords  # the aspect ratio may be varied
     }
     flags = PointStatus if objective is None else SizingStatus
     status = columns["status"].reshape(shape)

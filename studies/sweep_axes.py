@@ -22,6 +22,7 @@ __all__ = [
     "parse_axis",
     "points",
     "unit_of",
+    "without_unit",
 ]
 
 SampleName = Literal["grid", "lhs", "sobol", "one-at-a-time"]
@@ -95,11 +96,24 @@ def unit_of(key: str) -> str:
     return next((unit for ending, unit in _UNITS if key.endswith(ending)), "1")
 
 
+def without_unit(name: str) -> str:
+    """Name without the unit that it ends in."""
+    return next((name.removesuffix(end) for end, _ in _UNITS if name.endswith(end)), name)
+
+
 def axis_names(axes: Sequence[Axis]) -> list[str]:
-    """Name of every axis in results: the last part of its key, more where that is not unique."""
-    last = [axis.design_variable or axis.key.rpartition(".")[2] for axis in axes]
+    """Name of every axis in results: the end of its key, as much of it as is unique."""
+    short = [axis.design_variable or _short(axis.key) for axis in axes]
     whole = [axis.key.replace(".", "_") for axis in axes]
-    return [name if last.count(name) == 1 else full for name, full in zip(last, whole, strict=True)]
+    return [
+        name if short.count(name) == 1 else full for name, full in zip(short, whole, strict=True)
+    ]
+
+
+def _short(key: str) -> str:
+    """Last part of a key; one word alone (a mass, but of what?) takes the part before it along."""
+    *before, last = key.removeprefix("mission.").split(".")
+    return last if "_" in without_unit(last) or not before else f"{before[-1]}_{last}"
 
 
 def parse_axis(text: str) -> Axis:

@@ -123,6 +123,10 @@ def varied_files(
     )
 
 
+def _problems(error: InputError) -> str:
+    return "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
+
+
 def _groups(
     configuration: SweepConfiguration, cells: Sequence[Cell], batch: Sequence[str]
 ) -> dict[tuple[float, ...], list[int]]:
@@ -149,7 +153,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
             aircraft, mission = varied_files(aircraft_file, mission_file, keys, own)
         except InputError as error:
             for number in numbers:
-                rows[number] = {"status": PointStatus.invalid, "message": str(error)}
+                rows[number] = {"status": PointStatus.invalid, "message": _problems(error)}
             continue
         if measured:
             found = performance(aircraft, mission, configuration.solar)
@@ -287,7 +291,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
                 aircraft_file, mission_file, list(files), list(files.values())
             )
         except InputError as error:
-            rows.append({"status": SizingStatus.invalid, "message": str(error)})
+            rows.append({"status": SizingStatus.invalid, "message": _problems(error)})
             continue
         result = size_aircraft(
             held(aircraft, fixed), mission, configuration.objective, configuration.solar
