@@ -33,7 +33,10 @@ def hatch_cells(
     hatches: Mapping[Any, str],
     names: Mapping[Any, str],
 ) -> list[Patch]:
-    """Hatch cells by their status, shape ``(y, x)``, and return the entries of a legend."""
+    """Hatch cells by their status, shape ``(y, x)``, and return the entries of a legend.
+
+    Cells whose hatch is empty are filled with grey.
+    """
     across, up = cell_edges(x), cell_edges(y)
     entries = []
     for value, hatch in hatches.items():
@@ -49,7 +52,11 @@ def hatch_cells(
             ]
             for i, j in zip(rows, columns, strict=True)
         ]
-        style: dict[str, Any] = {"facecolor": "none", "edgecolor": "grey", "hatch": hatch}
+        style: dict[str, Any] = {
+            "facecolor": "none" if hatch else "lightgrey",
+            "edgecolor": "grey",
+            "hatch": hatch or None,
+        }
         axes.add_collection(PolyCollection(corners, linewidth=0.0, **style))
         entries.append(Patch(label=names[value].replace("_", " "), linewidth=0.5, **style))
     return entries

@@ -194,10 +194,10 @@ _SHOWN = {"max_excess_time": "excess_time", "min_wingspan": "wingspan", "min_mas
 
 
 HATCHES = {
-    SizingStatus.infeasible: "////",
-    SizingStatus.not_converged: "xxxx",
-    SizingStatus.failed: "....",
-    SizingStatus.invalid: "....",
+    SizingStatus.infeasible: "///",
+    SizingStatus.not_converged: "xx",
+    SizingStatus.failed: "..",
+    SizingStatus.invalid: "..",
 }
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import matplotlib
 import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -22,7 +24,12 @@ from studies.sweep_points import PointStatus
 __all__ = ["figure_of", "pareto_figure", "pareto_front", "pareto_table"]
 
 MAXIMUM_PANELS = 12
-_HATCHES = ("////", "....", "xxxx", "++++")
+_HATCHES = {
+    "infeasible": "///",
+    "invalid": "\\\\\\",
+    "not_converged": "xx",
+    "failed": "..",
+}
 # Objective -> variable that a chart of sized points shows, and another one beside it.
 _SHOWN = {
     "": ("excess_time", "charge_margin"),
@@ -116,7 +123,7 @@ def line_figure(data: xr.Dataset) -> Figure:
             axes.plot(gone, places, "x", color="grey", transform=transform, label="no result")
             axes.legend(fontsize="small")
     panels[-1].set(xlabel=_label(data, name))
-    figure.suptitle(_title(data), parse_math=False, fontsize="medium")
+    figure.suptitle(_title(data), parse_math=False, fontsize="medium", wrap=True)
     return figure
 
 
@@ -124,7 +131,7 @@ def contour_figure(data: xr.Dataset) -> Figure:
     """Two variables over the first two axes; a third axis makes panels.
 
     Colours are the computed points themselves; contour lines are drawn between neighbouring points
-    that all have a result.
+    that all fly for ever, or were sized. Others are grey, or hatched where they have no result.
     """
     names = [str(n) for n in data["status"].dims]
     third = data[names[2]].to_numpy() if len(names) == 3 else [None]
@@ -150,42 +157,50 @@ def contour_figure(data: xr.Dataset) -> Figure:
         axes.set(ylabel=_label(data, names[1]))
     if handles:
         figure.legend(handles=list(handles.values()), loc="outside lower right", ncols=4)
-    figure.suptitle(_title(data), parse_math=False, fontsize="medium")
+    figure.suptitle(_title(data), parse_math=False, fontsize="medium", wrap=True)
     return figure
 
 
+def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
+    """Values of the points that fly for ever, or were sized; NaN elsewhere."""
+    values = np.where(feasible(data), data[variable].to_numpy(), np.nan)
+    return np.where(np.isfinite(values), values, np.nan)
+
+
 def _norm(data: xr.Dataset, variable: str) -> Normalize:
-    """Range of colours: of the excess time what flies for ever, the rest is drawn as one."""
-    values = np.where(_drawable(data), data[variable].to_numpy(), np.nan)
+    """Range of colours."""
+    values = _shown_values(data, variable)
     values = values[np.isfinite(values)]
     if not len(values):
         return Normalize(0.0, 1.0)
     low, high = float(values.min()), float(values.max())
-    if variable == "excess_time" and high > 0.0:
-        low = 0.0
     return Normalize(low, high if high > low else low + 1.0)
 
 
 def _draw_contours(
     axes: Axes, data: xr.Dataset, names: list[str], variable: str, norm: Normalize
 ) -> tuple[Any, list[Any]]:
+    flat = data.transpose(*names[::-1])
     x, y = (data[name].to_numpy() for name in names)
-    status = data["status"].transpose(*names[::-1]).to_numpy()
-    shown = _drawable(data).transpose(*names[::-1]).to_numpy()
-    values = data[variable].transpose(*names[::-1]).to_numpy()
-    values = np.where(shown & np.isfinite(values), values, np.nan)
-    colours = _colour_map(variable)
-    mesh = axes.pcolormesh(x, y, values, cmap=colours, norm=norm, shading="nearest")
+    status = flat["status"].to_numpy()
+    values = _shown_values(flat, variable)
+    mesh = axes.pcolormesh(x, y, values, cmap="viridis", norm=norm, shading="nearest")
+    good = feasible(flat).to_numpy()
     reasons = _reasons(data)
-    hatches = dict(zip(reasons, _HATCHES, strict=False))
-    entries = hatch_cells(axes, x, y, status, hatches, reasons)
+    entries = []
+    if (~good & _drawable(flat).to_numpy()).any():
+        grey = hatch_cells(axes, x, y, ~good & _drawable(flat).to_numpy(), {True: ""}, _LIMITED)
+        entries += grey
+    hatches = {value: _HATCHES[name] for value, name in reasons.items()}
+    entries += hatch_cells(axes, x, y, status, hatches, reasons)
     if min(values.shape) > 1 and np.isfinite(values).sum() > 3:
-        levels = _levels(norm)
-        lines = axes.contour(x, y, values, levels, colors="black", linewidths=0.7)
+        # No line leads from a point with a design to one without.
+        lines = axes.contour(x, y, values, _levels(norm), colors="black", linewidths=0.7)
         axes.clabel(lines, fontsize="small")
-        if variable == "excess_time" and np.nanmin(values) < 0.0 < np.nanmax(values):
-            axes.contour(x, y, values, [0.0], colors="black", linewidths=2.0)
     return mesh, entries
+
+
+_LIMITED = {True: "not for ever"}
 
 
 def _levels(norm: Normalize) -> NDArray[np.float64]:
@@ -195,16 +210,6 @@ def _levels(norm: Normalize) -> NDArray[np.float64]:
     assert norm.vmax is not None
     levels = np.asarray(MaxNLocator(8).tick_values(norm.vmin, norm.vmax))
     return levels[(levels > norm.vmin) & (levels < norm.vmax)]
-
-
-def _colour_map(variable: str) -> Any:
-    """Colours that grow lighter; what lies below the range is grey."""
-    import matplotlib
-
-    colours = matplotlib.colormaps["viridis"].copy()
-    if variable == "excess_time":
-        colours.set_under("lightgrey")
-    return colours
 
 
 # ---- Samples
@@ -219,8 +224,8 @@ def parallel_figure(data: xr.Dataset) -> Figure:
         If no point has a result.
     """
     variable = _variables(data)[0]
-    table = to_table(data)[np.asarray(_drawable(data)).ravel()]
-    table = table[np.isfinite(table[variable])]
+    table = to_table(data).assign(good=np.asarray(feasible(data)).ravel())
+    table = table[np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])]
     if table.empty:
         raise ValueError("no point has a result: there is nothing to draw")
     names = [n for n in (str(name) for name in data.coords) if n in table.columns]
@@ -229,33 +234,28 @@ def parallel_figure(data: xr.Dataset) -> Figure:
     axes = figure.subplots()
     low, high = (getattr(table[columns], end)() for end in ("min", "max"))
     span = (high - low).where(high > low, 1.0)
-    norm = Normalize(float(low[variable]), float(high[variable]))
-    mapped = _colour_map("")
-    for _, row in table.sort_values(variable).iterrows():
-        heights = (row[columns] - low) / span
-        colour = mapped(norm(row[variable]))
-        axes.plot(range(len(columns)), heights.astype(float), color=colour, alpha=0.6, linewidth=1)
+    good = table[table["good"]]
+    norm = Normalize(float(good[variable].min()), float(good[variable].max()))
+    colours = matplotlib.colormaps["viridis"]
+    for _, row in table.sort_values(["good", variable]).iterrows():
+        heights = ((row[columns] - low) / span).astype(float)
+        colour = colours(norm(row[variable])) if row["good"] else "lightgrey"
+        axes.plot(range(len(columns)), heights, color=colour, alpha=0.7, linewidth=1)
     for place, name in enumerate(columns):
-        axes.axvline(place, color="black", linewidth=0.8)
+        axes.plot([place, place], [0.0, 1.0], color="black", linewidth=0.8)
         for height, value in ((-0.04, low[name]), (1.04, high[name])):
             axes.annotate(f"{value:.4g}", (place, height), ha="center", va="center")
     axes.set_xticks(range(len(columns)), [_label(data, n).replace(" [", "\n[") for n in columns])
     axes.set(yticks=[], ylim=(-0.08, 1.08))
     for side in ("left", "right", "top", "bottom"):
         axes.spines[side].set_visible(False)
-    bar = figure.colorbar(matplotlib_mappable(norm, mapped), ax=axes)
-    bar.set_label(_label(data, variable))
+    if len(good):
+        bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes)
+        bar.set_label(f"{_label(data, variable)}; grey: not for ever")
     lost = int((~_drawable(data)).sum())
     note = f"; {lost} points without a result left out" if lost else ""
-    figure.suptitle(_title(data) + note, parse_math=False, fontsize="medium")
+    figure.suptitle(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
     return figure
-
-
-def matplotlib_mappable(norm: Normalize, colours: Any) -> Any:
-    """What a colour bar needs where nothing else carries the colours."""
-    from matplotlib.cm import ScalarMappable
-
-    return ScalarMappable(norm, colours)
 
 
 def one_at_a_time_figure(data: xr.Dataset) -> Figure:
@@ -292,9 +292,10 @@ def one_at_a_time_figure(data: xr.Dataset) -> Figure:
     labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels, fontsize="small")
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
+    axes.use_sticky_edges = False
     axes.margins(x=0.12)
     axes.grid(alpha=0.3, axis="x")
-    axes.set_title(_title(data), parse_math=False, fontsize="medium")
+    axes.set_title(_title(data), parse_math=False, fontsize="medium", wrap=True)
     return figure
 
 
@@ -394,5 +395,5 @@ def pareto_figure(data: xr.Dataset, x: str, y: str) -> Figure:
     axes.grid(alpha=0.3)
     count = data["status"].size - len(table)
     note = f"; {count} points without a design left out" if count else ""
-    axes.set_title(_title(data) + note, parse_math=False, fontsize="medium")
+    axes.set_title(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
     return figure
