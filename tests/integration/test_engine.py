@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -526,3 +528,47 @@ def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("studies.workers._CONNECT_S", 1.0)
     with pytest.raises(WorkersUnavailableError, match="no worker at the scheduler tcp"):
         DaskCrew("tcp://127.0.0.1:1")
+
+
+@pytest.mark.slow
+def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
+    functions: Any, tmp_path: Path
+) -> None:
+    pytest.importorskip("distributed")
+    log = tmp_path / "log"
+    log.mkdir()
+    job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
+    started = []
+    try:
+        place = tmp_path / "scheduler.json"
+        options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+        started.append(dask("scheduler", *options, "--scheduler-file", str(place)))
+        deadline = time.monotonic() + 60.0
+        while not place.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        address = json.loads(place.read_text())["address"]
+        worker = [address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        started += [dask("worker", *worker, "--name", name) for name in ("one", "two")]
+        crew = DaskCrew(address)
+        crew._client.wait_for_workers(2, timeout=60)
+        killer = threading.Timer(1.0, started[1].kill)
+        killer.start()
+        outcome = run(job, crew)
+        assert started[1].wait(timeout=10) == -signal.SIGKILL
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    pids = {path.name.split("-")[2] for path in log.iterdir()}
+    assert pids == {str(started[1].pid), str(started[2].pid)}
+    assert_identical(outcome, run(functions.job(functions.Settings(), cells=60, each=2)))
+
+
+def dask(*arguments: str) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "dask", *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=environment(),
+    )

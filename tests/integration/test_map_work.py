@@ -165,7 +165,7 @@ def test_a_stopped_command_says_how_to_go_on(
     tmp_path: Path, signum: signal.Signals, workers: str
 ) -> None:
     asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "30:50:10"]
-    asked = ["map", *asked, "--days", "100:260:8", "--out", "m.nc", "--workers", workers]
+    asked = ["map", *asked, "--days", "100:260:16", "--out", "m.nc", "--workers", workers]
     process = command(*asked, cwd=tmp_path)
     folder = tmp_path / "m.nc.parts"
     deadline = time.monotonic() + 60.0
