@@ -45,7 +45,7 @@ def main(arguments: list[str]) -> None:
             SolarModel(),
             Objective.min_wingspan,
         ),
-        np.linspace(-60.0, 60.0, 13),
+        np.linspace(-60.0, 60.0, 7),
         np.arange(1.0, 366.0, 28.0),
     )
     print(f"{job.cells} cells in {len(job.chunks)} chunks, {available_cores()} cores")

@@ -195,7 +195,7 @@ def points(
     Notes
     -----
     McKay, M. D., Beckman, R. J. and Conover, W. J. (1979), Technometrics 21, 239-245 (Latin
-    hypercube); Owen, A. B. (1998), ACM TOMACS 8, 71-102 (scrambled Sobol sequence).
+    hypercube); Owen, A. B. (1998), Journal of Complexity 14, 466-489 (scrambled Sobol sequence).
     """
     if sample == "grid":
         return _grid(axes)

@@ -212,7 +212,7 @@ class AutomaticCrew:
     def __init__(self, workers: int | None = None) -> None:
         self._most = available_cores() if workers is None else workers
         self._crew: SerialCrew | ProcessCrew = SerialCrew()
-        self._tasks, self._spent_s = 0, 0.0
+        self._tasks, self._spent_s, self._warm = 0, 0.0, False
 
     @property
     def retries(self) -> int:
@@ -242,8 +242,10 @@ class AutomaticCrew:
         """Compute here and take the time, or send the task to a process."""
         begun = time.perf_counter()
         future = self._crew.submit(lane, work, task)
-        self._tasks += 1
-        self._spent_s += time.perf_counter() - begun
+        if self._warm:
+            self._tasks += 1
+            self._spent_s += time.perf_counter() - begun
+        self._warm = True  # the first task also imports what it needs
         return future
 
     def died(self, lane: int, error: BaseException) -> bool:
