@@ -132,8 +132,8 @@ class ChunkStore:
         free = shutil.disk_usage(self.folder).free
         if free < needed:
             raise OutputError(
-                f"not enough room in {self.folder}: about {needed / 1e6:.0f} MB are needed, "
-                f"{free / 1e6:.0f} MB are free"
+                f"not enough room in {self.folder}: about {needed / 1e6:.3g} MB are needed, "
+                f"{free / 1e6:.3g} MB are free"
             )
 
     def path(self, key: str) -> Path:

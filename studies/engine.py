@@ -419,9 +419,10 @@ class _Stop:
         self._held = 0
 
     def handle(self, signum: int, frame: FrameType | None) -> None:
+        again = self._signum is not None
         self._signum = signum
         # Others that come while the workers are ended change nothing.
-        if not self._held:
+        if not (again or self._held):
             raise Stopped(signum)
 
     def check(self) -> None:

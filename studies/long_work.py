@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -114,18 +115,19 @@ def completed(
         if folder is not None:
             opened = ChunkStore(folder).opened(job.size_bytes, len(job.chunks))
             store = stack.enter_context(opened)
-        crew = crew_of(options.workers, options.scheduler)
         try:
+            crew = crew_of(options.workers, options.scheduler)
             with progress_of(unit) as progress:
                 outcome = run(job, crew, store, progress)
-        except Stopped as stopped:
+            _tell_failures(job, outcome, unit)
+            yield outcome
+        except (Stopped, KeyboardInterrupt) as stopped:
+            number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
             click.echo(f"stopped; {_kept(job, store)}", err=True)
-            sys.exit(128 + stopped.signum)
+            sys.exit(128 + number)
         except OutputError as error:
             click.echo(f"solar-uav: {error}; {_kept(job, store)}", err=True)
             sys.exit(_EXIT_FAILED)
-        _tell_failures(job, outcome, unit)
-        yield outcome
         if store is not None and not options.keep_parts and not outcome.failures:
             store.remove_parts()
 

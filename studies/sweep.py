@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 __all__ = ["Study", "dataset", "feasible", "prepare", "sweep", "to_table"]
 
 _CHUNK_S = 0.5
+_CHECKED_VALUES = 50
 # Times [s], roughly, that decide the size of chunks and nothing else.
 _SCENARIO_S, _SCENARIO_ON_PATH_S, _AIRCRAFT_S, _SIZING_S = 3e-4, 1e-2, 3e-2, 0.25
 
@@ -212,13 +213,21 @@ def _check_values(aircraft: LoadedAircraft, mission: LoadedMission, axis: Axis) 
         if min(axis.values) < least:
             raise _vary_error(axis.key, f"must be positive (got {min(axis.values):g})")
         return
-    problems = []
-    for value in axis.values:
+    for value in _telling_values(axis.values):
         try:
             varied_files(aircraft.document, mission.document, (axis.key,), (value,))
         except InputError as error:
-            problems = [replace(p, source=f"--vary {axis.key}") for p in error.problems]
-            raise InputError(problems[:1]) from None
+            raise InputError(
+                [replace(p, source=f"--vary {axis.key}") for p in error.problems[:1]]
+            ) from None
+
+
+def _telling_values(values: Sequence[float]) -> list[float]:
+    """Values worth a check of their own: of many the ends, and the first that is no integer."""
+    if len(values) <= _CHECKED_VALUES:
+        return list(values)
+    broken = [value for value in values if value != round(value)][:1]
+    return [min(values), max(values), *broken]
 
 
 def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:

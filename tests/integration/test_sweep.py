@@ -378,3 +378,22 @@ def test_command_names_mistakes(run: Any, arguments: list[str], words: str) -> N
     assert answer.exit_code == 2
     assert words in answer.output
     assert "Traceback" not in answer.output
+
+
+def test_parquet_holds_table_and_configuration(run: Any, tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    vary = ["--vary", "battery_mass_kg=2,3", "--out", "s.parquet"]
+    answer = run("atlantiksolar-design", *vary)
+    assert answer.exit_code == 0, answer.output
+    table = pd.read_parquet(tmp_path / "s.parquet")
+    assert table["battery_mass_kg"].tolist() == [2.0, 3.0]
+    assert json.loads(table.attrs["mission"])["name"] == "rafz-july"
+
+
+def test_parquet_without_its_package_is_refused_at_once(
+    run: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    answer = run("atlantiksolar-design", "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")
+    assert answer.exit_code == 2
+    assert "solar-uav-sizing[parquet]" in answer.output
