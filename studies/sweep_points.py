@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from missions.configfile import validate
+from missions.flight_path import orbit
 from missions.mission import Mission
 from missions.overrides import with_overrides
 from missions.problems import InputError
@@ -26,6 +27,7 @@ from sizing.performance import (
     solar_day,
 )
 from sizing.sizing_problem import design_rows
+from solar.names import ATTITUDE_MODELS
 from studies import sizing_columns
 from studies.engine import Cell
 from studies.sizing_columns import SizingStatus
@@ -123,6 +125,18 @@ def varied_files(
     )
 
 
+def _unflyable(solar: SolarModel, mission: Mission) -> str | None:
+    """Why the flight path cannot be held in the wind, for the models that fly it."""
+    needed = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
+    if not needed or mission.flight_path is None:
+        return None
+    try:
+        orbit(mission.flight_path, mission.wind, samples=4)
+    except ValueError as error:
+        return f"flight path: {error}"
+    return None
+
+
 def _problems(error: InputError) -> str:
     return "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
 
@@ -154,6 +168,11 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         except InputError as error:
             for number in numbers:
                 rows[number] = {"status": PointStatus.invalid, "message": _problems(error)}
+            continue
+        trouble = _unflyable(configuration.solar, mission)
+        if trouble is not None:
+            for number in numbers:
+                rows[number] = {"status": PointStatus.infeasible, "message": trouble}
             continue
         if measured:
             found = performance(aircraft, mission, configuration.solar)
@@ -292,6 +311,10 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
             )
         except InputError as error:
             rows.append({"status": SizingStatus.invalid, "message": _problems(error)})
+            continue
+        trouble = _unflyable(configuration.solar, mission)
+        if trouble is not None:
+            rows.append({"status": SizingStatus.infeasible, "message": trouble})
             continue
         result = size_aircraft(
             held(aircraft, fixed), mission, configuration.objective, configuration.solar

@@ -18,7 +18,7 @@ from missions.problems import InputError
 from sizing.design import design_of
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
-from sizing.performance import performance
+from sizing.performance import SolarModel, performance
 from studies import sweep_plots
 from studies.cli import cli
 from studies.library import LoadedAircraft, LoadedMission, load_aircraft, load_mission
@@ -185,6 +185,16 @@ def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
     assert "below the wind" in str(windy["message"].values[1, 0])
 
 
+def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
+    data = study(
+        DESIGN, SUMMER, "mission.wind_m_per_s=2,30", "battery_mass_kg=3", solar=SolarModel("FM")
+    )
+    good, bad = data["status"].values.ravel()
+    assert good <= PointStatus.perpetual
+    assert bad == PointStatus.infeasible
+    assert "flight path: " in str(data["message"].values[1, 0])
+
+
 def test_a_combination_that_the_files_refuse_is_invalid() -> None:
     data = study(AS2, JULY, "module_area_m2=1.3,1.9")
     assert data["status"].values.tolist() == [PointStatus.perpetual, PointStatus.invalid]
@@ -213,8 +223,6 @@ def test_processes_agree_to_the_last_bit() -> None:
 
 
 def prepare_chunks(axes: list[Axis]) -> int:
-    from sizing.performance import SolarModel
-
     return len(prepare(DESIGN, JULY, axes, SolarModel()).job.chunks)
 
 
