@@ -9,28 +9,30 @@ import io
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from solar._version import __version__
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from solar.names import OBJECTIVE_NAMES
+from studies.command_options import DEFAULT_MISSION, solar_options
+from studies.command_options import console as _console
+from studies.command_options import image_format as _image_format
+from studies.command_options import load as _load
+from studies.command_options import print_json as _print_json
+from studies.command_options import require_path as _require_path
+from studies.command_options import solar_model as _solar_model
+from studies.command_options import write_files as _write_files
+from studies.map_command import map_
+from studies.sweep_command import sweep
 from studies.verify_command import verify
 
 if TYPE_CHECKING:
     from missions.mission import Mission
-    from sizing.performance import SolarModel
-    from studies.library import LoadedAircraft, LoadedMission
+    from studies.library import LoadedMission
 
-DEFAULT_MISSION = "rafz-july"
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
-
-_MAXIMUM_GRID = 2000
-
-Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 class Latitude(click.ParamType[float]):
@@ -53,35 +55,6 @@ class Latitude(click.ParamType[float]):
         return number
 
 
-class Grid(click.ParamType["list[float]"]):
-    """Evenly spaced numbers ``first:last:step``, both ends included."""
-
-    name = "first:last:step"
-
-    def __init__(self, lowest: float, highest: float) -> None:
-        self.lowest, self.highest = lowest, highest
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> list[float]:
-        """Read the numbers and check their range."""
-        try:
-            first, last, step = (float(part) for part in str(value).split(":"))
-        except ValueError:
-            self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
-        if not (self.lowest <= first <= last <= self.highest and step > 0.0):
-            self.fail(
-                f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
-                f"(got {value})",
-                param,
-                ctx,
-            )
-        count = int((last - first) / step + 1e-9) + 1
-        if count > _MAXIMUM_GRID:
-            self.fail(f"has {count} numbers, at most {_MAXIMUM_GRID} are allowed", param, ctx)
-        return [first + i * step for i in range(count)]
-
-
 class MonthDay(click.ParamType[int]):
     """A date MM-DD, as a day of year."""
 
@@ -95,37 +68,6 @@ class MonthDay(click.ParamType[int]):
             return day_of_year(str(value))
         except ValueError as error:
             self.fail(str(error), param, ctx)
-
-
-def solar_options(command: Command) -> Command:
-    """Options of the solar power model, shared by all studies."""
-    for option in (
-        click.option(
-            "--set",
-            "overrides",
-            metavar="KEY=VALUE",
-            multiple=True,
-            help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
-            "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
-        ),
-        click.option(
-            "--correction",
-            type=click.Choice(CORRECTION_NAMES),
-            default="none",
-            show_default=True,
-            help="Correct the model's systematic error as measured in flight.",
-        ),
-        click.option(
-            "--model",
-            type=click.Choice(MODEL_NAMES),
-            default="CAM",
-            show_default=True,
-            help="Solar power model.",
-        ),
-        click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables."),
-    ):
-        command = option(command)
-    return command
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -371,69 +313,6 @@ def published(as_json: bool, markdown_file: str | None) -> None:
         sys.exit(EXIT_FAILED)
 
 
-@cli.command(name="map")
-@click.argument("aircraft")
-@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
-@click.option("--latitudes", type=Grid(-90.0, 90.0), default="-70:70:2", show_default=True)
-@click.option("--days", type=Grid(1.0, 365.0), default="1:365:4", show_default=True)
-@click.option("--endurance", is_flag=True, help="Also the longest flight of each cell (slow).")
-@click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF.")
-@click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")
-@solar_options
-def map_(
-    aircraft: str,
-    mission: str,
-    latitudes: list[float],
-    days: list[float],
-    endurance: bool,
-    out_file: str | None,
-    plot_file: str | None,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
-) -> None:
-    """Map where and when AIRCRAFT (name or file) flies for ever: latitude against season."""
-    import numpy as np
-
-    from studies import feasibility_map as study
-
-    image = _image_format(plot_file)
-    craft, where = _load(aircraft, mission, overrides)
-    _require_path(model, correction, craft, where)
-    with _progress("cells") as progress:
-        data = study.feasibility_map(
-            craft.aircraft,
-            where.mission,
-            np.array(latitudes),
-            np.unique(np.round(days).astype(int)),
-            _solar_model(model, correction),
-            endurance=endurance,
-            progress=progress,
-        )
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    if out_file is not None:
-        contents[out_file] = study.to_netcdf_bytes(data)
-    if plot_file is not None and image is not None:
-        from studies.plots import to_bytes
-
-        contents[plot_file] = to_bytes(study.map_figure(data), image)
-    _write_files(contents)
-    season = study.season_length(data)
-    if as_json:
-        _print_json(
-            {
-                "latitude_deg": data["latitude"].to_numpy().tolist(),
-                "days": data["day"].to_numpy().tolist(),
-                "perpetual_days": season.to_numpy().tolist(),
-            }
-        )
-        return
-    from studies.tables import print_seasons
-
-    print_seasons(_console(), data, season)
-
-
 @cli.command(name="loiter-correction")
 @click.argument("aircraft", default="atlantiksolar-as2")
 @click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
@@ -517,26 +396,9 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     print_reproduction(_console(), record)
 
 
+cli.add_command(map_)
+cli.add_command(sweep)
 cli.add_command(verify)
-
-
-def _load(
-    aircraft: str, mission: str, overrides: tuple[str, ...]
-) -> tuple[LoadedAircraft, LoadedMission]:
-    """Load both files and report what is wrong with either of them together."""
-    from missions.problems import InputError
-    from studies.library import load_aircraft, load_mission, split_overrides
-
-    of_aircraft, of_mission = split_overrides(overrides)
-    try:
-        craft = load_aircraft(aircraft, of_aircraft)
-    except InputError as error:
-        try:
-            load_mission(mission, of_mission)
-        except InputError as second:
-            raise InputError([*error.problems, *second.problems]) from None
-        raise
-    return craft, load_mission(mission, of_mission)
 
 
 def _placed(mission: Mission, latitude_deg: float | None, day: int | None) -> Mission:
@@ -574,78 +436,6 @@ def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[f
     assert mission.flight_path is not None
     limit = largest_wind_m_per_s(mission.flight_path)
     return [w for w in winds_m_per_s if w < limit]
-
-
-def _require_path(model: str, correction: str, craft: LoadedAircraft, where: LoadedMission) -> None:
-    """Refuse VM, FM and the loiter correction without module surfaces and a flight path."""
-    if model not in ATTITUDE_MODELS and correction != "loiter":
-        return
-    from missions.configfile import located_error
-    from missions.flight_path import orbit
-
-    asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
-    if craft.aircraft.modules.geometry is None:
-        message = f"{asked} needs the module surfaces: add geometry with its surfaces"
-        raise located_error(craft.document, ("modules",), message)
-    if where.mission.flight_path is None:
-        message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
-        raise located_error(where.document, ("name",), message)
-    try:
-        orbit(where.mission.flight_path, where.mission.wind, samples=4)
-    except ValueError as error:
-        raise located_error(where.document, ("flight_path",), str(error)) from None
-
-
-def _solar_model(model: str, correction: str) -> SolarModel:
-    from sizing.performance import SolarModel
-
-    return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-
-
-@contextmanager
-def _progress(unit: str) -> Iterator[Callable[[int, int], None]]:
-    """Progress bar on a terminal's standard error, nothing elsewhere."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(unit)
-
-        def update(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
-        yield update
-
-
-def _write_files(contents: dict[str | os.PathLike[str], bytes]) -> None:
-    """Write all files of a command, or none."""
-    from missions.output_files import write_files_atomically
-
-    write_files_atomically(contents)
-
-
-def _image_format(path: str | None) -> str | None:
-    if path is None:
-        return None
-    from studies.formats import IMAGE_FORMATS, image_format
-
-    found = image_format(path)
-    if found is None:
-        allowed = ", ".join(f".{f}" for f in IMAGE_FORMATS)
-        raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
-    return found
-
-
-def _console() -> Any:
-    from rich.console import Console
-
-    # Names from files are text, never markup.
-    return Console(highlight=False, markup=False, emoji=False)
-
-
-def _print_json(record: Any) -> None:
-    click.echo(json.dumps(record, indent=2, allow_nan=False))
 
 
 def main() -> None:

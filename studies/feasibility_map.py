@@ -16,6 +16,7 @@ from solar._version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from sizing.energy_balance import FloatArray
@@ -145,14 +146,7 @@ def _dataset(
     )
     return xr.Dataset(
         variables,
-        coords={
-            "latitude": (
-                "latitude",
-                np.asarray(latitudes_deg, float),
-                {"units": "degrees_north", "standard_name": "latitude"},
-            ),
-            "day": ("day", np.asarray(days, int), {"long_name": "day of year", "units": "1"}),
-        },
+        coords=coordinates(latitudes_deg, days),
         attrs={
             "Conventions": "CF-1.11",
             "title": f"Feasibility of {aircraft.name}",
@@ -203,9 +197,7 @@ def map_figure(data: xr.Dataset) -> Figure:
     bar.set_label("excess time [h]; beyond the top: no night")
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
         axes.contour(days, latitudes, np.where(shown > 0.0, 1.0, 0.0), [0.5], colors="black")
-    starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
-    axes.set_xticks(starts, MONTH_NAMES, ha="left")
-    axes.set(ylabel="latitude [deg]", xlim=(days.min(), days.max()))
+    season_axes(axes, days)
     corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
     axes.set_title(
         f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
@@ -219,3 +211,59 @@ def _levels(top: float) -> FloatArray:
     """Symmetric levels around zero, so that white is where perpetual flight begins."""
     reach = max(2.0, float(np.ceil(top / 2.0) * 2.0))
     return np.linspace(-reach, reach, 13)
+
+
+# ---- For maps that are computed in blocks
+
+VARIABLES = _VARIABLES
+FAILED = -1  # status of a cell that could not be computed
+
+
+def map_block(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitudes_deg: FloatArray,
+    days: FloatArray,
+    solar: SolarModel,
+    endurance: bool = False,
+) -> dict[str, Any]:
+    """Metrics and status of a rectangle of cells, arrays of the shape ``(latitude, day)``."""
+    data = feasibility_map(aircraft, mission, latitudes_deg, days, solar, endurance=endurance)
+    return {str(name): values.to_numpy() for name, values in data.data_vars.items()}
+
+
+def map_dataset(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    latitudes_deg: FloatArray,
+    days: FloatArray,
+    columns: dict[str, FloatArray],
+    status: Any,
+) -> xr.Dataset:
+    """Map of blocks put together, like that of :func:`feasibility_map`.
+
+    Cells that failed have a flag of their own.
+    """
+    data = _dataset(aircraft, mission, solar, latitudes_deg, days, columns, status)
+    if (status == FAILED).any():
+        flags = data["status"].attrs
+        flags["flag_values"] = np.append(np.int8(FAILED), flags["flag_values"])
+        flags["flag_meanings"] = f"failed {flags['flag_meanings']}"
+    return data
+
+
+def coordinates(latitudes_deg: FloatArray, days: FloatArray) -> dict[str, Any]:
+    """Coordinates of a map, with CF attributes."""
+    degrees = {"units": "degrees_north", "standard_name": "latitude"}
+    return {
+        "latitude": ("latitude", np.asarray(latitudes_deg, float), degrees),
+        "day": ("day", np.asarray(days, int), {"long_name": "day of year", "units": "1"}),
+    }
+
+
+def season_axes(axes: Axes, days: FloatArray) -> None:
+    """Months along the axis of days, and the name of the other one."""
+    starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
+    axes.set_xticks(starts, MONTH_NAMES, ha="left")
+    axes.set(ylabel="latitude [deg]", xlim=(days.min(), days.max()))

@@ -1,0 +1,173 @@
+"""Options and steps that several commands of ``solar-uav`` share."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES
+
+if TYPE_CHECKING:
+    from sizing.performance import SolarModel
+    from studies.library import LoadedAircraft, LoadedMission
+
+DEFAULT_MISSION = "rafz-july"
+
+_MAXIMUM_GRID = 2000
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Grid(click.ParamType["list[float]"]):
+    """Evenly spaced numbers ``first:last:step``, both ends included."""
+
+    name = "first:last:step"
+
+    def __init__(self, lowest: float, highest: float) -> None:
+        self.lowest, self.highest = lowest, highest
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> list[float]:
+        """Read the numbers and check their range."""
+        try:
+            first, last, step = (float(part) for part in str(value).split(":"))
+        except ValueError:
+            self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
+        if not (self.lowest <= first <= last <= self.highest and step > 0.0):
+            self.fail(
+                f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
+                f"(got {value})",
+                param,
+                ctx,
+            )
+        count = int((last - first) / step + 1e-9) + 1
+        if count > _MAXIMUM_GRID:
+            self.fail(f"has {count} numbers, at most {_MAXIMUM_GRID} are allowed", param, ctx)
+        return [first + i * step for i in range(count)]
+
+
+def solar_options(command: Command) -> Command:
+    """Options of the solar power model, shared by all studies."""
+    for option in (
+        click.option(
+            "--set",
+            "overrides",
+            metavar="KEY=VALUE",
+            multiple=True,
+            help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
+            "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
+        ),
+        click.option(
+            "--correction",
+            type=click.Choice(CORRECTION_NAMES),
+            default="none",
+            show_default=True,
+            help="Correct the model's systematic error as measured in flight.",
+        ),
+        click.option(
+            "--model",
+            type=click.Choice(MODEL_NAMES),
+            default="CAM",
+            show_default=True,
+            help="Solar power model.",
+        ),
+        click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables."),
+    ):
+        command = option(command)
+    return command
+
+
+def load(
+    aircraft: str, mission: str, overrides: tuple[str, ...]
+) -> tuple[LoadedAircraft, LoadedMission]:
+    """Load both files and report what is wrong with either of them together."""
+    from missions.problems import InputError
+    from studies.library import load_aircraft, load_mission, split_overrides
+
+    of_aircraft, of_mission = split_overrides(overrides)
+    try:
+        craft = load_aircraft(aircraft, of_aircraft)
+    except InputError as error:
+        try:
+            load_mission(mission, of_mission)
+        except InputError as second:
+            raise InputError([*error.problems, *second.problems]) from None
+        raise
+    return craft, load_mission(mission, of_mission)
+
+
+def require_path(model: str, correction: str, craft: LoadedAircraft, where: LoadedMission) -> None:
+    """Refuse VM, FM and the loiter correction without module surfaces and a flight path."""
+    if model not in ATTITUDE_MODELS and correction != "loiter":
+        return
+    from missions.configfile import located_error
+    from missions.flight_path import orbit
+
+    asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
+    if craft.aircraft.modules.geometry is None:
+        message = f"{asked} needs the module surfaces: add geometry with its surfaces"
+        raise located_error(craft.document, ("modules",), message)
+    if where.mission.flight_path is None:
+        message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
+        raise located_error(where.document, ("name",), message)
+    try:
+        orbit(where.mission.flight_path, where.mission.wind, samples=4)
+    except ValueError as error:
+        raise located_error(where.document, ("flight_path",), str(error)) from None
+
+
+def solar_model(model: str, correction: str) -> SolarModel:
+    """Solar model that the options name."""
+    from sizing.performance import SolarModel
+
+    return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
+
+
+def write_files(contents: dict[str | os.PathLike[str], bytes]) -> None:
+    """Write all files of a command, or none."""
+    from missions.output_files import write_files_atomically
+
+    write_files_atomically(contents)
+
+
+def require_parametric(craft: LoadedAircraft, asked: str) -> None:
+    """Refuse a measured aircraft where masses and power must follow from the design."""
+    from sizing.aircraft import MeasuredAirframe
+
+    if not isinstance(craft.aircraft.airframe, MeasuredAirframe):
+        return
+    from missions.configfile import located_error
+
+    message = f"{asked} needs a parametric aircraft, this one is measured"
+    raise located_error(craft.document, ("airframe", "kind"), message)
+
+
+def image_format(path: str | None) -> str | None:
+    """Format that a figure's file name asks for; others are refused."""
+    if path is None:
+        return None
+    from studies.formats import IMAGE_FORMATS, image_format
+
+    found = image_format(path)
+    if found is None:
+        allowed = ", ".join(f".{f}" for f in IMAGE_FORMATS)
+        raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
+    return found
+
+
+def console() -> Any:
+    """Console for tables."""
+    from rich.console import Console
+
+    # Names from files are text, never markup.
+    return Console(highlight=False, markup=False, emoji=False)
+
+
+def print_json(record: Any) -> None:
+    """Print a record as strict JSON."""
+    click.echo(json.dumps(record, indent=2, allow_nan=False))

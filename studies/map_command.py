@@ -1,0 +1,186 @@
+"""The command ``solar-uav map``."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from solar.names import OBJECTIVE_NAMES
+from studies.command_options import (
+    DEFAULT_MISSION,
+    Grid,
+    console,
+    image_format,
+    load,
+    print_json,
+    require_parametric,
+    require_path,
+    solar_model,
+    solar_options,
+    write_files,
+)
+from studies.long_work import WorkOptions, completed, work_options
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+@click.command(name="map")
+@click.argument("aircraft")
+@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@click.option("--latitudes", type=Grid(-90.0, 90.0), default="-70:70:2", show_default=True)
+@click.option("--days", type=Grid(1.0, 365.0), default="1:365:4", show_default=True)
+@click.option("--endurance", is_flag=True, help="Also the longest flight of each cell (slow).")
+@click.option(
+    "--resize",
+    "objective",
+    type=click.Choice(OBJECTIVE_NAMES),
+    help="Size the aircraft anew in every cell, for this objective.",
+)
+@click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF.")
+@click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")
+@work_options
+@solar_options
+def map_(
+    aircraft: str,
+    mission: str,
+    latitudes: list[float],
+    days: list[float],
+    endurance: bool,
+    objective: str | None,
+    out_file: str | None,
+    plot_file: str | None,
+    workers: int | None,
+    scheduler: str | None,
+    work_dir: str | None,
+    keep_parts: bool,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Map where and when AIRCRAFT (name or file) flies for ever: latitude against season.
+
+    With --resize: which design flies there and then.
+    """
+    if objective is not None and endurance:
+        raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
+    options = WorkOptions(workers, scheduler, work_dir, keep_parts)
+    image = image_format(plot_file)
+    craft, where = load(aircraft, mission, overrides)
+    require_path(model, correction, craft, where)
+    if objective is not None:
+        require_parametric(craft, "--resize")
+    import numpy as np
+
+    from sizing.objectives import Objective
+    from studies import feasibility_map, map_jobs
+    from studies.chunk_store import check_target
+
+    for target in (out_file, plot_file):
+        if target is not None:
+            check_target(target)
+    axes = np.array(latitudes), np.unique(np.round(days).astype(int))
+    solar = solar_model(model, correction)
+    if objective is None:
+        fixed = map_jobs.MapConfiguration(craft.aircraft, where.mission, solar, endurance)
+        job = map_jobs.map_job(fixed, *axes)
+    else:
+        sized = map_jobs.SizedMapConfiguration(
+            craft.aircraft, where.mission, solar, Objective(objective)
+        )
+        job = map_jobs.sized_map_job(sized, *axes)
+    with completed(job, options, out_file, "cells") as outcome:
+        if objective is None:
+            data = map_jobs.map_dataset(job, outcome, *axes)
+            figure: Any = feasibility_map.map_figure
+        else:
+            data = map_jobs.sized_map_dataset(job, outcome, *axes)
+            figure = map_jobs.sized_map_figure
+        _write(data, out_file, plot_file, image, figure)
+    if objective is None:
+        _print_seasons(data, as_json)
+    else:
+        _print_designs(data, as_json)
+
+
+def _write(
+    data: xr.Dataset, out_file: str | None, plot_file: str | None, image: str | None, draw: Any
+) -> None:
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    if out_file is not None:
+        from studies.feasibility_map import to_netcdf_bytes
+
+        contents[out_file] = to_netcdf_bytes(data)
+    if plot_file is not None and image is not None:
+        from studies.plots import to_bytes
+
+        figure: Figure = draw(data)
+        contents[plot_file] = to_bytes(figure, image)
+    write_files(contents)
+
+
+def _print_seasons(data: xr.Dataset, as_json: bool) -> None:
+    from studies.feasibility_map import season_length
+    from studies.tables import print_seasons
+
+    season = season_length(data)
+    if not as_json:
+        print_seasons(console(), data, season)
+        return
+    print_json(
+        {
+            "latitude_deg": data["latitude"].to_numpy().tolist(),
+            "days": data["day"].to_numpy().tolist(),
+            "perpetual_days": season.to_numpy().tolist(),
+        }
+    )
+
+
+def _print_designs(data: xr.Dataset, as_json: bool) -> None:
+    """Of every latitude: on how many days there is a design, and the range of its size."""
+    from studies.sizing_columns import SizingStatus
+
+    record: dict[str, Any] = {
+        "latitude_deg": data["latitude"].to_numpy().tolist(),
+        "days": data["day"].to_numpy().tolist(),
+        "objective": data.attrs["objective"],
+    }
+    for status in SizingStatus:
+        record[f"{status.name}_days"] = (data["status"] == status).sum("day").to_numpy().tolist()
+    for name, unit in (("wingspan", "m"), ("total_mass", "kg"), ("excess_time", "h")):
+        for end in ("min", "max"):
+            values = getattr(data[name], end)("day").to_numpy().tolist()
+            key = f"{'least' if end == 'min' else 'largest'}_{name}_{unit}"
+            record[key] = [None if v != v else v for v in values]
+    if as_json:
+        print_json(record)
+        return
+    from rich.table import Table
+
+    from missions.mission import latitude_label
+
+    title = f"{data.attrs['title']} for {record['objective']}"
+    table = Table(title=title, title_justify="left")
+    shown = {"wingspan_m": "wingspan [m]", "total_mass_kg": "mass [kg]"}
+    if record["objective"] == "max_excess_time":
+        shown["excess_time_h"] = "excess time [h]"
+    heads = ("latitude", f"designs on {data.sizes['day']} days", "none", "failed")
+    for name in (*heads, *shown.values()):
+        table.add_column(name, justify="right")
+    for i, latitude in enumerate(record["latitude_deg"]):
+        table.add_row(
+            latitude_label(latitude),
+            str(record["optimal_days"][i]),
+            str(record["infeasible_days"][i]),
+            str(record["not_converged_days"][i] + record["failed_days"][i]),
+            *(_range(record[f"least_{name}"][i], record[f"largest_{name}"][i]) for name in shown),
+        )
+    console().print(table)
+
+
+def _range(least: float | None, largest: float | None) -> str:
+    return "-" if least is None or largest is None else f"{least:.2f} to {largest:.2f}"

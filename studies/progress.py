@@ -1,0 +1,77 @@
+"""How far a long computation is: a bar on a terminal, a line now and then elsewhere.
+
+Both go to standard error, so that standard output holds results alone.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+__all__ = ["progress_of"]
+
+# Elsewhere than on a terminal: silence for what is quick, then a line at this pace [s].
+_FIRST_LINE_S = 5.0
+_EVERY_S = 15.0
+
+
+@contextmanager
+def progress_of(unit: str) -> Iterator[Callable[[int, int], None]]:
+    """Show progress; the function taken is told what is done and what there is in all."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _Lines(unit)
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import TimeRemainingColumn as Remaining
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        Remaining(),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(unit, rate="")
+        pace = _Pace()
+
+        def update(done: int, total: int) -> None:
+            rate = pace.per_s(done)
+            text = "" if rate is None else f"{rate:.3g}/s"
+            bar.update(task, completed=done, total=total, rate=text)
+
+        yield update
+
+
+class _Pace:
+    """Rate since the first call; what was done before does not count."""
+
+    def __init__(self) -> None:
+        self._start: tuple[float, int] | None = None
+
+    def per_s(self, done: int) -> float | None:
+        now = time.monotonic()
+        if self._start is None:
+            self._start = now, done
+        begun, before = self._start
+        return (done - before) / (now - begun) if done > before and now > begun else None
+
+
+class _Lines:
+    def __init__(self, unit: str) -> None:
+        self._unit, self._pace = unit, _Pace()
+        self._next_s = time.monotonic() + _FIRST_LINE_S
+
+    def __call__(self, done: int, total: int) -> None:
+        rate = self._pace.per_s(done)
+        now = time.monotonic()
+        if now < self._next_s or done >= total:
+            return
+        self._next_s = now + _EVERY_S
+        left = "" if rate is None else f", {rate:.3g}/s, {(total - done) / rate:.0f} s left"
+        print(f"{done} of {total} {self._unit}{left}", file=sys.stderr, flush=True)

@@ -1,0 +1,137 @@
+"""Many sizings as columns: one value of each result per sizing, and flags that tell how it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from missions.dates import date_code
+from missions.mission import Dates, Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.objectives import Objective
+from sizing.optimiser import SizingResult, size_aircraft
+from sizing.performance import SolarModel
+
+__all__ = ["BLANKS", "DESCRIBED", "SizingStatus", "flag_attributes", "size_cells", "sizing_row"]
+
+
+class SizingStatus(IntEnum):
+    """How a sizing ends; the values are flags of gridded results."""
+
+    failed = -1
+    optimal = 0
+    infeasible = 1
+    not_converged = 2
+    invalid = 3
+
+
+_NAN = np.float64("nan")
+
+# What stands where a sizing failed; every other number is NaN unless the sizing is optimal.
+BLANKS: dict[str, Any] = {
+    "status": np.int8(SizingStatus.failed),
+    "wingspan": _NAN,
+    "aspect_ratio": _NAN,
+    "battery_mass": _NAN,
+    "module_area": _NAN,
+    "total_mass": _NAN,
+    "excess_time": _NAN,
+    "charge_margin": _NAN,
+    "minimum_state_of_charge": _NAN,
+    "power": _NAN,
+    "shortfall": _NAN,
+    "violated_requirement": np.str_(""),
+    "message": np.str_(""),
+}
+
+# Variable -> unit, long name.
+DESCRIBED: dict[str, tuple[str, str]] = {
+    "wingspan": ("m", "wingspan"),
+    "aspect_ratio": ("1", "aspect ratio"),
+    "battery_mass": ("kg", "battery mass"),
+    "module_area": ("m2", "area of the solar modules"),
+    "total_mass": ("kg", "total mass"),
+    "excess_time": ("h", "excess time of the worst scenario"),
+    "charge_margin": ("h", "charge margin of the worst scenario"),
+    "minimum_state_of_charge": ("1", "minimum state of charge of the worst scenario"),
+    "power": ("W", "nominal load"),
+    "shortfall": (
+        "1",
+        "by how much the violated requirement is missed: relative to its limit, for "
+        "battery_capacity and energy_balance to the battery's capacity, for excess_time in hours",
+    ),
+    "violated_requirement": ("1", "requirement that no design meets"),
+    "message": ("1", "why there is no design"),
+}
+
+
+def sizing_row(result: SizingResult) -> dict[str, Any]:
+    """What a sizing has to say; what it has not is missing, see :data:`BLANKS`."""
+    status = SizingStatus[result.status]
+    row: dict[str, Any] = {"status": status}
+    if status is SizingStatus.not_converged:
+        return row | {"message": f"the solver did not converge ({result.solver.message})"}
+    if result.violations:
+        worst = max(result.violations, key=lambda v: v.shortfall)
+        row |= {"shortfall": worst.shortfall, "violated_requirement": worst.requirement}
+        row |= {"message": "; ".join(v.text for v in result.violations)}
+    if result.simulated is None or result.design is None:
+        return row
+    design, perf = result.design, result.simulated
+    worst_scenario = perf.worst_scenario()
+    return row | {
+        "wingspan": design.variables.wingspan_m,
+        "aspect_ratio": design.variables.aspect_ratio,
+        "battery_mass": design.variables.battery_mass_kg,
+        "module_area": design.variables.module_area_m2,
+        "total_mass": design.total_mass_kg,
+        "excess_time": float(perf.cycle.excess_time_h[worst_scenario]),
+        "charge_margin": float(perf.cycle.charge_margin_h[worst_scenario]),
+        "minimum_state_of_charge": float(perf.cycle.minimum_state_of_charge[worst_scenario]),
+        "power": float(perf.nominal_load_w.ravel()[0]),
+    }
+
+
+def size_cells(
+    aircraft: Aircraft,
+    mission: Mission,
+    cells: Sequence[tuple[float, ...]],
+    objective: Objective,
+    solar: SolarModel,
+) -> dict[str, Any]:
+    """Best design of an aircraft in every cell of latitude [deg] and day of year, as columns.
+
+    A cell is the mission with the cell's latitude and day instead of its own.
+    """
+    latitudes = np.array([cell[0] for cell in cells])
+    days = np.array([int(cell[1]) for cell in cells])
+    dark = Scenarios(latitudes, days).in_polar_night()
+    rows = []
+    for latitude, day, night in zip(latitudes.tolist(), days.tolist(), dark, strict=True):
+        if night:
+            rows.append(_POLAR_NIGHT)
+            continue
+        update = {"latitude_deg": latitude, "dates": Dates(on=date_code(day)), "launch": None}
+        placed = mission.model_copy(update=update)
+        rows.append(sizing_row(size_aircraft(aircraft, placed, objective, solar)))
+    return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
+
+
+# There is nothing to solve without any sun; the whole of the day's energy is missing.
+_POLAR_NIGHT: dict[str, Any] = {
+    "status": SizingStatus.infeasible,
+    "violated_requirement": "sun",
+    "message": "polar night: the sun never rises",
+}
+
+
+def flag_attributes(flags: type[IntEnum]) -> dict[str, Any]:
+    """CF attributes of a status."""
+    return {
+        "long_name": "how it ends",
+        "flag_values": np.array([s.value for s in flags], np.int8),
+        "flag_meanings": " ".join(s.name for s in flags),
+    }

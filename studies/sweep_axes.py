@@ -1,0 +1,251 @@
+"""What a trade study varies: keys of the files, their values, and the points made of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "DESIGN_KEYS",
+    "SAMPLE_NAMES",
+    "Axis",
+    "SampleName",
+    "axis_names",
+    "design_variable",
+    "parse_axis",
+    "points",
+    "unit_of",
+    "without_unit",
+]
+
+SampleName = Literal["grid", "lhs", "sobol", "one-at-a-time"]
+SAMPLE_NAMES: tuple[SampleName, ...] = ("grid", "lhs", "sobol", "one-at-a-time")
+
+MAXIMUM_POINTS = 1_000_000
+_MAXIMUM_VALUES = 10_000
+
+# Design variables: their short names, and the keys of the aircraft file.
+DESIGN_KEYS = {
+    "wingspan_m": "airframe.wingspan_m",
+    "aspect_ratio": "airframe.aspect_ratio",
+    "battery_mass_kg": "battery.mass_kg",
+    "module_area_m2": "modules.area_m2",
+}
+
+# How names end -> unit as CF spells it; longer endings first.
+_UNITS = (
+    ("_wh_per_kg", "W h kg-1"),
+    ("_kg_per_m2", "kg m-2"),
+    ("_kg_per_m3", "kg m-3"),
+    ("_kg_per_w", "kg W-1"),
+    ("_m_per_s", "m s-1"),
+    ("_per_k", "K-1"),
+    ("_per_h", "h-1"),
+    ("_m2", "m2"),
+    ("_kg", "kg"),
+    ("_wh", "W h"),
+    ("_deg", "degree"),
+    ("_m", "m"),
+    ("_w", "W"),
+    ("_h", "h"),
+    ("_c", "degC"),
+    ("_k", "K"),
+    ("_v", "V"),
+    ("_a", "A"),
+)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A varied key.
+
+    Attributes
+    ----------
+    key : str
+        Key of the aircraft file, or of the mission file behind ``mission.``.
+    values : tuple of float
+        Its values; two ends where only a range was given.
+    is_range : bool
+        Whether the values are the ends of a range and nothing between them was chosen.
+    """
+
+    key: str
+    values: tuple[float, ...]
+    is_range: bool = False
+
+    @property
+    def design_variable(self) -> str | None:
+        """Short name of the design variable that is varied, none for other keys."""
+        return design_variable(self.key)
+
+
+def design_variable(key: str) -> str | None:
+    """Short name of the design variable that a key is, none for other keys."""
+    return next((name for name, place in DESIGN_KEYS.items() if place == key), None)
+
+
+def unit_of(key: str) -> str:
+    """Unit that a key's name ends in, 1 for none."""
+    return next((unit for ending, unit in _UNITS if key.endswith(ending)), "1")
+
+
+def without_unit(name: str) -> str:
+    """Name without the unit that it ends in."""
+    return next((name.removesuffix(end) for end, _ in _UNITS if name.endswith(end)), name)
+
+
+def axis_names(axes: Sequence[Axis]) -> list[str]:
+    """Name of every axis in results: the end of its key, as much of it as is unique."""
+    short = [axis.design_variable or _short(axis.key) for axis in axes]
+    whole = [axis.key.replace(".", "_") for axis in axes]
+    return [
+        name if short.count(name) == 1 else full for name, full in zip(short, whole, strict=True)
+    ]
+
+
+def _short(key: str) -> str:
+    """Last part of a key; one word alone (a mass, but of what?) takes the part before it along."""
+    *before, last = key.removeprefix("mission.").split(".")
+    return last if "_" in without_unit(last) or not before else f"{before[-1]}_{last}"
+
+
+def parse_axis(text: str) -> Axis:
+    """Read ``KEY=first:last:step``, ``KEY=first:last`` or ``KEY=v1,v2,...``.
+
+    Raises
+    ------
+    ValueError
+        If the text is none of these, or a value is given twice.
+    """
+    key, equals, values = text.partition("=")
+    key = key.strip().removeprefix("aircraft.")
+    if not (key and equals and values.strip()):
+        raise ValueError("write KEY=first:last:step or KEY=v1,v2, e.g. battery_mass_kg=1:5:0.5")
+    key = DESIGN_KEYS.get(key, key)
+    if ":" in values:
+        numbers = [_number(part) for part in values.split(":")]
+        return Axis(key, _stepped(key, numbers), is_range=len(numbers) == 2)
+    listed = tuple(_number(part) for part in values.split(","))
+    if len(set(listed)) < len(listed):
+        raise ValueError(f"{key} has a value twice")
+    return Axis(key, listed)
+
+
+def _number(text: str) -> float:
+    # Python's own notations, such as 1_000 or inf, are nobody's here.
+    if not re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", text):
+        raise ValueError(f"{text.strip()!r} is not a number")
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text.strip()!r} is too large")
+    return number
+
+
+def _stepped(key: str, numbers: Sequence[float]) -> tuple[float, ...]:
+    if len(numbers) not in (2, 3):
+        raise ValueError(f"{key} needs first:last:step, or first:last where samples are drawn")
+    first, last = numbers[:2]
+    if len(numbers) == 2:
+        if not first < last:
+            raise ValueError(f"{key} must rise from first to last (got {first:g}:{last:g})")
+        return first, last
+    step = numbers[2]
+    if not (first <= last and step > 0.0):
+        raise ValueError(f"{key} must rise from first to last by a positive step")
+    count = (last - first) / step + 1e-9
+    if count >= _MAXIMUM_VALUES:
+        raise ValueError(f"{key} has more than {_MAXIMUM_VALUES} values")
+    # Rounded, so that 0.1 steps are 0.3 and not 0.30000000000000004.
+    return tuple(float(f"{first + i * step:.12g}") for i in range(int(count) + 1))
+
+
+def points(
+    axes: Sequence[Axis],
+    sample: SampleName,
+    *,
+    base: Sequence[float] | None = None,
+    samples: int = 0,
+    seed: int = 0,
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """Points of a study, shape ``(point, axis)``, and the axis each point varies (-1 for all).
+
+    Parameters
+    ----------
+    sample : {"grid", "lhs", "sobol", "one-at-a-time"}
+        All combinations of values; a Latin hypercube or a scrambled Sobol sequence between the
+        least and the largest values; or every value of each axis with the others at the base,
+        behind the base itself.
+    base : sequence of float, optional
+        Values of the files, for ``one-at-a-time``.
+    samples, seed : int
+        Number of drawn points, and where the drawing starts.
+
+    Raises
+    ------
+    ValueError
+        If there are too many points, or a grid's values are missing.
+
+    Notes
+    -----
+    McKay, M. D., Beckman, R. J. and Conover, W. J. (1979), Technometrics 21, 239-245 (Latin
+    hypercube); Owen, A. B. (1998), Journal of Complexity 14, 466-489 (scrambled Sobol sequence).
+    """
+    if sample == "grid":
+        return _grid(axes)
+    if sample == "one-at-a-time":
+        assert base is not None
+        return _one_at_a_time(axes, base)
+    if not 1 <= samples <= MAXIMUM_POINTS:
+        raise ValueError(f"the number of samples must be from 1 to {MAXIMUM_POINTS}")
+    return _drawn(axes, sample, samples, seed)
+
+
+def _grid(axes: Sequence[Axis]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    for axis in axes:
+        if axis.is_range:
+            raise ValueError(f"{axis.key} needs a step: first:last:step")
+    count = math.prod(len(axis.values) for axis in axes)
+    if count > MAXIMUM_POINTS:
+        raise ValueError(f"the grid has {count} points, at most {MAXIMUM_POINTS} are allowed")
+    grid = np.array(list(itertools.product(*(axis.values for axis in axes))), float)
+    return grid, np.full(count, -1)
+
+
+def _one_at_a_time(
+    axes: Sequence[Axis], base: Sequence[float]
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    rows, varied = [list(base)], [-1]
+    for index, axis in enumerate(axes):
+        for value in axis.values:
+            row = list(base)
+            row[index] = value
+            rows.append(row)
+            varied.append(index)
+    return np.array(rows, float), np.array(varied)
+
+
+def _drawn(
+    axes: Sequence[Axis], sample: SampleName, samples: int, seed: int
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    from scipy.stats import qmc
+
+    for axis in axes:
+        if len(axis.values) < 2:
+            raise ValueError(f"{axis.key} needs a range to draw samples from, first:last")
+    low = np.array([min(axis.values) for axis in axes])
+    high = np.array([max(axis.values) for axis in axes])
+    if sample == "lhs":
+        unit = qmc.LatinHypercube(len(axes), rng=np.random.default_rng(seed)).random(samples)
+    else:
+        # A power of two keeps the sequence balanced; a part of it is still even.
+        exponent = max(math.ceil(math.log2(samples)), 0)
+        sobol = qmc.Sobol(len(axes), rng=np.random.default_rng(seed))
+        unit = sobol.random_base2(exponent)[:samples]
+    return low + unit * (high - low), np.full(samples, -1)

@@ -1,0 +1,263 @@
+"""The command ``solar-uav sweep``."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from solar.names import OBJECTIVE_NAMES
+from studies.command_options import (
+    DEFAULT_MISSION,
+    console,
+    image_format,
+    load,
+    print_json,
+    require_path,
+    solar_model,
+    solar_options,
+    write_files,
+)
+from studies.long_work import WorkOptions, completed, work_options
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from studies.sweep_axes import Axis
+
+_SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
+_MOST_SAMPLES = 1_000_000
+_ROWS = 40
+# Results that are the same as a varied key.
+_VARIED_AS = {"wingspan": "wingspan_m", "battery_mass": "battery_mass_kg"}
+
+
+class Varied(click.ParamType["Axis"]):
+    """A key and its values."""
+
+    name = "key=values"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Axis:
+        """Read key and values."""
+        from studies.sweep_axes import parse_axis
+
+        try:
+            return parse_axis(str(value))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
+@click.command()
+@click.argument("aircraft")
+@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@click.option(
+    "--vary",
+    "axes",
+    type=Varied(),
+    multiple=True,
+    required=True,
+    help="KEY=first:last:step or KEY=v1,v2,...; a key as of --set, or wingspan_m, aspect_ratio, "
+    "battery_mass_kg, module_area_m2. May be repeated.",
+)
+@click.option(
+    "--resize",
+    "objective",
+    type=click.Choice(OBJECTIVE_NAMES),
+    help="Size each point for this objective; varied design variables are held.",
+)
+@click.option(
+    "--cover/--no-cover",
+    default=None,
+    help="Fill the wing with modules, to maximum_module_coverage.  [default: where a parametric "
+    "wing is varied and the module area is not]",
+)
+@click.option(
+    "--sample",
+    type=click.Choice(_SAMPLES),
+    default="grid",
+    show_default=True,
+    help="All combinations; points drawn between least and largest values; or one key at a time.",
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(1, _MOST_SAMPLES),
+    default=64,
+    show_default=True,
+    help="Number of points that lhs and sobol draw.",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="For drawing.")
+@click.option("--out", "out_file", type=click.Path(), help="Write all points (nc, csv, parquet).")
+@click.option("--plot", "plot_file", type=click.Path(), help="Draw the study (png, svg, pdf).")
+@click.option(
+    "--pareto",
+    nargs=2,
+    metavar="X Y",
+    help="Draw the front of two results or varied keys instead, e.g. wingspan payload_mass.",
+)
+@work_options
+@solar_options
+def sweep(
+    aircraft: str,
+    mission: str,
+    axes: tuple[Axis, ...],
+    objective: str | None,
+    cover: bool | None,
+    sample: str,
+    samples: int,
+    seed: int,
+    out_file: str | None,
+    plot_file: str | None,
+    pareto: tuple[str, str] | None,
+    workers: int | None,
+    scheduler: str | None,
+    work_dir: str | None,
+    keep_parts: bool,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Trade study: vary keys of AIRCRAFT (name or file) and mission, judge or size each point."""
+    options = WorkOptions(workers, scheduler, work_dir, keep_parts)
+    if pareto is not None and plot_file is None:
+        raise click.UsageError("--pareto needs --plot")
+    image = image_format(plot_file)
+    file_format = _file_format(out_file)
+    craft, where = load(aircraft, mission, overrides)
+    require_path(model, correction, craft, where)
+    from sizing.objectives import Objective
+    from studies import sweep as study
+    from studies.chunk_store import check_target
+
+    prepared = study.prepare(
+        craft,
+        where,
+        axes,
+        solar_model(model, correction),
+        sample=sample,  # type: ignore[arg-type]  # click checked it
+        samples=samples,
+        seed=seed,
+        resize=None if objective is None else Objective(objective),
+        cover=cover,
+    )
+    for target in (out_file, plot_file):
+        if target is not None:
+            check_target(target)
+    with completed(prepared.job, options, out_file, "points") as outcome:
+        data = study.dataset(prepared, outcome)
+        contents: dict[str | os.PathLike[str], bytes] = {}
+        if out_file is not None and file_format is not None:
+            from studies.sweep_files import to_bytes as to_file
+
+            contents[out_file] = to_file(data, file_format)
+        trouble = None
+        if plot_file is not None and image is not None:
+            try:
+                contents[plot_file] = _figure(data, pareto, image)
+            except ValueError as error:
+                # The points are worth keeping even where there is nothing to draw.
+                trouble = str(error)
+        write_files(contents)
+    if as_json:
+        print_json(_record(data))
+    else:
+        _print(data)
+    if trouble is not None:
+        raise click.ClickException(f"no chart: {trouble}")
+
+
+def _file_format(path: str | None) -> str | None:
+    if path is None:
+        return None
+    from studies.sweep_files import FORMATS, table_format
+
+    found = table_format(path)
+    if found is None:
+        allowed = ", ".join(f".{f}" for f in FORMATS)
+        raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--out")
+    if found == "parquet" and importlib.util.find_spec("pyarrow") is None:
+        raise click.BadParameter(
+            "Parquet needs pyarrow: pip install 'solar-uav-sizing[parquet]'", param_hint="--out"
+        )
+    return found
+
+
+def _figure(data: xr.Dataset, pareto: tuple[str, str] | None, image: str) -> bytes:
+    from studies.plots import to_bytes
+    from studies.sweep_plots import figure_of, pareto_figure
+
+    return to_bytes(figure_of(data) if pareto is None else pareto_figure(data, *pareto), image)
+
+
+def _record(data: xr.Dataset) -> dict[str, Any]:
+    """All points, JSON-ready; undefined and infinite numbers are null, the status says why."""
+    from studies.sweep import to_table
+
+    table = to_table(data)
+    rows = [
+        {
+            name: None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in row.items()
+        }
+        for row in table.to_dict("records")
+    ]
+    return {
+        "title": data.attrs["title"],
+        "sample": data.attrs["sample"],
+        "objective": data.attrs["objective"] or None,
+        "status": _counts(data),
+        "points": rows,
+    }
+
+
+def _counts(data: xr.Dataset) -> dict[str, int]:
+    from studies.sweep import to_table
+
+    return {str(k): int(v) for k, v in to_table(data)["status"].value_counts().items()}
+
+
+def _print(data: xr.Dataset) -> None:
+    """How many points end in which way, and the points where they fit on a screen."""
+    from rich.table import Table
+
+    from studies.sweep import to_table
+
+    counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
+    console().print(f"{data.attrs['title']}: {data['status'].size} points: {counts}")
+    rows = to_table(data)
+    varied = [str(name) for name in data.coords if name != "sample"]
+    if "varied" in varied:
+        # Of each point only one key differs from the file.
+        rows["value"] = [row[row["varied"]] if row["varied"] else "" for _, row in rows.iterrows()]
+        varied = ["varied", "value"]
+    sized = ("wingspan", "battery_mass") if data.attrs["objective"] else ()
+    results = [name for name in sized if _VARIED_AS[name] not in varied]
+    names = [*varied, "status", *results, "total_mass", "excess_time", "charge_margin"]
+    table = Table()
+    for name in names:
+        unit = data[name].attrs.get("units", "1") if name in data else "1"
+        head = _head(name) if unit == "1" else f"{_head(name)} [{unit}]"
+        table.add_column(head, justify="left" if name in ("status", "varied") else "right")
+    for _, row in rows.head(_ROWS).iterrows():
+        table.add_row(*(_cell(row[name], ".6g" if name in varied else ".2f") for name in names))
+    console().print(table)
+    if len(rows) > _ROWS:
+        console().print(f"... {len(rows) - _ROWS} more points: --out FILE or --json has them all")
+
+
+def _head(name: str) -> str:
+    """Name without the unit that it ends in."""
+    from studies.sweep_axes import without_unit
+
+    return without_unit(name).replace("_", " ")
+
+
+def _cell(value: Any, form: str) -> str:
+    if isinstance(value, str):
+        return value.replace("_", " ")
+    if math.isnan(value):
+        return "-"
+    return "no end" if math.isinf(value) else f"{value:{form}}"
