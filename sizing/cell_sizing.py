@@ -77,8 +77,10 @@ class CellSizings:
         Objective as the simulator finds it.
     variables : DesignVariables
         Of arrays.
-    total_mass_kg, excess_time_h, airspeed_m_per_s, load_w : ndarray
-        Of the design.
+    total_mass_kg, excess_time_h, charge_margin_h, minimum_state_of_charge : ndarray
+        Of the design, as the simulator finds them.
+    airspeed_m_per_s, load_w : ndarray
+        Of level flight, and nominal load.
     requirement : ndarray of str
         Requirement that is missed most where the cell is infeasible, empty elsewhere.
     shortfall : ndarray
@@ -90,6 +92,8 @@ class CellSizings:
     variables: DesignVariables
     total_mass_kg: FloatArray
     excess_time_h: FloatArray
+    charge_margin_h: FloatArray
+    minimum_state_of_charge: FloatArray
     airspeed_m_per_s: FloatArray
     load_w: FloatArray
     requirement: NDArray[np.str_]
@@ -315,7 +319,7 @@ class _Cells:
         status[nothing] = CellStatus.infeasible
         columns = {
             name: np.full(self.count, np.nan)
-            for name in ("value", "mass", "excess", "airspeed", "load")
+            for name in ("value", "mass", "excess", "margin", "lowest", "airspeed", "load")
         }
         chosen: dict[str, FloatArray] = {}
         if len(kept):
@@ -326,13 +330,16 @@ class _Cells:
             columns["value"][kept] = objective_value(self.objective, _as_designs(perf))
             columns["mass"][kept] = perf.design.total_mass_kg
             columns["excess"][kept] = perf.cycle.excess_time_h
+            columns["margin"][kept] = perf.cycle.charge_margin_h
+            columns["lowest"][kept] = perf.cycle.minimum_state_of_charge
             columns["airspeed"][kept] = perf.design.airspeed_m_per_s
             columns["load"][kept] = perf.nominal_load_w
             for name, values in variables.chosen().items():
                 chosen[name] = np.full(self.count, np.nan)
                 chosen[name][kept] = values
         else:
-            chosen = {name: np.full(self.count, np.nan) for name in DesignVariables._fields[:4]}
+            names = self.own.chosen() | {"payload_mass_kg": None, "payload_power_w": None}
+            chosen = {name: np.full(self.count, np.nan) for name in names}
         requirement = np.full(self.count, "", dtype="<U40")
         shortfall = np.full(self.count, np.nan)
         for i in nothing:
@@ -345,6 +352,8 @@ class _Cells:
             variables=DesignVariables(**chosen),
             total_mass_kg=columns["mass"],
             excess_time_h=columns["excess"],
+            charge_margin_h=columns["margin"],
+            minimum_state_of_charge=columns["lowest"],
             airspeed_m_per_s=columns["airspeed"],
             load_w=columns["load"],
             requirement=requirement,

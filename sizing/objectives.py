@@ -21,6 +21,11 @@ class Objective(StrEnum):
     longest_season = "longest_season"
     widest_latitude_band = "widest_latitude_band"
 
+    @classmethod
+    def _missing_(cls, value: object) -> Objective | None:
+        """Short name of the usual payload objective."""
+        return cls.max_payload_mass if value == "max_payload" else None
+
     @property
     def unit(self) -> str:
         """Unit of the objective."""

@@ -27,3 +27,12 @@ OBJECTIVE_NAMES = (
     "longest_season",
     "widest_latitude_band",
 )
+# Those that a map or a trade study can have in every cell.
+RESIZE_NAMES = (
+    "min_wingspan",
+    "max_excess_time",
+    "min_mass",
+    "max_payload",
+    "max_payload_mass",
+    "max_payload_power",
+)

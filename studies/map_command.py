@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from solar.names import OBJECTIVE_NAMES
+from solar.names import RESIZE_NAMES
 from studies.command_options import (
     DEFAULT_MISSION,
     Grid,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @click.option(
     "--resize",
     "objective",
-    type=click.Choice(OBJECTIVE_NAMES),
+    type=click.Choice(RESIZE_NAMES),
     help="Size the aircraft anew in every cell, for this objective.",
 )
 @click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF.")

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # Time of a cell [s], roughly: it decides the size of a chunk and nothing else. A chunk must not
 # depend on the workers, or results would.
 _CHUNK_S = 0.5
-_CELL_S, _CELL_ON_PATH_S, _CELL_ENDURANCE_S, _CELL_SIZING_S = 3e-4, 1e-2, 3e-2, 0.2
+_CELL_S, _CELL_ON_PATH_S, _CELL_ENDURANCE_S, _CELL_SIZING_S = 3e-4, 1e-2, 3e-2, 8e-3
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,13 @@ def sized_map_dataset(
 
 
 # Objective -> variable that is drawn.
-_SHOWN = {"max_excess_time": "excess_time", "min_wingspan": "wingspan", "min_mass": "total_mass"}
+_SHOWN = {
+    "max_excess_time": "excess_time",
+    "min_wingspan": "wingspan",
+    "min_mass": "total_mass",
+    "max_payload_mass": "payload_mass",
+    "max_payload_power": "payload_power",
+}
 
 
 HATCHES = {
@@ -214,7 +220,7 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
     axes = figure.subplots()
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
-    optimal = data["status"].to_numpy() == SizingStatus.optimal
+    optimal = np.isin(data["status"].to_numpy(), sizing_columns.SIZED)
     values = np.where(optimal, data[name].to_numpy(), np.nan)
     mesh = axes.pcolormesh(days, latitudes, values, cmap="viridis", shading="nearest")
     figure.colorbar(mesh, ax=axes).set_label(f"{data[name].long_name} [{data[name].units}]")

@@ -8,14 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from missions.dates import date_code
-from missions.mission import Dates, Mission, Scenarios
+from missions.mission import Mission, Scenarios
+from sizing import cell_sizing
 from sizing.aircraft import Aircraft
+from sizing.cell_sizing import CellSizings, CellStatus
 from sizing.objectives import Objective
-from sizing.optimiser import SizingResult, size_aircraft
 from sizing.performance import SolarModel
+from sizing.sizing_result import SizingResult
 
-__all__ = ["BLANKS", "DESCRIBED", "SizingStatus", "flag_attributes", "size_cells", "sizing_row"]
+__all__ = [
+    "BLANKS",
+    "DESCRIBED",
+    "SIZED",
+    "SizingStatus",
+    "flag_attributes",
+    "size_cells",
+    "sizing_row",
+]
 
 
 class SizingStatus(IntEnum):
@@ -26,6 +35,11 @@ class SizingStatus(IntEnum):
     infeasible = 1
     not_converged = 2
     invalid = 3
+    certified = 4
+
+
+# There is a design.
+SIZED = (SizingStatus.optimal, SizingStatus.certified)
 
 
 _NAN = np.float64("nan")
@@ -37,6 +51,8 @@ BLANKS: dict[str, Any] = {
     "aspect_ratio": _NAN,
     "battery_mass": _NAN,
     "module_area": _NAN,
+    "payload_mass": _NAN,
+    "payload_power": _NAN,
     "total_mass": _NAN,
     "excess_time": _NAN,
     "charge_margin": _NAN,
@@ -53,6 +69,8 @@ DESCRIBED: dict[str, tuple[str, str]] = {
     "aspect_ratio": ("1", "aspect ratio"),
     "battery_mass": ("kg", "battery mass"),
     "module_area": ("m2", "area of the solar modules"),
+    "payload_mass": ("kg", "payload mass"),
+    "payload_power": ("W", "power of the payload"),
     "total_mass": ("kg", "total mass"),
     "excess_time": ("h", "excess time of the worst scenario"),
     "charge_margin": ("h", "charge margin of the worst scenario"),
@@ -87,6 +105,8 @@ def sizing_row(result: SizingResult) -> dict[str, Any]:
         "aspect_ratio": design.variables.aspect_ratio,
         "battery_mass": design.variables.battery_mass_kg,
         "module_area": design.variables.module_area_m2,
+        "payload_mass": design.masses.payload,
+        "payload_power": design.variables.payload_power_w,
         "total_mass": design.total_mass_kg,
         "excess_time": float(perf.cycle.excess_time_h[worst_scenario]),
         "charge_margin": float(perf.cycle.charge_margin_h[worst_scenario]),
@@ -106,18 +126,52 @@ def size_cells(
 
     A cell is the mission with the cell's latitude and day instead of its own.
     """
-    latitudes = np.array([cell[0] for cell in cells])
-    days = np.array([int(cell[1]) for cell in cells])
-    dark = Scenarios(latitudes, days).in_polar_night()
-    rows = []
-    for latitude, day, night in zip(latitudes.tolist(), days.tolist(), dark, strict=True):
-        if night:
-            rows.append(_POLAR_NIGHT)
-            continue
-        update = {"latitude_deg": latitude, "dates": Dates(on=date_code(day)), "launch": None}
-        placed = mission.model_copy(update=update)
-        rows.append(sizing_row(size_aircraft(aircraft, placed, objective, solar)))
-    return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
+    scenarios = Scenarios(
+        np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
+    )
+    found = cell_sizing.size_cells(aircraft, mission, scenarios, objective, solar)
+    columns = _columns(found)
+    for index in np.flatnonzero(scenarios.in_polar_night()):
+        for name, blank in BLANKS.items():
+            columns[name][index] = _POLAR_NIGHT.get(name, blank)
+    return columns
+
+
+_STATUS_OF_CELL = {
+    CellStatus.certified: SizingStatus.certified,
+    CellStatus.optimal: SizingStatus.optimal,
+    CellStatus.infeasible: SizingStatus.infeasible,
+    CellStatus.not_converged: SizingStatus.not_converged,
+}
+
+
+def _columns(found: CellSizings) -> dict[str, Any]:
+    chosen = found.variables
+    status = [_STATUS_OF_CELL[CellStatus(value)] for value in found.status]
+    return {
+        "status": np.array(status, np.int8),
+        "wingspan": chosen.wingspan_m,
+        "aspect_ratio": chosen.aspect_ratio,
+        "battery_mass": chosen.battery_mass_kg,
+        "module_area": chosen.module_area_m2,
+        "payload_mass": chosen.payload_mass_kg,
+        "payload_power": chosen.payload_power_w,
+        "total_mass": found.total_mass_kg,
+        "excess_time": found.excess_time_h,
+        "charge_margin": found.charge_margin_h,
+        "minimum_state_of_charge": found.minimum_state_of_charge,
+        "power": found.load_w,
+        "shortfall": found.shortfall,
+        "violated_requirement": found.requirement.astype(object),
+        "message": np.array([_message(one) for one in status], object),
+    }
+
+
+def _message(status: SizingStatus) -> str:
+    return {
+        SizingStatus.infeasible: "no design meets every requirement",
+        SizingStatus.not_converged: "the solver did not converge",
+    }.get(status, "")
 
 
 # There is nothing to solve without any sun; the whole of the day's energy is missing.

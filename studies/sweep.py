@@ -25,7 +25,7 @@ from studies import sizing_columns
 from studies.chunk_store import ChunkStore
 from studies.engine import Job, Outcome, pieces, run
 from studies.library import LoadedAircraft, LoadedMission
-from studies.sizing_columns import SizingStatus
+from studies.sizing_columns import SIZED, SizingStatus
 from studies.sweep_axes import Axis, SampleName, axis_names, points, unit_of
 from studies.sweep_points import (
     BLANKS,
@@ -369,5 +369,5 @@ def to_table(data: xr.Dataset) -> pd.DataFrame:
 def feasible(data: xr.Dataset) -> xr.DataArray:
     """Mark the points that fly for ever, or that were sized."""
     if data.attrs["objective"]:
-        return data["status"] == SizingStatus.optimal
+        return data["status"].isin(SIZED)
     return data["status"].isin([PointStatus.perpetual, PointStatus.always_lit])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from solar.names import OBJECTIVE_NAMES
+from solar.names import RESIZE_NAMES
 from studies.command_options import (
     DEFAULT_MISSION,
     console,
@@ -65,7 +65,7 @@ class Varied(click.ParamType["Axis"]):
 @click.option(
     "--resize",
     "objective",
-    type=click.Choice(OBJECTIVE_NAMES),
+    type=click.Choice(RESIZE_NAMES),
     help="Size each point for this objective; varied design variables are held.",
 )
 @click.option(

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from studies.hatching import hatch_cells
 from studies.plots import CHARGE, LOAD, SUN
-from studies.sizing_columns import SizingStatus
 from studies.sweep import feasible, to_table
 from studies.sweep_axes import without_unit
 from studies.sweep_points import PointStatus
@@ -36,7 +35,8 @@ _SHOWN = {
     "max_excess_time": ("excess_time", "total_mass"),
     "min_wingspan": ("wingspan", "total_mass"),
     "min_mass": ("total_mass", "wingspan"),
-    "max_payload": ("payload_mass", "wingspan"),
+    "max_payload_mass": ("payload_mass", "wingspan"),
+    "max_payload_power": ("payload_power", "wingspan"),
 }
 # More of these is better; less of everything else.
 _MORE_IS_BETTER = {
@@ -44,6 +44,7 @@ _MORE_IS_BETTER = {
     "charge_margin",
     "minimum_state_of_charge",
     "payload_mass",
+    "payload_power",
     "payload_mass_kg",  # the varied key
 }
 
@@ -87,7 +88,7 @@ def _variables(data: xr.Dataset) -> tuple[str, str]:
 def _drawable(data: xr.Dataset) -> xr.DataArray:
     """Mark the points that have a result, good or bad."""
     if data.attrs["objective"]:
-        return data["status"] == SizingStatus.optimal
+        return data["status"].isin(SIZED)
     return data["status"].isin(range(PointStatus.never_lit + 1))
 
 

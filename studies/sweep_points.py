@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from missions.overrides import with_overrides
 from missions.problems import InputError
 from missions.yaml_document import Document
 from sizing.aircraft import Aircraft, DesignSpace, Range
-from sizing.design import DesignVariables, variables_of
+from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.limits import design_requirements
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
 from sizing.performance import (
@@ -26,7 +27,6 @@ from sizing.performance import (
     performance_of_designs,
     solar_day,
 )
-from sizing.sizing_problem import design_rows
 from solar.names import ATTITUDE_MODELS
 from studies import sizing_columns
 from studies.engine import Cell
@@ -91,7 +91,7 @@ DESCRIBED = {
 }
 
 
-SIZED_BLANKS: dict[str, Any] = {**sizing_columns.BLANKS, "payload_mass": _NAN}
+SIZED_BLANKS: dict[str, Any] = dict(sizing_columns.BLANKS)
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
 def _variables(
     configuration: SweepConfiguration, aircraft: Aircraft, given: Mapping[str, Any], count: int
 ) -> DesignVariables:
-    values = variables_of(aircraft)._asdict()
+    values = variables_of(aircraft).chosen()
     for name in values:
         key = next((k for k in given if design_variable(k) == name), None)
         values[name] = np.full(count, values[name]) if key is None else given[key]
@@ -204,48 +204,53 @@ def _variables(
     return DesignVariables(**values)
 
 
-def _missed(aircraft: Aircraft, mission: Mission, found: Performance) -> dict[str, Any]:
-    """Requirements on a design that sizing has as well, and by how much each is missed."""
+class _Missed(NamedTuple):
+    """By how much each design of a batch misses a requirement, and the words for it."""
+
+    amount: Any
+    text: str
+
+
+def _missed(aircraft: Aircraft, mission: Mission, found: Performance) -> dict[str, _Missed]:
+    """Requirements on a design that sizing has as well."""
     design = found.design
+    conditions = FlightConditions.of(mission).with_payload_of(design.variables)
     with np.errstate(invalid="ignore"):
-        rows = dict(design_rows(aircraft, mission, design))
+        rows = {
+            one.name: (np.asarray(one.value), one.text)
+            for one in design_requirements(aircraft, design, conditions)
+        }
     mass = np.asarray(design.total_mass_kg)
-    rows["mass_budget"] = np.where(np.isfinite(mass), 0.0, -np.inf)
+    afloat = np.where(np.isfinite(mass), 0.0, -np.inf)
+    rows["mass_budget"] = (afloat, "the design cannot carry its own mass")
     heaviest = aircraft.design_space.maximum_total_mass_kg
     if heaviest is not None:
-        rows["total_mass"] = 1.0 - mass / heaviest
-    # Rounding must not refuse a wing that is filled exactly.
-    return {name: np.maximum(-np.asarray(row), 0.0) for name, row in rows.items()}
+        rows["total_mass"] = (1.0 - mass / heaviest, "the total mass exceeds its limit by {missed}")
+    return {name: _Missed(np.maximum(-value, 0.0), text) for name, (value, text) in rows.items()}
 
 
+# Rounding must not refuse a wing that is filled exactly.
 _ROUNDING = 1e-9
-_WORDS = {
-    "mass_budget": "the design cannot carry its own mass",
-    "module_coverage": "the modules need {:.3g} % more wing area than there is",
-    "airspeed_above_wind": "the airspeed stays {:.3g} % below the wind",
-    "wing_loading": "the wing loading exceeds its limit by {:.3g} %",
-    "total_mass": "the total mass exceeds its limit by {:.3g} %",
-}
 
 
 def _judged(
-    found: Performance, mission: Mission, place: tuple[int, ...], missed: Mapping[str, Any]
+    found: Performance, mission: Mission, place: tuple[int, ...], missed: Mapping[str, _Missed]
 ) -> dict[str, Any]:
     """Row of one design."""
     design = found.design
-    variables = [float(np.asarray(v)[place]) for v in design.variables]
+    variables = [float(np.asarray(v)[place]) for v in design.variables[:4]]
     row: dict[str, Any] = dict(
         zip(("wingspan", "aspect_ratio", "battery_mass", "module_area"), variables, strict=True)
     )
     row["payload_mass"] = mission.payload.mass_kg
     texts = [
-        _WORDS.get(name, name).format(100.0 * float(amount[place]))
-        for name, amount in missed.items()
-        if float(amount[place]) > _ROUNDING
+        one.text.format(missed=f"{100.0 * float(one.amount[place]):.3g} %")
+        for one in missed.values()
+        if float(one.amount[place]) > _ROUNDING
     ]
     if texts:
         # Of a design that cannot fly the other reasons mean nothing.
-        text = texts[0] if missed["mass_budget"][place] > 0.0 else "; ".join(texts)
+        text = texts[0] if missed["mass_budget"].amount[place] > 0.0 else "; ".join(texts)
         return row | {"status": PointStatus.infeasible, "message": text}
     cycle = found.cycle
     excess = cycle.excess_time_h[place]
@@ -319,8 +324,5 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
         result = size_aircraft(
             held(aircraft, fixed), mission, configuration.objective, configuration.solar
         )
-        payload = mission.payload.mass_kg
-        if result.design is not None:
-            payload = float(result.design.masses.payload)
-        rows.append({**sizing_columns.sizing_row(result), "payload_mass": payload})
+        rows.append({"payload_mass": mission.payload.mass_kg} | sizing_columns.sizing_row(result))
     return {name: [row.get(name, blank) for row in rows] for name, blank in SIZED_BLANKS.items()}
