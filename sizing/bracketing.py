@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from sizing.power_balance import BoolArray, FloatArray, IntArray
 
 _MAXIMUM_ROUNDS = 100
+_SECANT_ROUNDS = 8
 
 
 def falling_root(
@@ -20,8 +21,10 @@ def falling_root(
 ) -> FloatArray:
     """Where each of many functions, positive at ``lower`` and negative at ``upper``, is zero.
 
-    Illinois variant of the false position. An element leaves the search when its value or its
-    bracket is within the limit; what the others do has no influence on it.
+    The functions must not fall faster than their argument rises: the value at an upper end then
+    leads to a nearer one. Secants while they stay within the bracket, else the Illinois variant of
+    the false position. An element leaves the search when its value or its bracket is within the
+    limit; what the others do has no influence on it.
 
     Parameters
     ----------
@@ -38,16 +41,26 @@ def falling_root(
     lower_gain = gain(every, lower)
     rising = lower_gain > limit
     result = np.where(rising, upper, lower)
-    work = _Brackets(every, lower, upper, lower_gain, gain(every, upper), np.zeros(len(upper)))
-    work = work.select(rising)
-    for _ in range(_MAXIMUM_ROUNDS):
+    upper_gain = gain(every, upper)
+    latest = np.maximum(upper + np.minimum(upper_gain, 0.0), lower)
+    work = _Brackets(
+        place=every,
+        lower=lower,
+        upper=upper,
+        lower_gain=lower_gain,
+        upper_gain=upper_gain,
+        side=np.zeros(len(upper)),
+        latest=upper,
+        latest_gain=upper_gain,
+        trial=latest,
+    ).select(rising)
+    for number in range(_MAXIMUM_ROUNDS):
         if not len(work.place):
             break
-        trial = work.trial()
-        value = gain(work.place, trial)
-        result[work.place] = trial
-        work = work.narrowed(trial, value)
+        value = gain(work.place, work.trial)
+        result[work.place] = work.trial
         near = limit[work.place]
+        work = work.narrowed(value, secant=number < _SECANT_ROUNDS)
         work = work.select((np.abs(value) > near) & (work.upper - work.lower > near))
     return result
 
@@ -62,38 +75,38 @@ class _Brackets:
     lower_gain: FloatArray
     upper_gain: FloatArray
     side: FloatArray
+    latest: FloatArray
+    latest_gain: FloatArray
+    trial: FloatArray
 
     def select(self, mask: BoolArray) -> _Brackets:
         """Brackets of a part of the elements."""
-        return _Brackets(
-            self.place[mask],
-            self.lower[mask],
-            self.upper[mask],
-            self.lower_gain[mask],
-            self.upper_gain[mask],
-            self.side[mask],
-        )
+        return _Brackets(*(getattr(self, field.name)[mask] for field in fields(self)))
 
-    def trial(self) -> FloatArray:
-        """Zero of the straight line through both ends."""
-        slope = np.where(
-            self.upper_gain == self.lower_gain, -1.0, self.upper_gain - self.lower_gain
-        )
-        point = self.lower - self.lower_gain * (self.upper - self.lower) / slope
-        return np.clip(point, self.lower, self.upper)
+    def narrowed(self, gain: FloatArray, *, secant: bool) -> _Brackets:
+        """Bracket with one end moved to the trial, and the next trial.
 
-    def narrowed(self, trial: FloatArray, gain: FloatArray) -> _Brackets:
-        """Bracket with one end moved; an end kept twice counts half (Illinois)."""
+        An end kept twice counts half in the false position (Illinois).
+        """
+        trial = self.trial
         rises = gain > 0.0
         side = np.where(rises, 1.0, -1.0)
         again = side == self.side
-        kept_lower = np.where(again & ~rises, self.lower_gain / 2.0, self.lower_gain)
-        kept_upper = np.where(again & rises, self.upper_gain / 2.0, self.upper_gain)
+        lower_gain = np.where(again & ~rises, self.lower_gain / 2.0, self.lower_gain)
+        upper_gain = np.where(again & rises, self.upper_gain / 2.0, self.upper_gain)
+        lower_gain, upper_gain = np.where(rises, gain, lower_gain), np.where(rises, upper_gain, gain)
+        lower, upper = np.where(rises, trial, self.lower), np.where(rises, self.upper, trial)
+        following = np.clip(_zero(lower, upper, lower_gain, upper_gain), lower, upper)
+        if secant:
+            line = _zero(self.latest, trial, self.latest_gain, gain)
+            following = np.where((line > lower) & (line < upper), line, following)
         return _Brackets(
-            self.place,
-            np.where(rises, trial, self.lower),
-            np.where(rises, self.upper, trial),
-            np.where(rises, gain, kept_lower),
-            np.where(rises, kept_upper, gain),
-            side,
+            self.place, lower, upper, lower_gain, upper_gain, side, trial, gain, following
         )
+
+
+def _zero(a: FloatArray, b: FloatArray, value_a: FloatArray, value_b: FloatArray) -> FloatArray:
+    """Zero of the straight line through two points; far below where they are level."""
+    level = value_a == value_b
+    slope = np.where(level, -1.0, value_b - value_a)
+    return np.where(level, -np.inf, a - value_a * (b - a) / slope)

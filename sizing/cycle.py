@@ -31,10 +31,11 @@ from sizing.energy_balance import (
     PowerBalance,
     Step,
     Store,
-    advance,
     crossing_fraction,
+    first_repetition,
     full_after_h,
     repeated_day,
+    running_sum,
     sum_over_time,
     surplus_phase_h,
     unserved_h,
@@ -42,7 +43,7 @@ from sizing.energy_balance import (
 
 _FULL = 1.0 - 1e-9  # of the capacity: what the clock's table resolves
 # Elements of a batch simulated at once: a day of each array stays near the processor.
-CELLS_AT_ONCE = 512
+CELLS_AT_ONCE = 1024
 
 
 class Status(IntEnum):
@@ -197,13 +198,8 @@ def simulate_cycle(
     batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, np.shape(store.energy_max_wh))
     solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
     nominal, full = (np.broadcast_to(v, batch).reshape(-1) for v in (nominal, store.energy_max_wh))
-    every = replace(store, energy_max_wh=full)
-    parts = []
-    for start in range(0, len(nominal), CELLS_AT_ONCE):
-        some = slice(start, start + CELLS_AT_ONCE)
-        powers = _Powers(time, solar[:, some], load[:, some], nominal[some])
-        parts.append(_measured(powers, every.select(some), keep_trajectory))
-    return _joined(parts, batch)
+    cells = _Cells(time, solar, load, nominal, replace(store, energy_max_wh=full))
+    return _reshaped(_simulated(cells, keep_trajectory), batch)
 
 
 def _time_first(values: FloatArray) -> FloatArray:
@@ -211,34 +207,24 @@ def _time_first(values: FloatArray) -> FloatArray:
     return np.moveaxis(values, -1, 0).reshape(values.shape[-1], -1)
 
 
-def _joined(parts: list[Cycle], batch: tuple[int, ...]) -> Cycle:
-    """Cycle of a whole batch from those of its parts."""
-
-    def join(part: Any, kind: type) -> Any:
-        values = {}
-        for field in fields(kind):
-            column = [getattr(p, field.name) for p in part]
-            if field.name == "time_h":
-                values[field.name] = column[0]
-            elif field.name == "account":
-                values[field.name] = join(column, EnergyAccount)
-            else:
-                joined = np.concatenate(column)
-                values[field.name] = joined.reshape(batch + joined.shape[1:])
-        return kind(**values)
-
-    cycle: Cycle = join(parts, Cycle)
-    return cycle
-
-
 @dataclass(frozen=True)
-class _Powers:
-    """Powers of a one-dimensional batch [W]; time is the first axis."""
+class _Cells:
+    """Powers [W] and batteries of a one-dimensional batch; time is the first axis."""
 
     time_h: FloatArray
     solar_w: FloatArray
     load_w: FloatArray
     nominal_w: FloatArray
+    store: Store
+
+    def select(self, some: IntArray | slice) -> _Cells:
+        return _Cells(
+            self.time_h,
+            self.solar_w[:, some],
+            self.load_w[:, some],
+            self.nominal_w[some],
+            self.store.select(some),
+        )
 
     def above_nominal_w(self, balance: PowerBalance) -> FloatArray:
         """Solar power less the nominal load."""
@@ -247,20 +233,70 @@ class _Powers:
         return self.solar_w - self.nominal_w
 
 
-def _measured(powers: _Powers, store: Store, keep_trajectory: bool) -> Cycle:
-    """Cycle of a one-dimensional batch."""
-    balance = PowerBalance.of(powers.time_h, powers.solar_w.T, powers.load_w.T)
-    run = repeated_day(ChargingDay.of(balance), store)
-    equal = equal_power(powers.time_h, powers.above_nominal_w(balance))
-    end = run.end_wh
-    lowest = np.minimum(np.minimum.reduce(run.before_charge_wh, axis=0, initial=np.inf), end)
-    missing_h, unserved = _missing(balance, run, np.flatnonzero(lowest <= 0.0))
-    account = _account(powers, balance, run, end, unserved)
+def _simulated(cells: _Cells, keep_trajectory: bool) -> Cycle:
+    """Cycle of a one-dimensional batch, in blocks; what does not settle at once comes last."""
+    count = len(cells.nominal_w)
+    parts, late = [], [np.empty(0, np.intp)]
+    for start in range(0, max(count, 1), CELLS_AT_ONCE):
+        some = cells.select(slice(start, start + CELLS_AT_ONCE))
+        balance = PowerBalance.of(some.time_h, some.solar_w.T, some.load_w.T)
+        run, unsettled = first_repetition(ChargingDay.of(balance), some.store)
+        parts.append(_measured(some, balance, run, keep_trajectory))
+        late.append(start + unsettled)
+    cycle, places = _joined(parts), np.concatenate(late)
+    for start in range(0, len(places), CELLS_AT_ONCE):
+        place = places[start : start + CELLS_AT_ONCE]
+        some = cells.select(place)
+        balance = PowerBalance.of(some.time_h, some.solar_w.T, some.load_w.T)
+        run = repeated_day(ChargingDay.of(balance), some.store)
+        _overwrite(cycle, place, _measured(some, balance, run, keep_trajectory))
+    return cycle
+
+
+def _columns(kind: type) -> list[str]:
+    """Names of the fields that have an element for every element of the batch."""
+    return [f.name for f in fields(kind) if f.name not in ("time_h", "account")]
+
+
+def _joined(parts: list[Cycle]) -> Cycle:
+    account = {
+        name: np.concatenate([getattr(p.account, name) for p in parts])
+        for name in _columns(EnergyAccount)
+    }
+    columns = {
+        name: np.concatenate([getattr(p, name) for p in parts]) for name in _columns(Cycle)
+    }
+    return Cycle(**columns, account=EnergyAccount(**account), time_h=parts[0].time_h)
+
+
+def _overwrite(cycle: Cycle, places: IntArray, part: Cycle) -> None:
+    for name in _columns(Cycle):
+        getattr(cycle, name)[places] = getattr(part, name)
+    for name in _columns(EnergyAccount):
+        getattr(cycle.account, name)[places] = getattr(part.account, name)
+
+
+def _reshaped(cycle: Cycle, batch: tuple[int, ...]) -> Cycle:
+    def shaped(part: Any, kind: type) -> dict[str, Any]:
+        columns = {name: getattr(part, name) for name in _columns(kind)}
+        return {name: v.reshape(batch + v.shape[1:]) for name, v in columns.items()}
+
+    account = EnergyAccount(**shaped(cycle.account, EnergyAccount))
+    return replace(cycle, **shaped(cycle, Cycle), account=account)
+
+
+def _measured(
+    cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory: bool
+) -> Cycle:
+    """Cycle of a one-dimensional batch from the run of its day."""
+    store, nominal = run.store, cells.nominal_w
+    equal = equal_power(cells.time_h, cells.above_nominal_w(balance))
+    missing_h, unserved = _missing(balance, run)
+    account = _account(cells, run, unserved)
     first_full, last_full = _full_charge_h(balance, run)
     # A last digit of unserved energy may be left by the fixed point's tolerance.
     starved = unserved > 1e-9 * store.energy_max_wh
     lit = equal.always_above
-    nominal = powers.nominal_w
     with np.errstate(divide="ignore", invalid="ignore"):
         left_over = _dawn_wh(balance, run, equal) * store.discharge_efficiency
         surplus_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
@@ -270,18 +306,20 @@ def _measured(powers: _Powers, store: Store, keep_trajectory: bool) -> Cycle:
     status = np.where(excess > 0.0, Status.perpetual, Status.limited)
     status = np.where(lit & ~starved, Status.always_lit, status)
     status = np.where(account.solar_wh > 0.0, status, Status.never_lit)
-    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(end)), np.nan)
+    lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
+    state = np.maximum(lowest, 0.0) / store.energy_max_wh
+    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     return Cycle(
         status=status,
         excess_time_h=excess,
-        minimum_state_of_charge=np.where(excess > 0.0, lowest / store.energy_max_wh, 0.0),
+        minimum_state_of_charge=np.where(excess > 0.0, state, 0.0),
         charge_margin_h=np.where(np.isnan(first_full), 0.0, last_full - first_full),
         equal_power_morning_h=equal.morning_h,
         equal_power_evening_h=equal.evening_h,
         full_charge_h=first_full,
         missing_h=missing_h,
         account=account,
-        time_h=powers.time_h,
+        time_h=cells.time_h,
         energy_wh=nodes.T,
     )
 
@@ -298,18 +336,34 @@ def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArra
     return np.maximum(run.energy_at_node_wh(index) - drained, 0.0)
 
 
-def _missing(
-    balance: PowerBalance, run: DayRun, cells: IntArray
-) -> tuple[FloatArray, FloatArray]:
-    """Hours and energy [Wh] that the load lacks; of the cells whose battery empties."""
-    missing_h, unserved_wh = np.zeros((2, len(run.start_wh)))
-    if len(cells):
-        part = run.select(cells)
-        energy = part.energy_at_nodes_wh()
-        step = advance(part.store, balance.select(cells).whole_axis(), energy[:-1])
-        missing_h[cells] = sum_over_time(unserved_h(step))
-        unserved_wh[cells] = sum_over_time(step.unserved_wh)
-    return missing_h, unserved_wh
+def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
+    """Hours and energy [Wh] that the load lacks.
+
+    A battery that runs empty stays so until the next surplus, or midnight: what is then lacking
+    tells the instant.
+    """
+    day, eta, count = run.day, run.store.discharge_efficiency, len(run.start_wh)
+    row, cells = np.nonzero(run.drained_wh < 0.0)
+    midnight = run.midnight_wh
+    dark = np.flatnonzero(midnight < 0.0)
+    if not len(cells) and not len(dark):
+        return np.zeros(count), np.zeros(count)
+    falls_first = balance.net_w[row + day.first, cells] < 0.0
+    until = np.concatenate((row + day.first + falls_first, np.full(len(dark), len(balance.time_h) - 1)))
+    lacking = -eta * np.concatenate((run.drained_wh[row, cells], midnight[dark]))
+    cells = np.concatenate((cells, dark))
+    level = np.maximum(day.cumulative_wh[until, cells] - lacking, 0.0)
+    number = np.minimum(day.interval_at(level, cells), until - 1)
+    interval = balance.interval_of(number, cells)
+    rest = np.clip(day.cumulative_wh[number + 1, cells] - level, 0.0, None)
+    none = np.zeros_like(rest)
+    hours = running_sum(balance.deficit_h())
+    missing = unserved_h(Step(interval, none, none, none, none, rest))
+    missing = missing + hours[until, cells] - hours[number + 1, cells]
+    return (
+        np.bincount(cells, missing, minlength=count),
+        np.bincount(cells, lacking, minlength=count),
+    )
 
 
 def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
@@ -321,33 +375,27 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
     begins[1:] = full[1:] > full[:-1]
     ends[:-1] = full[:-1] > full[1:]
     begin, end = _first(begins), _last(ends)
-    interval = balance.interval_of(begin.row + run.day.first)
     columns = np.arange(len(begin.row))
-    before = run.before_charge_wh[begin.row, columns]
+    interval = balance.interval_of(begin.row + run.day.first, columns)
+    before = np.maximum(run.drained_wh[begin.row, columns], 0.0)
     after = run.after_charge_wh[begin.row, columns]
     step = Step(interval, before, before, after, after, np.zeros_like(after))
     first = interval.start_h + full_after_h(step, run.store)
-    interval = balance.interval_of(end.row + run.day.first)
+    interval = balance.interval_of(end.row + run.day.first, columns)
     last = interval.start_h + surplus_phase_h(interval)[1]
     return np.where(begin.any, first, np.nan), np.where(end.any, last, np.nan)
 
 
-def _account(
-    powers: _Powers,
-    balance: PowerBalance,
-    run: DayRun,
-    end_wh: FloatArray,
-    unserved_wh: FloatArray,
-) -> EnergyAccount:
+def _account(cells: _Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyAccount:
     store = run.store
-    into_store = sum_over_time(run.after_charge_wh - run.before_charge_wh)
+    into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
     surplus = sum_over_time(run.day.surplus_wh)
-    stored = end_wh - run.start_wh
+    stored = run.end_wh - run.start_wh
     drawn = into_store - stored
     taken = into_store / store.charge_efficiency
     return EnergyAccount(
-        solar_wh=_integral_wh(powers.time_h, powers.solar_w),
-        load_wh=_integral_wh(powers.time_h, powers.load_w),
+        solar_wh=_integral_wh(cells.time_h, cells.solar_w),
+        load_wh=_integral_wh(cells.time_h, cells.load_w),
         unserved_wh=unserved_wh,
         stored_wh=stored,
         charge_loss_wh=taken - into_store,

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -52,19 +53,18 @@ __all__ = [
     "crossing_fraction",
     "empty_after_h",
     "final_energy_wh",
+    "first_repetition",
     "full_after_h",
     "march",
     "periodic_energy_wh",
     "positive_part_wh",
     "ramp_fraction",
     "repeated_day",
+    "running_sum",
     "sum_over_time",
     "surplus_phase_h",
     "unserved_h",
 ]
-
-# Cycles marched before the remaining cells are bracketed.
-_PLAIN_CYCLES = 3
 
 
 @dataclass(frozen=True)
@@ -103,31 +103,45 @@ class Store:
         if self.clock is None:
             return np.asarray(target)
         # While the limit is constant it adds a constant power; the clock is asked beyond that.
-        plateau_wh = self.clock.constant_up_to * self.energy_max_wh
-        allowed = self.clock.constant_rate_per_h * self.energy_max_wh * hours
-        charged = np.asarray(np.minimum(target, energy_wh + allowed))
-        tapered = charged > np.maximum(energy_wh, plateau_wh)
-        if np.any(tapered):
-            charged[tapered] = self._tapered(self.clock, energy_wh, target, hours, tapered)
+        allowed = energy_wh + self._constant_limit_w * hours
+        charged = np.asarray(np.minimum(target, allowed))
+        tapered = charged > np.maximum(energy_wh, self._constant_up_to_wh)
+        at = np.flatnonzero(tapered)
+        if len(at):
+            picked = (_pick(v, tapered, at) for v in (self.energy_max_wh, energy_wh, target, hours))
+            charged.reshape(-1)[at] = self._tapered(self.clock, *picked)
         return charged
 
+    @cached_property
+    def _constant_limit_w(self) -> FloatArray:
+        """Charge limit of an empty battery [W], counted in stored power."""
+        return self.energy_max_wh * (np.inf if self.clock is None else self.clock.constant_rate_per_h)
+
+    @cached_property
+    def _constant_up_to_wh(self) -> FloatArray:
+        """Energy up to which the charge limit is constant [Wh]."""
+        return self.energy_max_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
+
+    @staticmethod
     def _tapered(
-        self,
         clock: ChargeClock,
-        energy_wh: FloatArray,
+        full_wh: FloatArray,
+        start_wh: FloatArray,
         target_wh: FloatArray,
-        hours: ArrayLike,
-        mask: BoolArray,
+        hours: FloatArray,
     ) -> FloatArray:
         """Energy after charging where the limit may fall with the state of charge."""
-        start, target, full, length = (
-            v if np.ndim(v) == 0 else np.broadcast_to(v, mask.shape)[mask]
-            for v in (np.asarray(energy_wh), target_wh, self.energy_max_wh, np.asarray(hours))
-        )
-        soc = np.minimum(start / full, 1.0)
-        limited = clock.after(soc, length) * full
+        limited = clock.after(np.minimum(start_wh / full_wh, 1.0), hours) * full_wh
         # A round trip through the clock's table must not lose the last digits of a full battery.
-        return np.maximum(np.minimum(target, limited), start)
+        return np.maximum(np.minimum(target_wh, limited), start_wh)
+
+
+def _pick(values: ArrayLike, like: BoolArray, at: IntArray) -> FloatArray:
+    """Values of an array, seen in the shape of another, at some of its places."""
+    array = np.asarray(values, float)
+    if array.ndim and array.shape != like.shape:
+        array = np.broadcast_to(array, like.shape)
+    return array.reshape(-1).take(at) if array.ndim else array
 
 
 class Step(NamedTuple):
@@ -254,6 +268,16 @@ class ChargingDay:
             cumulative_wh=cumulative,
         )
 
+    def interval_at(self, level_wh: FloatArray, cells: IntArray) -> IntArray:
+        """Intervals in which the deficit since midnight reaches some levels, by bisection."""
+        low = np.zeros(level_wh.shape, np.intp)
+        high = np.full(level_wh.shape, len(self.cumulative_wh) - 1)
+        for _ in range(len(self.cumulative_wh).bit_length()):
+            middle = (low + high) // 2
+            reached = self.cumulative_wh[middle, cells] <= level_wh
+            low, high = np.where(reached, middle, low), np.where(reached, high, middle)
+        return low
+
     def select(self, cells: IntArray) -> ChargingDay:
         """Day of a part of the batch."""
         return replace(
@@ -290,10 +314,10 @@ class ChargingDay:
 
     def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
         """March a day and keep what becomes of the batteries."""
-        before, after, paid = (np.empty_like(self.owed_wh) for _ in range(3))
+        drained, after, paid = (np.empty_like(self.owed_wh) for _ in range(3))
         for k, step in enumerate(self.charge(store, energy_wh)):
-            before[k], after[k], paid[k] = step[1:]
-        return DayRun(self, store, energy_wh, before, after, paid)
+            drained[k], _, after[k], paid[k] = step
+        return DayRun(self, store, energy_wh, drained, after, paid)
 
 
 @dataclass(frozen=True)
@@ -303,17 +327,22 @@ class DayRun:
     day: ChargingDay
     store: Store
     start_wh: FloatArray
-    before_charge_wh: FloatArray
+    drained_wh: FloatArray
     after_charge_wh: FloatArray
     paid_wh: FloatArray
 
     @property
-    def end_wh(self) -> FloatArray:
-        """Energy at the end of the day [Wh]."""
+    def midnight_wh(self) -> FloatArray:
+        """Energy at the end of the day [Wh], below zero if the battery ran empty."""
         energy, paid = self.start_wh, np.zeros_like(self.start_wh)
         if len(self.after_charge_wh):
             energy, paid = self.after_charge_wh[-1], self.paid_wh[-1]
-        return np.maximum(self.day.midnight_wh(self.store, energy, paid), 0.0)
+        return self.day.midnight_wh(self.store, energy, paid)
+
+    @property
+    def end_wh(self) -> FloatArray:
+        """Energy at the end of the day [Wh]."""
+        return np.maximum(self.midnight_wh, 0.0)
 
     def select(self, cells: IntArray) -> DayRun:
         """Run of a part of the batch."""
@@ -321,22 +350,26 @@ class DayRun:
             self.day.select(cells),
             self.store.select(cells),
             self.start_wh[cells],
-            self.before_charge_wh[:, cells],
+            self.drained_wh[:, cells],
             self.after_charge_wh[:, cells],
             self.paid_wh[:, cells],
         )
 
     def restart(self, cells: IntArray, start_wh: FloatArray) -> None:
         """Change the initial energy of elements that are empty before their first surplus."""
-        self.start_wh[cells] = start_wh
         waiting = np.maximum.accumulate(self.day.owed_wh[:, cells], axis=0) < 0.0
-        for energy in (self.before_charge_wh, self.after_charge_wh):
+        for energy in (self.drained_wh, self.after_charge_wh):
             energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])
+        first = waiting.sum(axis=0)
+        lit = first < len(waiting)
+        more_wh = start_wh - self.start_wh[cells]
+        self.drained_wh[first[lit], cells[lit]] += more_wh[lit]
+        self.start_wh[cells] = start_wh
 
     def replace_cells(self, cells: IntArray, other: DayRun) -> None:
         """Overwrite a part of the batch by another run."""
         self.start_wh[cells] = other.start_wh
-        self.before_charge_wh[:, cells] = other.before_charge_wh
+        self.drained_wh[:, cells] = other.drained_wh
         self.after_charge_wh[:, cells] = other.after_charge_wh
         self.paid_wh[:, cells] = other.paid_wh
 
@@ -385,9 +418,18 @@ def _flat(store: Store, shape: tuple[int, ...]) -> Store:
     return replace(store, energy_max_wh=store.spread(shape).energy_max_wh.reshape(-1))
 
 
-def repeated_day(
-    day: ChargingDay, store: Store, *, relative_tolerance: float = 1e-11
-) -> DayRun:
+# Of the capacity: change of the stored energy over a day that counts as none.
+_SETTLED = 1e-11
+
+
+class Repetition(NamedTuple):
+    """Run of a day, and the elements that do not end it with the energy they started with."""
+
+    run: DayRun
+    unsettled: IntArray
+
+
+def repeated_day(day: ChargingDay, store: Store) -> DayRun:
     """Run of a day that ends with the energy it started with.
 
     The energy after a cycle never falls, and rises by at most as much, when that before it rises
@@ -395,50 +437,39 @@ def repeated_day(
     from an empty battery leads to it. A cycle whose deficit exceeds all that could be stored
     passes through an empty battery, and from there one day leads to the fixed point. Any other
     cycle is marched from a full battery at nightfall; most fill it again within the day. The few
-    that are left are marched once more and then bracketed, which does not need many cycles where
-    a cycle's gain is small.
+    that are left are searched for, see :func:`sizing.bracketing.falling_root`.
     """
-    full, eta = store.energy_max_wh, store.discharge_efficiency
-    deficit = day.cumulative_wh[-1]
-    storable = store.charge_efficiency * sum_over_time(day.surplus_wh) * eta
-    last_paid = np.maximum.reduce(day.owed_wh, axis=0, initial=0.0)
-    full_at_nightfall = np.maximum(day.midnight_wh(store, full, last_paid), 0.0)
-    run = day.run(store, np.where(storable < deficit, 0.0, full_at_nightfall))
-    end = run.end_wh
-    moved = np.flatnonzero(np.abs(end - run.start_wh) > relative_tolerance * full)
-    if len(moved):
-        first_owed = np.where(day.owed_wh[:, moved] < 0.0, np.inf, day.owed_wh[:, moved])
-        empty_at = eta * np.maximum(run.start_wh[moved], end[moved])
-        # From here and from there: empty before the first surplus, and from then on the same.
-        alike = np.minimum.reduce(first_owed, axis=0, initial=np.inf) >= empty_at
-        run.restart(moved[alike], end[moved[alike]])
-        apart = moved[~alike]
-        if len(apart):
-            part, part_store = day.select(apart), store.select(apart)
-            start = _fixed_point(part, part_store, end[apart], relative_tolerance)
-            run.replace_cells(apart, part.run(part_store, start))
+    run, unsettled = first_repetition(day, store)
+    if len(unsettled):
+        part, part_store = day.select(unsettled), store.select(unsettled)
+        upper = np.maximum(run.start_wh, run.end_wh)[unsettled]
+        start = _fixed_point(part, part_store, upper)
+        run.replace_cells(unsettled, part.run(part_store, start))
     return run
 
 
-def _fixed_point(
-    day: ChargingDay, store: Store, energy_wh: FloatArray, tolerance: float
-) -> FloatArray:
+def first_repetition(day: ChargingDay, store: Store) -> Repetition:
+    """Run of a day that settles at once in nearly all cases, see :func:`repeated_day`."""
+    full, eta = store.energy_max_wh, store.discharge_efficiency
+    storable = store.charge_efficiency * sum_over_time(day.surplus_wh) * eta
+    last_paid = np.maximum.reduce(day.owed_wh, axis=0, initial=0.0)
+    full_at_nightfall = np.maximum(day.midnight_wh(store, full, last_paid), 0.0)
+    loses = storable < day.cumulative_wh[-1]
+    run = day.run(store, np.where(loses, 0.0, full_at_nightfall))
+    end = run.end_wh
+    moved = np.flatnonzero(np.abs(end - run.start_wh) > _SETTLED * full)
+    owed = np.where(day.owed_wh[:, moved] < 0.0, np.inf, day.owed_wh[:, moved])
+    first_owed = np.minimum.reduce(owed, axis=0, initial=np.inf)
+    # Empty before the first surplus from here and from there, and from then on the same.
+    alike = first_owed >= eta * np.maximum(run.start_wh, end)[moved]
+    run.restart(moved[alike], end[moved[alike]])
+    return Repetition(run, moved[~alike])
+
+
+def _fixed_point(day: ChargingDay, store: Store, upper_wh: FloatArray) -> FloatArray:
     """Energy at the start of the repeated day, from an energy that is not below it."""
-    result = energy_wh.copy()
-    places = np.arange(len(result))
-    limit = tolerance * store.energy_max_wh
-    for _ in range(_PLAIN_CYCLES):
-        found = day.select(places).end_wh(store.select(places), result[places])
-        settled = np.abs(found - result[places]) <= limit[places]
-        result[places] = found
-        places = places[~settled]
-        if not len(places):
-            return result
-    part, part_store = day.select(places), store.select(places)
 
     def gain(some: IntArray, energy: FloatArray) -> FloatArray:
-        return part.select(some).end_wh(part_store.select(some), energy) - energy
+        return day.select(some).end_wh(store.select(some), energy) - energy
 
-    upper = result[places]
-    result[places] = falling_root(gain, np.zeros_like(upper), upper, limit[places])
-    return result
+    return falling_root(gain, np.zeros_like(upper_wh), upper_wh, _SETTLED * store.energy_max_wh)

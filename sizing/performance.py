@@ -93,7 +93,8 @@ def solar_day(
     power = modelled_power(aircraft, mission, solar.model, chosen, time_h)
     if solar.correction == "loiter":
         power = power * loiter_ratio(aircraft, mission, solar.model, chosen, time_h, power)
-    corrected = power * correction(solar.model, solar.correction).factor
+    factor = correction(solar.model, solar.correction).factor
+    corrected = power if factor == 1.0 else power * factor
     return SolarDay(chosen, time_h, corrected, times.sunrise_h, times.sunset_h)
 
 
@@ -110,8 +111,10 @@ def modelled_power(
         If VM or FM lack the aircraft's module geometry or the mission's flight path.
     """
     if model not in ATTITUDE_MODELS:
-        latitude, day = scenarios.latitude_deg[:, np.newaxis], scenarios.noon_day[:, np.newaxis]
-        return _horizontal_power(aircraft, mission, model, latitude, day, time_h)
+        latitude, day = scenarios.latitude_deg, scenarios.noon_day
+        # In memory the time comes first: the simulator marches over it, all scenarios at once.
+        column = time_h[:, np.newaxis]
+        return _horizontal_power(aircraft, mission, model, latitude, day, column).T
     pairs = zip(scenarios.latitude_deg, scenarios.noon_day, strict=True)
     return np.stack(
         [_power_on_path(aircraft, mission, model, float(lat), day, time_h) for lat, day in pairs]
@@ -265,10 +268,15 @@ def performance(
     *,
     day: SolarDay | None = None,
     step_h: float = DEFAULT_STEP_H,
+    keep_trajectory: bool = True,
 ) -> Performance:
-    """Simulate an aircraft, as its file describes it, in every scenario of a mission."""
+    """Simulate an aircraft, as its file describes it, in every scenario of a mission.
+
+    Without ``keep_trajectory`` the stored energy over time is not kept.
+    """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    return _simulate(aircraft, mission, solar, design_of(aircraft, mission), lit)
+    design = design_of(aircraft, mission)
+    return _simulate(aircraft, mission, solar, design, lit, keep_trajectory)
 
 
 def performance_of_designs(
@@ -287,11 +295,16 @@ def performance_of_designs(
     """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     design = closed_design(aircraft, mission, variables)
-    return _simulate(aircraft, mission, solar, design, lit)
+    return _simulate(aircraft, mission, solar, design, lit, keep_trajectory=True)
 
 
 def _simulate(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, design: Design, day: SolarDay
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    design: Design,
+    day: SolarDay,
+    keep_trajectory: bool,
 ) -> Performance:
     # An impossible design draws infinite power; a finite, hopeless one keeps the arithmetic clean.
     power_w = np.asarray(design.propulsion_power_w)
@@ -307,7 +320,14 @@ def _simulate(
     nominal = np.asarray(per_scenario.nominal_load_w(mission))
     energy = np.asarray(design.battery_energy_wh)[..., np.newaxis]
     store = Store.of(aircraft.battery, energy)
-    cycle = simulate_cycle(day.time_h, solar_w, load_w, store, nominal_load_w=nominal)
+    cycle = simulate_cycle(
+        day.time_h,
+        solar_w,
+        load_w,
+        store,
+        nominal_load_w=nominal,
+        keep_trajectory=keep_trajectory,
+    )
     return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
 
 

@@ -17,6 +17,8 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
+_POINTS_AT_ONCE = 16384
+
 
 def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) -> FloatArray:
     """Integral of the positive part of a power that is linear over an interval [Wh].
@@ -113,17 +115,20 @@ class PowerBalance:
         if net.shape[-1] != len(time):
             raise ValueError(f"the last axis has length {net.shape[-1]}, time has {len(time)}")
         net = np.ascontiguousarray(np.moveaxis(net, -1, 0))
-        above = np.maximum(net, 0.0)
-        below = above - net
-        above, below = above[:-1] + above[1:], below[:-1] + below[1:]
-        total = above + below
+        surplus, deficit = np.empty((2, len(hours), *net.shape[1:]))
         column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
-        return cls(
-            time_h=time,
-            net_w=net,
-            surplus_wh=_part_wh(above, total, column),
-            deficit_wh=_part_wh(below, total, column),
-        )
+        # Some rows at a time: intermediate results stay near the processor.
+        rows = max(1, _POINTS_AT_ONCE * len(net) // max(net.size, 1))
+        for start in range(0, len(hours), rows):
+            part = slice(start, start + rows)
+            some = net[start : start + rows + 1]
+            above = np.maximum(some, 0.0)
+            below = above - some
+            above, below = above[:-1] + above[1:], below[:-1] + below[1:]
+            total = above + below
+            surplus[part] = _part_wh(above, total, column[part])
+            deficit[part] = _part_wh(below, total, column[part])
+        return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     @property
     def early_deficit_wh(self) -> FloatArray:
@@ -158,29 +163,10 @@ class PowerBalance:
             self.deficit_wh[:, cells],
         )
 
-    def whole_axis(self) -> Interval:
-        """All intervals at once, as arrays with the intervals first."""
-        hours = np.diff(self.time_h)
-        column = (slice(None),) + (np.newaxis,) * len(self.batch_shape)
-        return Interval(
-            number=np.arange(len(hours))[column],
-            start_h=self.time_h[:-1][column],
-            hours=hours[column],
-            left_w=self.net_w[:-1],
-            right_w=self.net_w[1:],
-            surplus_wh=self.surplus_wh,
-            early_deficit_wh=self.early_deficit_wh,
-            late_deficit_wh=self.late_deficit_wh,
-        )
-
-    def interval_of(self, number: IntArray) -> Interval:
-        """One interval for every element of the batch, picked by its number."""
-        pick = number[np.newaxis]
-
-        def at(values: FloatArray) -> FloatArray:
-            return np.asarray(np.take_along_axis(values, pick, axis=0)[0])
-
-        left, right, deficit = at(self.net_w[:-1]), at(self.net_w[1:]), at(self.deficit_wh)
+    def interval_of(self, number: IntArray, cells: IntArray) -> Interval:
+        """Some intervals of some elements of a one-dimensional batch, by their numbers."""
+        left, right = self.net_w[number, cells], self.net_w[number + 1, cells]
+        deficit = self.deficit_wh[number, cells]
         early = np.where(left < 0.0, deficit, 0.0)
         return Interval(
             number=number,
@@ -188,10 +174,17 @@ class PowerBalance:
             hours=self.time_h[number + 1] - self.time_h[number],
             left_w=left,
             right_w=right,
-            surplus_wh=at(self.surplus_wh),
+            surplus_wh=self.surplus_wh[number, cells],
             early_deficit_wh=early,
             late_deficit_wh=deficit - early,
         )
+
+    def deficit_h(self) -> FloatArray:
+        """Length of the deficit in every interval [h]; time first."""
+        lengths = np.where(self.deficit_wh > 0.0, np.diff(self.time_h)[:, np.newaxis], 0.0)
+        mixed = np.nonzero((self.deficit_wh > 0.0) & (self.surplus_wh > 0.0))
+        lengths[mixed] = deficit_phase_h(self.interval_of(*mixed))[1]
+        return lengths
 
     def intervals(self) -> Iterator[Interval]:
         """Walk the time axis interval by interval."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sizing.energy_balance import FloatArray
 
 # Cells simulated at once: their arrays over one day stay within a few megabytes.
-_BLOCK = 512
+_BLOCK = 8192
 
 # Variable -> unit, long name.
 _VARIABLES = {
@@ -78,7 +78,7 @@ def feasibility_map(
         block = slice(start, min(start + _BLOCK, count))
         scenarios = Scenarios(grid_lat[block], grid_day[block])
         lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
-        found = performance(aircraft, mission, solar, day=lit)
+        found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
         for name, values in _metrics(found).items():
             columns[name][block] = values
         status[block] = found.cycle.status
