@@ -34,6 +34,7 @@ from sizing.energy_balance import (
     crossing_fraction,
     first_repetition,
     full_after_h,
+    interval_reaching,
     repeated_day,
     running_sum,
     sum_over_time,
@@ -353,7 +354,7 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     lacking = -eta * np.concatenate((run.drained_wh[row, cells], midnight[dark]))
     cells = np.concatenate((cells, dark))
     level = np.maximum(day.cumulative_wh[until, cells] - lacking, 0.0)
-    number = np.minimum(day.interval_at(level, cells), until - 1)
+    number = np.minimum(interval_reaching(day.cumulative_wh, level, cells), until - 1)
     interval = balance.interval_of(number, cells)
     rest = np.clip(day.cumulative_wh[number + 1, cells] - level, 0.0, None)
     none = np.zeros_like(rest)

@@ -32,6 +32,7 @@ from sizing.power_balance import (
     PowerBalance,
     crossing_fraction,
     deficit_phase_h,
+    interval_reaching,
     positive_part_wh,
     ramp_fraction,
     running_sum,
@@ -51,10 +52,12 @@ __all__ = [
     "Store",
     "advance",
     "crossing_fraction",
+    "deficit_phase_h",
     "empty_after_h",
     "final_energy_wh",
     "first_repetition",
     "full_after_h",
+    "interval_reaching",
     "march",
     "periodic_energy_wh",
     "positive_part_wh",
@@ -268,16 +271,6 @@ class ChargingDay:
             cumulative_wh=cumulative,
         )
 
-    def interval_at(self, level_wh: FloatArray, cells: IntArray) -> IntArray:
-        """Intervals in which the deficit since midnight reaches some levels, by bisection."""
-        low = np.zeros(level_wh.shape, np.intp)
-        high = np.full(level_wh.shape, len(self.cumulative_wh) - 1)
-        for _ in range(len(self.cumulative_wh).bit_length()):
-            middle = (low + high) // 2
-            reached = self.cumulative_wh[middle, cells] <= level_wh
-            low, high = np.where(reached, middle, low), np.where(reached, high, middle)
-        return low
-
     def select(self, cells: IntArray) -> ChargingDay:
         """Day of a part of the batch."""
         return replace(
@@ -286,6 +279,10 @@ class ChargingDay:
             owed_wh=self.owed_wh[:, cells],
             cumulative_wh=self.cumulative_wh[:, cells],
         )
+
+    def without_nodes(self) -> ChargingDay:
+        """Day that knows the deficit at its end alone: enough to march."""
+        return replace(self, cumulative_wh=self.cumulative_wh[-1:])
 
     def charge(
         self, store: Store, energy_wh: FloatArray, paid_wh: ArrayLike = 0.0

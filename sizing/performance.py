@@ -26,8 +26,8 @@ from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
 
 DEFAULT_STEP_H = 1.0 / 12.0
-# Searches for the best launch that are marched together: what fits into the cache.
-_FLIGHTS_AT_ONCE = 64
+# Scenarios whose best launch is searched for together.
+_SCENARIOS_AT_ONCE = 512
 
 
 @dataclass(frozen=True)
@@ -249,16 +249,30 @@ class Performance:
         """Longest flight in every scenario (of a single design); none where it has no end."""
         ends = np.flatnonzero(~self.cycle.perpetual)
         found: list[Endurance | None] = [None] * len(self.cycle.status)
+        flights = self._longest_flights(ends)
+        for k, index in enumerate(ends):
+            found[index] = Endurance(flights.endurance_h[k], flights.launch_h[k])
+        return found
+
+    def endurance_h(self) -> FloatArray:
+        """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
+        ends = np.flatnonzero(~self.cycle.perpetual)
+        hours = np.full(len(self.cycle.status), np.inf)
+        hours[ends] = self._longest_flights(ends).endurance_h
+        return hours
+
+    def _longest_flights(self, scenarios: NDArray[np.intp]) -> Endurance:
         energy = np.broadcast_to(self.store.energy_max_wh, self.cycle.status.shape)
-        for start in range(0, len(ends), _FLIGHTS_AT_ONCE):
-            some = ends[start : start + _FLIGHTS_AT_ONCE]
+        hours, launch = np.empty((2, len(scenarios)))
+        for start in range(0, len(scenarios), _SCENARIOS_AT_ONCE):
+            part = slice(start, start + _SCENARIOS_AT_ONCE)
+            some = scenarios[part]
             store = replace(self.store, energy_max_wh=energy[some])
             flights = longest_flight(
                 self.day.time_h, self.solar_power_w[some], self.load_w[some], store
             )
-            for k, index in enumerate(some):
-                found[index] = Endurance(flights.endurance_h[k], flights.launch_h[k])
-        return found
+            hours[part], launch[part] = flights.endurance_h, flights.launch_h
+        return Endurance(hours, launch)
 
 
 def performance(

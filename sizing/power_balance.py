@@ -220,3 +220,14 @@ def running_sum(values: FloatArray) -> FloatArray:
     for k in range(len(values)):
         np.add(sums[k], values[k], out=sums[k + 1])
     return sums
+
+
+def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> IntArray:
+    """Intervals in which running sums of some columns reach some levels, by bisection."""
+    low = np.zeros(level.shape, np.intp)
+    high = np.full(level.shape, len(sums) - 1)
+    for _ in range(len(sums).bit_length()):
+        middle = (low + high) // 2
+        reached = sums[middle, cells] <= level
+        low, high = np.where(reached, middle, low), np.where(reached, high, middle)
+    return low

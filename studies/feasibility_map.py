@@ -83,8 +83,7 @@ def feasibility_map(
             columns[name][block] = values
         status[block] = found.cycle.status
         if endurance:
-            flights = found.endurances()
-            longest[block] = [np.inf if f is None else float(f.endurance_h) for f in flights]
+            longest[block] = found.endurance_h()
         if progress is not None:
             progress(block.stop, count)
     if endurance:
