@@ -69,23 +69,63 @@ def longest_flight(
     flights = _Flights.of(balance.flat(), store, shape)
     dark_h = running_sum(flights.balance.deficit_h())
     cells = np.arange(dark_h.shape[1])
-    spacing = dark_h[-1] / _LAUNCHES
-    best, best_h = np.zeros(len(cells)), np.full(len(cells), -np.inf)
-    tries = np.arange(_LAUNCHES)[:, np.newaxis] * spacing
-    for _ in range(1 + _REFINEMENTS):
-        places = np.broadcast_to(cells, tries.shape)
-        launch = _launch_h(flights.balance, dark_h, tries, places)
-        hours = flights.hours(places.ravel(), launch.ravel()).reshape(tries.shape)
-        pick = np.argmax(hours, axis=0)
-        better = hours[pick, cells] > best_h
-        best_h = np.where(better, hours[pick, cells], best_h)
-        best = np.where(better, tries[pick, cells], best)
-        tries = best + _CLOSER[:, np.newaxis] * spacing
-        tries = np.where(tries < 0.0, tries + dark_h[-1], tries)
-        tries = np.where(tries > dark_h[-1], tries - dark_h[-1], tries)
-        spacing = spacing / 4.0
-    launch = _launch_h(flights.balance, dark_h, best, cells) % HOURS_PER_DAY
-    return Endurance(best_h.reshape(shape), launch.reshape(shape))
+    spacing_h = dark_h[-1] / _LAUNCHES
+    tries_h = np.arange(_LAUNCHES)[:, np.newaxis] * spacing_h
+    search = _Search(flights, dark_h, np.broadcast_to(cells, tries_h.shape))
+    hours = search.hours(tries_h)
+    rank, cell = np.nonzero(_promising(hours, spacing_h))
+    best_h, best_try = hours[rank, cell], tries_h[rank, cell]
+    spacing_h = spacing_h[cell]
+    search = search.at(np.broadcast_to(cell, (len(_CLOSER), len(cell))))
+    for _ in range(_REFINEMENTS):
+        tries_h = (best_try + _CLOSER[:, np.newaxis] * spacing_h) % np.maximum(dark_h[-1][cell], 1e-9)
+        hours = search.hours(tries_h)
+        pick, every = np.argmax(hours, axis=0), np.arange(len(cell))
+        better = hours[pick, every] > best_h
+        best_h = np.where(better, hours[pick, every], best_h)
+        best_try = np.where(better, tries_h[pick, every], best_try)
+        spacing_h = spacing_h / 4.0
+    # The last of equal cells stays, and that is the longest of its flights.
+    order = np.argsort(best_h, kind="stable")
+    longest, launch_h = np.empty((2, len(cells)))
+    longest[cell[order]] = best_h[order]
+    launch_h[cell[order]] = search.at(cell).launch_h(best_try)[order] % HOURS_PER_DAY
+    return Endurance(longest.reshape(shape), launch_h.reshape(shape))
+
+
+def _promising(hours: FloatArray, spacing_h: FloatArray) -> BoolArray:
+    """Tries around which the longest flight may be: the best, and those just after a jump.
+
+    A flight begun earlier by a spacing is longer by a spacing at the most, unless it jumps.
+    """
+    best = np.argmax(hours, axis=0)
+    finite = np.where(np.isinf(hours), 1e9, hours)
+    after_jump = finite > np.roll(finite, 1, axis=0) + spacing_h
+    marks = after_jump & (finite + spacing_h > finite.max(axis=0))
+    marks &= ~np.isinf(hours)
+    marks[best, np.arange(hours.shape[1])] = True
+    return np.asarray(marks)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Launches told by the hours of deficit between midnight and them, in some elements."""
+
+    flights: _Flights
+    dark_h: FloatArray
+    cells: IntArray
+
+    def at(self, cells: IntArray) -> _Search:
+        return replace(self, cells=cells)
+
+    def launch_h(self, level_h: FloatArray) -> FloatArray:
+        """Solar time of launches [h]."""
+        return _launch_h(self.flights.balance, self.dark_h, level_h, self.cells)
+
+    def hours(self, level_h: FloatArray) -> FloatArray:
+        """Flight time from launches [h]."""
+        launch = self.launch_h(level_h).reshape(-1)
+        return self.flights.hours(self.cells.reshape(-1), launch).reshape(level_h.shape)
 
 
 def _launch_h(
