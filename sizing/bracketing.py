@@ -94,7 +94,10 @@ class _Brackets:
         again = side == self.side
         lower_gain = np.where(again & ~rises, self.lower_gain / 2.0, self.lower_gain)
         upper_gain = np.where(again & rises, self.upper_gain / 2.0, self.upper_gain)
-        lower_gain, upper_gain = np.where(rises, gain, lower_gain), np.where(rises, upper_gain, gain)
+        lower_gain, upper_gain = (
+            np.where(rises, gain, lower_gain),
+            np.where(rises, upper_gain, gain),
+        )
         lower, upper = np.where(rises, trial, self.lower), np.where(rises, self.upper, trial)
         following = np.clip(_zero(lower, upper, lower_gain, upper_gain), lower, upper)
         if secant:

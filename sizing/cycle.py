@@ -264,9 +264,7 @@ def _joined(parts: list[Cycle]) -> Cycle:
         name: np.concatenate([getattr(p.account, name) for p in parts])
         for name in _columns(EnergyAccount)
     }
-    columns = {
-        name: np.concatenate([getattr(p, name) for p in parts]) for name in _columns(Cycle)
-    }
+    columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in _columns(Cycle)}
     return Cycle(**columns, account=EnergyAccount(**account), time_h=parts[0].time_h)
 
 
@@ -286,9 +284,7 @@ def _reshaped(cycle: Cycle, batch: tuple[int, ...]) -> Cycle:
     return replace(cycle, **shaped(cycle, Cycle), account=account)
 
 
-def _measured(
-    cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory: bool
-) -> Cycle:
+def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory: bool) -> Cycle:
     """Cycle of a one-dimensional batch from the run of its day."""
     store, nominal = run.store, cells.nominal_w
     equal = equal_power(cells.time_h, cells.above_nominal_w(balance))
@@ -350,7 +346,9 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     if not len(cells) and not len(dark):
         return np.zeros(count), np.zeros(count)
     falls_first = balance.net_w[row + day.first, cells] < 0.0
-    until = np.concatenate((row + day.first + falls_first, np.full(len(dark), len(balance.time_h) - 1)))
+    until = np.concatenate(
+        (row + day.first + falls_first, np.full(len(dark), len(balance.time_h) - 1))
+    )
     lacking = -eta * np.concatenate((run.drained_wh[row, cells], midnight[dark]))
     cells = np.concatenate((cells, dark))
     level = np.maximum(day.cumulative_wh[until, cells] - lacking, 0.0)
@@ -362,8 +360,8 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     missing = unserved_h(Step(interval, none, none, none, none, rest))
     missing = missing + hours[until, cells] - hours[number + 1, cells]
     return (
-        np.bincount(cells, missing, minlength=count),
-        np.bincount(cells, lacking, minlength=count),
+        np.bincount(cells, missing, minlength=count).astype(float),
+        np.bincount(cells, lacking, minlength=count).astype(float),
     )
 
 
@@ -371,7 +369,8 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
     """First and last instant of full charge by the clock [h], NaN where there is none."""
     full = (run.after_charge_wh >= _FULL * run.store.energy_max_wh) & (run.day.surplus_wh > 0.0)
     if not len(full):
-        return np.full((2, len(run.start_wh)), np.nan)
+        none = np.full(len(run.start_wh), np.nan)
+        return none, none
     begins, ends = full.copy(), full.copy()
     begins[1:] = full[1:] > full[:-1]
     ends[:-1] = full[:-1] > full[1:]

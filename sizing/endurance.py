@@ -37,7 +37,10 @@ _LAUNCHES = 60
 _REFINEMENTS = 5
 _CLOSER = np.array([-0.75, -0.5, -0.25, 0.25, 0.5, 0.75])
 # Flights marched at once: their day stays near the processor.
-_FLIGHTS_AT_ONCE = 2048
+_FLIGHTS_AT_ONCE = 16384
+# The day of the launch and the next: from then on a flight has midnights like any other.
+_DAYS_OF_LAUNCH = 2
+_SHORT = 1e-12  # of the capacity: what counts as an empty battery
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,9 @@ def longest_flight(
     spacing_h = spacing_h[cell]
     search = search.at(np.broadcast_to(cell, (len(_CLOSER), len(cell))))
     for _ in range(_REFINEMENTS):
-        tries_h = (best_try + _CLOSER[:, np.newaxis] * spacing_h) % np.maximum(dark_h[-1][cell], 1e-9)
+        tries_h = (best_try + _CLOSER[:, np.newaxis] * spacing_h) % np.maximum(
+            dark_h[-1][cell], 1e-9
+        )
         hours = search.hours(tries_h)
         pick, every = np.argmax(hours, axis=0), np.arange(len(cell))
         better = hours[pick, every] > best_h
@@ -124,8 +129,10 @@ class _Search:
 
     def hours(self, level_h: FloatArray) -> FloatArray:
         """Flight time from launches [h]."""
-        launch = self.launch_h(level_h).reshape(-1)
-        return self.flights.hours(self.cells.reshape(-1), launch).reshape(level_h.shape)
+        # Launches of an element side by side: many of them become twins.
+        launch = self.launch_h(level_h).T.reshape(-1)
+        hours = self.flights.hours(self.cells.T.reshape(-1), launch)
+        return hours.reshape(level_h.shape[::-1]).T
 
 
 def _launch_h(
@@ -152,17 +159,32 @@ def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> 
 
 
 class _Aloft(NamedTuple):
-    """Flights that have not ended: battery at midnight and what past days have shown."""
+    """Batteries that are aloft at midnight, and what past days have shown of them."""
 
-    flight: IntArray
     cell: IntArray
     energy_wh: FloatArray
     paid_wh: FloatArray
     loss_wh: FloatArray
     skipped_h: FloatArray
 
-    def select(self, mask: BoolArray) -> _Aloft:
-        return _Aloft(*(v[mask] for v in self))
+    def select(self, some: IntArray | BoolArray) -> _Aloft:
+        return _Aloft(
+            self.cell[some],
+            self.energy_wh[some],
+            self.paid_wh[some],
+            self.loss_wh[some],
+            self.skipped_h[some],
+        )
+
+    def without_twins(self) -> tuple[_Aloft, IntArray]:
+        """One of each equal battery, and where each is found: what comes is the same for all."""
+        order = np.lexsort((self.energy_wh, self.cell))
+        cell, energy = self.cell[order], self.energy_wh[order]
+        new = np.ones(len(order), bool)
+        new[1:] = (cell[1:] != cell[:-1]) | (energy[1:] != energy[:-1])
+        place = np.empty(len(order), np.intp)
+        place[order] = np.cumsum(new) - 1
+        return self.select(order[new]), place
 
 
 class _FlownDay(NamedTuple):
@@ -180,11 +202,14 @@ class _Flights:
     balance: PowerBalance
     day: ChargingDay
     store: Store
+    last_owed_wh: FloatArray
 
     @classmethod
     def of(cls, balance: PowerBalance, store: Store, shape: tuple[int, ...]) -> _Flights:
         energy = np.broadcast_to(store.energy_max_wh, shape).reshape(-1)
-        return cls(balance, ChargingDay.of(balance), replace(store, energy_max_wh=energy))
+        day = ChargingDay.of(balance)
+        last_owed = np.maximum.reduce(day.owed_wh, axis=0, initial=-np.inf)
+        return cls(balance, day, replace(store, energy_max_wh=energy), last_owed)
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Flight time [h] in some elements of the batch from launches with a full battery."""
@@ -196,8 +221,8 @@ class _Flights:
 
     def _hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         flown = np.full(len(cells), np.inf)
+        battery = np.arange(len(cells))  # of every flight, -1 when it is over
         aloft = _Aloft(
-            flight=np.arange(len(cells)),
             cell=cells,
             energy_wh=self.store.energy_max_wh[cells],
             # A full battery that owes nothing for the hours before the launch.
@@ -206,14 +231,21 @@ class _Flights:
             skipped_h=np.zeros(len(cells)),
         )
         for number in range(MAXIMUM_DAYS + 1):
-            if not len(aloft.flight):
+            if not len(aloft.cell):
                 break
             day = self._flown_day(aloft)
             ended = ~np.isnan(day.end_level_wh)
-            done = aloft.select(ended)
-            end_h = number * HOURS_PER_DAY + self._hour_of(day.end_level_wh[ended], done.cell)
-            flown[done.flight] = end_h + done.skipped_h - launch_h[done.flight]
-            aloft = self._next_day(number, aloft, day).select(~ended & ~self._endless(number, aloft, day))
+            end_h = number * HOURS_PER_DAY + aloft.skipped_h
+            end_h[ended] += self._hour_of(day.end_level_wh[ended], aloft.cell[ended])
+            over = (battery >= 0) & ended[battery]
+            flown[over] = end_h[battery[over]] - launch_h[over]
+            goes_on = ~ended & ~self._endless(number, aloft, day)
+            place = np.where(goes_on, np.cumsum(goes_on) - 1, -1)
+            aloft = self._next_day(number, aloft, day).select(goes_on)
+            if number < _DAYS_OF_LAUNCH:
+                aloft, twin = aloft.without_twins()
+                place[goes_on] = twin
+            battery = np.where(battery >= 0, place[battery], -1)
         return np.where(flown > MAXIMUM_DAYS * HOURS_PER_DAY, np.inf, flown)
 
     def _deficit_until_wh(self, clock_h: FloatArray, cells: IntArray) -> FloatArray:
@@ -229,8 +261,23 @@ class _Flights:
         )
 
     def _flown_day(self, aloft: _Aloft) -> _FlownDay:
+        level = np.full(len(aloft.cell), np.nan)
+        energy, paid, lowest = aloft.energy_wh.copy(), aloft.paid_wh.copy(), aloft.energy_wh.copy()
+        # After the last surplus of the day nothing but the deficit is left.
+        lit = np.flatnonzero(self.last_owed_wh[aloft.cell] > aloft.paid_wh)
+        level[lit], energy[lit], paid[lit], lowest[lit] = self._lit_day(aloft.select(lit))
+        store = self.store.select(aloft.cell)
+        deficit = self.day.cumulative_wh[-1][aloft.cell]
+        midnight = energy - (deficit - paid) / store.discharge_efficiency
+        last = (midnight < -_SHORT * store.energy_max_wh) & np.isnan(level)
+        level[last] = (deficit + store.discharge_efficiency * midnight)[last]
+        midnight = np.maximum(midnight, 0.0)
+        return _FlownDay(level, midnight, np.maximum(np.minimum(lowest, midnight), 0.0))
+
+    def _lit_day(self, aloft: _Aloft) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Level of the deficit at the end of flights, energy, deficit paid, and lowest energy."""
         day, store = self.day.without_nodes().select(aloft.cell), self.store.select(aloft.cell)
-        eta, least = store.discharge_efficiency, -1e-12 * store.energy_max_wh
+        least = -_SHORT * store.energy_max_wh
         level = np.full(len(aloft.cell), np.nan)
         energy, paid, lowest = aloft.energy_wh, aloft.paid_wh, aloft.energy_wh
         for step in day.charge(store, energy, paid):
@@ -239,12 +286,8 @@ class _Flights:
             short = step.drained_wh < least
             if short.any():
                 first = short & np.isnan(level)
-                level[first] = (paid + eta * step.drained_wh)[first]
-        midnight = day.midnight_wh(store, energy, paid)
-        last = (midnight < least) & np.isnan(level)
-        level[last] = (day.cumulative_wh[-1] + eta * midnight)[last]
-        midnight = np.maximum(midnight, 0.0)
-        return _FlownDay(level, midnight, np.maximum(np.minimum(lowest, midnight), 0.0))
+                level[first] = (paid + store.discharge_efficiency * step.drained_wh)[first]
+        return level, energy, paid, lowest
 
     def _hour_of(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Solar time at which the deficit since midnight reaches a level [h]."""
@@ -258,19 +301,20 @@ class _Flights:
     def _endless(self, number: int, aloft: _Aloft, day: _FlownDay) -> BoolArray:
         """From the second day on, a day that gives back what it takes repeats for ever."""
         full = self.store.energy_max_wh[aloft.cell]
-        return (aloft.energy_wh - day.midnight_wh <= 1e-11 * full) & (number >= 2)
+        endless = aloft.energy_wh - day.midnight_wh <= 1e-11 * full
+        return endless & (number >= _DAYS_OF_LAUNCH)
 
     def _next_day(self, number: int, aloft: _Aloft, day: _FlownDay) -> _Aloft:
         """Flights at the next midnight; whole days that lose the same energy are skipped."""
         full = self.store.energy_max_wh[aloft.cell]
         loss = aloft.energy_wh - day.midnight_wh
         alike = (np.abs(loss - aloft.loss_wh) <= 1e-9 * full) & (loss > 1e-9 * full)
-        alike &= number >= 2
         days = np.floor(day.lowest_wh / np.where(alike, loss, 1.0)) - 1.0
         days = np.where(alike, np.clip(days, 0.0, MAXIMUM_DAYS), 0.0)
         return aloft._replace(
             energy_wh=day.midnight_wh - days * loss,
             paid_wh=np.zeros(len(full)),
-            loss_wh=loss,
+            # The days of the launch are no measure, whatever flights have become twins.
+            loss_wh=loss if number >= _DAYS_OF_LAUNCH else np.full(len(loss), np.nan),
             skipped_h=aloft.skipped_h + days * HOURS_PER_DAY,
         )

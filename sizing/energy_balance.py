@@ -106,7 +106,7 @@ class Store:
         if self.clock is None:
             return np.asarray(target)
         # While the limit is constant it adds a constant power; the clock is asked beyond that.
-        allowed = energy_wh + self._constant_limit_w * hours
+        allowed = energy_wh + self._constant_limit_w * np.asarray(hours, float)
         charged = np.asarray(np.minimum(target, allowed))
         tapered = charged > np.maximum(energy_wh, self._constant_up_to_wh)
         at = np.flatnonzero(tapered)
@@ -118,7 +118,9 @@ class Store:
     @cached_property
     def _constant_limit_w(self) -> FloatArray:
         """Charge limit of an empty battery [W], counted in stored power."""
-        return self.energy_max_wh * (np.inf if self.clock is None else self.clock.constant_rate_per_h)
+        return self.energy_max_wh * (
+            np.inf if self.clock is None else self.clock.constant_rate_per_h
+        )
 
     @cached_property
     def _constant_up_to_wh(self) -> FloatArray:

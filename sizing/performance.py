@@ -27,7 +27,7 @@ from solar.sun import declination, sun_times
 
 DEFAULT_STEP_H = 1.0 / 12.0
 # Scenarios whose best launch is searched for together.
-_SCENARIOS_AT_ONCE = 512
+_SCENARIOS_AT_ONCE = 2048
 
 
 @dataclass(frozen=True)

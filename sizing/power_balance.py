@@ -32,7 +32,8 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
 
 def _part_wh(part_w: FloatArray, total_w: FloatArray, hours: ArrayLike) -> FloatArray:
     """Integral of one sign's part of a linear power, from its and the total end values."""
-    return np.asarray(part_w * part_w / np.maximum(2.0 * total_w, 1e-300) * hours)
+    mean_w = part_w * part_w / np.maximum(2.0 * total_w, 1e-300)
+    return np.asarray(mean_w * np.asarray(hours, float))
 
 
 def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
@@ -206,9 +207,10 @@ class PowerBalance:
 def sum_over_time(values: FloatArray) -> FloatArray:
     """Sum over the first axis of a two-dimensional array, in the order of time.
 
-    NumPy adds up a lone column pairwise but many columns row by row; a running sum makes the last
-    digit of an element independent of how many others are computed with it.
+    NumPy adds up many contiguous columns row by row but a lone column pairwise; a running sum
+    makes the last digit of an element independent of how many others are computed with it.
     """
+    values = np.ascontiguousarray(values)
     if values.shape[1] == 1 and len(values):
         return np.asarray(np.cumsum(values, axis=0)[-1])
     return np.asarray(np.add.reduce(values, axis=0))

@@ -129,7 +129,7 @@ def irradiance_under(
 ) -> Irradiance:
     """Irradiance [W/m2] under a sky of given coefficients, at a pressure relative to sea level."""
     cos_z = np.asarray(cos_zenith, float)
-    optical_path = sky.b * relative_pressure * air_mass(cos_z)
+    optical_path = sky.b * np.asarray(relative_pressure, float) * air_mass(cos_z)
     dni = np.where(cos_z > 0.0, sky.a * np.exp(-optical_path), 0.0)
     return Irradiance(dni, sky.c * dni)
 

@@ -240,4 +240,6 @@ def _cut(values: FloatArray, axis: int, part: slice) -> FloatArray:
     """Part of an array along an axis counted from the last; all of it where it has no such axis."""
     if values.ndim < -axis or values.shape[axis] == 1:
         return values
-    return values[(Ellipsis, part, *(slice(None),) * (-axis - 1))]
+    index = [slice(None)] * values.ndim
+    index[axis] = part
+    return values[tuple(index)]

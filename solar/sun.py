@@ -93,9 +93,7 @@ def sun_arc(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunArc:
     """Path of the sun at a latitude [deg] for a declination [rad]."""
     lat = np.radians(np.asarray(latitude_deg, float))
     dec = np.asarray(sun_declination, float)
-    return SunArc(
-        np.asarray(np.sin(lat) * np.sin(dec)), np.asarray(np.cos(lat) * np.cos(dec))
-    )
+    return SunArc(np.asarray(np.sin(lat) * np.sin(dec)), np.asarray(np.cos(lat) * np.cos(dec)))
 
 
 def cos_zenith(latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayLike) -> FloatArray:

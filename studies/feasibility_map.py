@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.dates import MONTH_NAMES
 from missions.mission import Mission, Scenarios
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
     from sizing.energy_balance import FloatArray
 
-# Cells simulated at once: their arrays over one day stay within a few megabytes.
-_BLOCK = 8192
+# Cells simulated at once: their arrays over one day take some 20 MB each.
+_CELLS_AT_ONCE = 8192
 
 # Variable -> unit, long name.
 _VARIABLES = {
@@ -33,6 +34,7 @@ _VARIABLES = {
     "full_charge": ("h", "solar time of the first full charge"),
     "solar_energy": ("Wh", "electric energy of the modules over the day"),
     "load_energy": ("Wh", "energy drawn over the day"),
+    "day_length": ("h", "time from sunrise to sunset"),
 }
 
 
@@ -56,8 +58,8 @@ def feasibility_map(
     latitudes_deg, days : ndarray
         Latitudes [deg] and days of year.
     endurance : bool
-        Also search the longest flight of every cell that is not perpetual (about a hundred times
-        the work of the other metrics).
+        Also search the longest flight of every cell that is not perpetual (some twenty times the
+        work of a cell's other metrics).
     progress : callable, optional
         Called with the cells done and the cells in all.
 
@@ -67,37 +69,50 @@ def feasibility_map(
         On the dimensions ``latitude`` and ``day``, with CF attributes; undefined values are NaN,
         and ``status`` tells why.
     """
-    grid_lat, grid_day = (
-        v.ravel() for v in np.meshgrid(latitudes_deg, np.asarray(days, int), indexing="ij")
-    )
-    count = len(grid_lat)
-    columns = {name: np.full(count, np.nan) for name in _VARIABLES}
-    status = np.zeros(count, np.int8)
-    longest = np.full(count, np.nan)
-    for start in range(0, count, _BLOCK):
-        block = slice(start, min(start + _BLOCK, count))
-        scenarios = Scenarios(grid_lat[block], grid_day[block])
-        lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
-        found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
-        for name, values in _metrics(found).items():
-            columns[name][block] = values
-        status[block] = found.cycle.status
-        if endurance:
-            longest[block] = found.endurance_h()
+    columns = map_block(aircraft, mission, latitudes_deg, days, solar, endurance, progress=progress)
+    return _dataset(aircraft, mission, solar, latitudes_deg, days, columns)
+
+
+def map_block(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitudes_deg: FloatArray,
+    days: FloatArray,
+    solar: SolarModel,
+    endurance: bool = False,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, NDArray[Any]]:
+    """Metrics of the cells of some latitudes, arrays of shape ``(latitude, day)``.
+
+    A cell does not depend on the others to its last digit: maps may be computed in parts of any
+    size, by other processes too, and put together. Parameters are those of
+    :func:`feasibility_map`; the keys are its variables.
+    """
+    grid = np.meshgrid(np.asarray(latitudes_deg, float), np.asarray(days, int), indexing="ij")
+    latitude, day = (v.ravel() for v in grid)
+    parts: list[dict[str, NDArray[Any]]] = []
+    for start in range(0, len(latitude), _CELLS_AT_ONCE):
+        some = slice(start, start + _CELLS_AT_ONCE)
+        parts.append(
+            _cells(aircraft, mission, Scenarios(latitude[some], day[some]), solar, endurance)
+        )
         if progress is not None:
-            progress(block.stop, count)
+            progress(min(some.stop, len(latitude)), len(latitude))
+    shape = grid[0].shape
+    return {name: np.concatenate([p[name] for p in parts]).reshape(shape) for name in parts[0]}
+
+
+def _cells(
+    aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
+) -> dict[str, NDArray[Any]]:
+    lit = solar_day(aircraft, mission, solar, scenarios=cells)
+    found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
+    columns: dict[str, NDArray[Any]] = dict(_metrics(found))
+    columns["status"] = found.cycle.status.astype(np.int8)
     if endurance:
-        columns["endurance"] = longest
-    shape = (len(latitudes_deg), len(days))
-    return _dataset(
-        aircraft,
-        mission,
-        solar,
-        latitudes_deg,
-        days,
-        {name: values.reshape(shape) for name, values in columns.items()},
-        status.reshape(shape),
-    )
+        columns["endurance"] = found.endurance_h()
+    return columns
 
 
 def _metrics(perf: Performance) -> dict[str, FloatArray]:
@@ -111,6 +126,7 @@ def _metrics(perf: Performance) -> dict[str, FloatArray]:
         "full_charge": cycle.full_charge_h,
         "solar_energy": cycle.account.solar_wh,
         "load_energy": cycle.account.load_wh,
+        "day_length": perf.day.sunset_h - perf.day.sunrise_h,
     }
 
 
@@ -120,8 +136,7 @@ def _dataset(
     solar: SolarModel,
     latitudes_deg: FloatArray,
     days: FloatArray,
-    columns: dict[str, FloatArray],
-    status: Any,
+    columns: dict[str, NDArray[Any]],
 ) -> xr.Dataset:
     import xarray as xr
 
@@ -132,10 +147,11 @@ def _dataset(
     variables: dict[str, Any] = {
         name: (dims, values, {"units": described[name][0], "long_name": described[name][1]})
         for name, values in columns.items()
+        if name != "status"
     }
     variables["status"] = (
         dims,
-        status,
+        columns["status"],
         {
             "long_name": "how the repeated day ends",
             "flag_values": np.array([s.value for s in Status], np.int8),
