@@ -49,7 +49,9 @@ def map_scaling() -> list[dict[str, Any]]:
     return [*_full_map(), _endurance(), _two_processes(), _memory(), *_cost_against_size(long)]
 
 
-def _row(work: str, ours_s: float, peer: str | None = None, peer_s: float | None = None) -> Any:
+def _row(
+    work: str, ours_s: float, peer: str | None = None, peer_s: float | None = None
+) -> dict[str, Any]:
     ratio = None if peer_s is None else peer_s / ours_s
     return {
         "name": "map",
@@ -115,7 +117,7 @@ _DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 
 class _Craft(ctypes.Structure):
-    _fields_ = [  # noqa: RUF012
+    _fields_ = [
         *((name, ctypes.c_int) for name in ("nodes", "half", "pieces", "clock_nodes")),
         *(
             (name, _DOUBLES)
@@ -160,7 +162,8 @@ class _Bound:
         self._function.restype = None
         self._kept: list[Any] = []
         self._craft = self._described()
-        latitude, day = (v.ravel() for v in np.meshgrid(_LATITUDES, _DAYS, indexing="ij"))
+        latitude = np.repeat(_LATITUDES, len(_DAYS))
+        day = np.tile(_DAYS, len(_LATITUDES))
         noon = Scenarios(latitude, day).noon_day
         skies = (*sun_arc(latitude, declination(noon)), *coefficients(noon, latitude))
         self._skies = np.ascontiguousarray(np.stack(skies, axis=-1))

@@ -77,24 +77,11 @@ def longest_flight(
     search = _Search(flights, dark_h, np.broadcast_to(cells, tries_h.shape))
     hours = search.hours(tries_h)
     rank, cell = np.nonzero(_promising(hours, spacing_h))
-    best_h, best_try = hours[rank, cell], tries_h[rank, cell]
-    spacing_h = spacing_h[cell]
-    search = search.at(np.broadcast_to(cell, (len(_CLOSER), len(cell))))
-    for _ in range(_REFINEMENTS):
-        tries_h = (best_try + _CLOSER[:, np.newaxis] * spacing_h) % np.maximum(
-            dark_h[-1][cell], 1e-9
-        )
-        hours = search.hours(tries_h)
-        pick, every = np.argmax(hours, axis=0), np.arange(len(cell))
-        better = hours[pick, every] > best_h
-        best_h = np.where(better, hours[pick, every], best_h)
-        best_try = np.where(better, tries_h[pick, every], best_try)
-        spacing_h = spacing_h / 4.0
+    found = search.at(cell).refined(tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
     # The last of equal cells stays, and that is the longest of its flights.
-    order = np.argsort(best_h, kind="stable")
+    order = np.argsort(found.endurance_h, kind="stable")
     longest, launch_h = np.empty((2, len(cells)))
-    longest[cell[order]] = best_h[order]
-    launch_h[cell[order]] = search.at(cell).launch_h(best_try)[order] % HOURS_PER_DAY
+    longest[cell[order]], launch_h[cell[order]] = found.endurance_h[order], found.launch_h[order]
     return Endurance(longest.reshape(shape), launch_h.reshape(shape))
 
 
@@ -133,6 +120,21 @@ class _Search:
         launch = self.launch_h(level_h).T.reshape(-1)
         hours = self.flights.hours(self.cells.T.reshape(-1), launch)
         return hours.reshape(level_h.shape[::-1]).T
+
+    def refined(self, level_h: FloatArray, hours: FloatArray, spacing_h: FloatArray) -> Endurance:
+        """Longest flight around one launch in each element, known to within a spacing."""
+        cells = np.broadcast_to(self.cells, (len(_CLOSER), len(self.cells)))
+        closer, every = self.at(cells), np.arange(len(self.cells))
+        dark_h = np.maximum(self.dark_h[-1][self.cells], 1e-9)
+        for _ in range(_REFINEMENTS):
+            tries_h = (level_h + _CLOSER[:, np.newaxis] * spacing_h) % dark_h
+            tried = closer.hours(tries_h)
+            pick = np.argmax(tried, axis=0)
+            better = tried[pick, every] > hours
+            hours = np.where(better, tried[pick, every], hours)
+            level_h = np.where(better, tries_h[pick, every], level_h)
+            spacing_h = spacing_h / 4.0
+        return Endurance(hours, self.launch_h(level_h) % HOURS_PER_DAY)
 
 
 def _launch_h(

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from missions.dates import MONTH_NAMES
 from missions.mission import Mission, Scenarios
@@ -41,8 +41,8 @@ _VARIABLES = {
 def feasibility_map(
     aircraft: Aircraft,
     mission: Mission,
-    latitudes_deg: FloatArray,
-    days: FloatArray,
+    latitudes_deg: ArrayLike,
+    days: ArrayLike,
     solar: SolarModel,
     *,
     endurance: bool = False,
@@ -55,7 +55,7 @@ def feasibility_map(
     aircraft, mission, solar
         What flies, in which air, with which load; the mission's own latitudes and dates play no
         part.
-    latitudes_deg, days : ndarray
+    latitudes_deg, days : array_like
         Latitudes [deg] and days of year.
     endurance : bool
         Also search the longest flight of every cell that is not perpetual (some twenty times the
@@ -76,8 +76,8 @@ def feasibility_map(
 def map_block(
     aircraft: Aircraft,
     mission: Mission,
-    latitudes_deg: FloatArray,
-    days: FloatArray,
+    latitudes_deg: ArrayLike,
+    days: ArrayLike,
     solar: SolarModel,
     endurance: bool = False,
     *,
