@@ -134,8 +134,8 @@ def _dataset(
     aircraft: Aircraft,
     mission: Mission,
     solar: SolarModel,
-    latitudes_deg: FloatArray,
-    days: FloatArray,
+    latitudes_deg: ArrayLike,
+    days: ArrayLike,
     columns: dict[str, NDArray[Any]],
 ) -> xr.Dataset:
     import xarray as xr
