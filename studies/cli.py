@@ -390,7 +390,7 @@ def published(as_json: bool, markdown_file: str | None) -> None:
 @click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
 @click.option("--latitudes", type=Grid(-90.0, 90.0), default="-70:70:2", show_default=True)
 @click.option("--days", type=Grid(1.0, 365.0), default="1:365:4", show_default=True)
-@click.option("--endurance", is_flag=True, help="Also the longest flight of each cell (slow).")
+@click.option("--endurance", is_flag=True, help="Also the longest flight of each cell.")
 @click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")
 @solar_options
