@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.map_scaling import map_scaling
 from missions.mission import Scenarios
 from sizing.battery import Battery, NoChargeLimit
 from sizing.cycle import simulate_cycle
@@ -187,7 +188,8 @@ def _optional(name: str) -> Any:
 
 def main(arguments: list[str]) -> None:
     """Run all benchmarks and print a table, or JSON."""
-    rows = [r for part in (module_power, one_day, sizing, map_cells) for r in part()]
+    parts = (module_power, one_day, sizing, map_cells, map_scaling)
+    rows = [r for part in parts for r in part()]
     if "--json" in arguments:
         print(json.dumps(rows, indent=2))
         return

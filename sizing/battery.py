@@ -61,6 +61,13 @@ ChargeLimit = Annotated[
 ]
 
 
+def constant_up_to(limit: ChargeLimit) -> float:
+    """State of charge up to which a charge limit has the rate of an empty battery."""
+    if isinstance(limit, RuleChargeLimit):
+        return limit.taper_start
+    return limit.state_of_charge[0] if isinstance(limit, TableChargeLimit) else 1.0
+
+
 def charge_rate_per_h(limit: ChargeLimit, state_of_charge: ArrayLike) -> FloatArray:
     """Largest stored power relative to the capacity [1/h] at a state of charge.
 
@@ -86,11 +93,14 @@ class ChargeClock:
 
     ``hours[i]`` is the time the limit needs from empty to ``state_of_charge[i]``. Because the
     limit depends on nothing but the state of charge, following it for a while is a shift along
-    this clock: exact for any step length.
+    this clock: exact for any step length. Up to ``constant_up_to`` the rate is constant and no
+    table is needed.
     """
 
     state_of_charge: FloatArray
     hours: FloatArray
+    constant_up_to: float
+    constant_rate_per_h: float
 
     @classmethod
     def of(cls, limit: ChargeLimit) -> ChargeClock | None:
@@ -104,7 +114,7 @@ class ChargeClock:
         hours = np.concatenate(
             ([0.0], np.cumsum(np.diff(soc) * (slowness[1:] + slowness[:-1]) / 2.0))
         )
-        return cls(soc, hours)
+        return cls(soc, hours, constant_up_to(limit), float(charge_rate_per_h(limit, 0.0)))
 
     def after(self, state_of_charge: FloatArray, duration_h: ArrayLike) -> FloatArray:
         """State of charge after following the limit for ``duration_h`` hours, at most 1."""

@@ -142,5 +142,5 @@ def _note_full_charge(step: Step, store: Store, full: dict[int, float]) -> None:
     """Remember the first full charge of each local day."""
     reached = step.after_charge_wh >= store.energy_max_wh * (1.0 - 1e-9)
     if reached and step.after_charge_wh > step.before_charge_wh:
-        instant_h = step.interval.start_h + float(full_after_h(step, store))
+        instant_h = float(step.interval.start_h + full_after_h(step, store))
         full.setdefault(int(instant_h // 24.0), instant_h)

@@ -376,10 +376,15 @@ def load_profile(
 
     ``sunrise_h`` and ``sunset_h`` have the shape of the batch.
     """
-    thermal = mission.turbulence.thermal * thermal_shape(time_h, sunrise_h, sunset_h)
-    factor = 1.0 + mission.turbulence.all_day + thermal
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
-    return propulsion * factor + np.asarray(design.constant_power_w)[..., np.newaxis]
+    constant = np.asarray(design.constant_power_w)[..., np.newaxis]
+    steady = 1.0 + mission.turbulence.all_day
+    if mission.turbulence.thermal == 0.0:
+        load = propulsion * steady + constant
+        shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))
+        return np.broadcast_to(load, shape)
+    thermal = mission.turbulence.thermal * thermal_shape(time_h, sunrise_h, sunset_h)
+    return propulsion * (steady + thermal) + constant
 
 
 def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) -> Value:

@@ -15,16 +15,59 @@ approximated, to second order in its length.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sizing.battery import Battery, ChargeClock
+from sizing.bracketing import falling_root
+from sizing.power_balance import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Interval,
+    PowerBalance,
+    crossing_fraction,
+    deficit_phase_h,
+    interval_reaching,
+    positive_part_wh,
+    ramp_fraction,
+    running_sum,
+    sum_over_time,
+    surplus_phase_h,
+)
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+__all__ = [
+    "BoolArray",
+    "ChargingDay",
+    "DayRun",
+    "FloatArray",
+    "IntArray",
+    "Interval",
+    "PowerBalance",
+    "Step",
+    "Store",
+    "advance",
+    "crossing_fraction",
+    "deficit_phase_h",
+    "empty_after_h",
+    "final_energy_wh",
+    "first_repetition",
+    "full_after_h",
+    "interval_reaching",
+    "march",
+    "periodic_energy_wh",
+    "positive_part_wh",
+    "ramp_fraction",
+    "repeated_day",
+    "running_sum",
+    "sum_over_time",
+    "surplus_phase_h",
+    "unserved_h",
+]
 
 
 @dataclass(frozen=True)
@@ -47,80 +90,63 @@ class Store:
             clock=ChargeClock.of(battery.charge_limit),
         )
 
-    def select(self, mask: BoolArray) -> Store:
+    def spread(self, shape: tuple[int, ...]) -> Store:
+        """Store of every element of a batch."""
+        return replace(self, energy_max_wh=np.broadcast_to(self.energy_max_wh, shape))
+
+    def select(self, cells: IntArray | BoolArray | slice) -> Store:
         """Store of a part of a one-dimensional batch."""
-        return Store(
-            self.energy_max_wh[mask],
-            self.charge_efficiency,
-            self.discharge_efficiency,
-            self.clock,
-        )
+        return replace(self, energy_max_wh=self.energy_max_wh[cells])
 
     def charged(
         self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
     ) -> FloatArray:
         """Stored energy after charging from a surplus for some hours [Wh]."""
-        if not np.any(surplus_wh):
-            return energy_wh
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.energy_max_wh)
         if self.clock is None:
-            return target
-        soc = np.minimum(energy_wh / self.energy_max_wh, 1.0)
-        limited = self.clock.after(soc, hours) * self.energy_max_wh
+            return np.asarray(target)
+        # While the limit is constant it adds a constant power; the clock is asked beyond that.
+        allowed = energy_wh + self._constant_limit_w * np.asarray(hours, float)
+        charged = np.asarray(np.minimum(target, allowed))
+        tapered = charged > np.maximum(energy_wh, self._constant_up_to_wh)
+        at = np.flatnonzero(tapered)
+        if len(at):
+            picked = (_pick(v, tapered, at) for v in (self.energy_max_wh, energy_wh, target, hours))
+            charged.reshape(-1)[at] = self._tapered(self.clock, *picked)
+        return charged
+
+    @cached_property
+    def _constant_limit_w(self) -> FloatArray:
+        """Charge limit of an empty battery [W], counted in stored power."""
+        return self.energy_max_wh * (
+            np.inf if self.clock is None else self.clock.constant_rate_per_h
+        )
+
+    @cached_property
+    def _constant_up_to_wh(self) -> FloatArray:
+        """Energy up to which the charge limit is constant [Wh]."""
+        return self.energy_max_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
+
+    @staticmethod
+    def _tapered(
+        clock: ChargeClock,
+        full_wh: FloatArray,
+        start_wh: FloatArray,
+        target_wh: FloatArray,
+        hours: FloatArray,
+    ) -> FloatArray:
+        """Energy after charging where the limit may fall with the state of charge."""
+        limited = clock.after(np.minimum(start_wh / full_wh, 1.0), hours) * full_wh
         # A round trip through the clock's table must not lose the last digits of a full battery.
-        return np.maximum(np.minimum(target, limited), energy_wh)
+        return np.maximum(np.minimum(target_wh, limited), start_wh)
 
 
-# Cycles marched before the remaining cells are bracketed, and rounds of that at most.
-_PLAIN_CYCLES = 3
-_MAXIMUM_ROUNDS = 100
-
-
-def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) -> FloatArray:
-    """Integral of the positive part of a power that is linear over an interval [Wh].
-
-    One expression for all four combinations of signs: with ``a, b`` the positive parts at the
-    ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour.
-    """
-    positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
-    total = np.abs(left_w) + np.abs(right_w)
-    return np.asarray(positive * positive / np.maximum(2.0 * total, 1e-300) * hours)
-
-
-def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Where a linear function from ``left`` to ``right`` is zero, as a fraction of the interval."""
-    drop = left - right
-    safe = np.where(drop == 0.0, 1.0, drop)
-    return np.clip(left / safe, 0.0, 1.0)
-
-
-def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> FloatArray:
-    """Where the integral of a linear, non-negative power reaches a share of its interval's whole.
-
-    ``left`` and ``right`` are the power at the ends; the result is a fraction of the interval.
-    """
-    total = left + right
-    goal = np.clip(share, 0.0, 1.0) * total / 2.0
-    # left s + (right - left) s^2 / 2 = goal, solved without cancellation.
-    root = np.sqrt(np.maximum(left * left + 2.0 * (right - left) * goal, 0.0))
-    return np.clip(2.0 * goal / np.maximum(left + root, 1e-300), 0.0, 1.0)
-
-
-class Interval(NamedTuple):
-    """Flows of one interval of the time axis, per element of the batch.
-
-    An interval has up to three phases: an early deficit, a surplus, a late deficit; at most one
-    deficit is not zero.
-    """
-
-    number: int
-    start_h: float
-    hours: float | FloatArray
-    left_w: FloatArray
-    right_w: FloatArray
-    surplus_wh: FloatArray
-    early_deficit_wh: FloatArray
-    late_deficit_wh: FloatArray
+def _pick(values: ArrayLike, like: BoolArray, at: IntArray) -> FloatArray:
+    """Values of an array, seen in the shape of another, at some of its places."""
+    array = np.asarray(values, float)
+    if array.ndim and array.shape != like.shape:
+        array = np.broadcast_to(array, like.shape)
+    return array.reshape(-1).take(at) if array.ndim else array
 
 
 class Step(NamedTuple):
@@ -132,79 +158,6 @@ class Step(NamedTuple):
     after_charge_wh: FloatArray
     end_wh: FloatArray
     unserved_wh: FloatArray
-
-
-@dataclass(frozen=True)
-class PowerBalance:
-    """Net power on a time axis and its exact integrals per interval; time is the first axis."""
-
-    time_h: FloatArray
-    net_w: FloatArray
-    surplus_wh: FloatArray
-    early_deficit_wh: FloatArray
-    late_deficit_wh: FloatArray
-
-    @classmethod
-    def of(cls, time_h: FloatArray, solar_power_w: FloatArray, load_w: FloatArray) -> PowerBalance:
-        """Balance of solar power and load, arrays of shape ``(..., time)``.
-
-        Raises
-        ------
-        ValueError
-            If time does not increase or the last axis is not the time.
-        """
-        hours = np.diff(time_h)
-        if np.any(hours <= 0.0):
-            raise ValueError("time_h must increase strictly")
-        net = np.asarray(solar_power_w, float) - np.asarray(load_w, float)
-        if net.shape[-1] != len(time_h):
-            raise ValueError(f"the last axis has length {net.shape[-1]}, time has {len(time_h)}")
-        net = np.ascontiguousarray(np.moveaxis(net, -1, 0))
-        column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
-        deficit = positive_part_wh(-net[:-1], -net[1:], column)
-        early = np.where(net[:-1] < 0.0, deficit, 0.0)
-        return cls(
-            time_h=np.asarray(time_h, float),
-            net_w=net,
-            surplus_wh=positive_part_wh(net[:-1], net[1:], column),
-            early_deficit_wh=early,
-            late_deficit_wh=deficit - early,
-        )
-
-    @property
-    def deficit_wh(self) -> FloatArray:
-        """Deficit of every interval [Wh], time first."""
-        return self.early_deficit_wh + self.late_deficit_wh
-
-    @property
-    def batch_shape(self) -> tuple[int, ...]:
-        """Shape of the batch."""
-        return self.net_w.shape[1:]
-
-    def select(self, mask: BoolArray) -> PowerBalance:
-        """Balance of a part of a one-dimensional batch."""
-        return PowerBalance(
-            self.time_h,
-            self.net_w[:, mask],
-            self.surplus_wh[:, mask],
-            self.early_deficit_wh[:, mask],
-            self.late_deficit_wh[:, mask],
-        )
-
-    def intervals(self) -> Iterator[Interval]:
-        """Walk the time axis interval by interval."""
-        hours = np.diff(self.time_h)
-        for k in range(len(hours)):
-            yield Interval(
-                number=k,
-                start_h=float(self.time_h[k]),
-                hours=float(hours[k]),
-                left_w=self.net_w[k],
-                right_w=self.net_w[k + 1],
-                surplus_wh=self.surplus_wh[k],
-                early_deficit_wh=self.early_deficit_wh[k],
-                late_deficit_wh=self.late_deficit_wh[k],
-            )
 
 
 def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
@@ -219,20 +172,12 @@ def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
     return Step(interval, energy_wh, before, after, end, unserved)
 
 
-def surplus_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
-    """Begin and end of the surplus within an interval, in hours after its start."""
-    crossing = interval.hours * crossing_fraction(interval.left_w, interval.right_w)
-    begin = np.where(interval.left_w < 0.0, crossing, 0.0)
-    end = np.where(interval.right_w < 0.0, crossing, interval.hours)
-    return begin, end
-
-
 def empty_after_h(step: Step) -> FloatArray:
     """Hours after an interval's start at which the battery runs empty.
 
     Meaningful only where the step leaves a part of the load unserved.
     """
-    begin, length = _deficit_phase_h(step.interval)
+    begin, length = deficit_phase_h(step.interval)
     return np.asarray(begin + length * _served_fraction(step))
 
 
@@ -257,19 +202,9 @@ def full_after_h(step: Step, store: Store) -> FloatArray:
 
 def unserved_h(step: Step) -> FloatArray:
     """Hours of an interval in which the load cannot be met."""
-    _, length = _deficit_phase_h(step.interval)
+    _, length = deficit_phase_h(step.interval)
     hours = length * (1.0 - _served_fraction(step))
     return np.where(step.unserved_wh > 0.0, hours, 0.0)
-
-
-def _deficit_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
-    """Begin and length of the deficit within an interval [h]."""
-    surplus_begin, surplus_end = surplus_phase_h(interval)
-    early = interval.left_w < 0.0
-    whole = early & (interval.right_w < 0.0)
-    begin = np.where(early, 0.0, surplus_end)
-    length = np.where(early, surplus_begin, interval.hours - surplus_end)
-    return begin, np.where(whole, interval.hours, length)
 
 
 def _served_fraction(step: Step) -> FloatArray:
@@ -290,130 +225,250 @@ def march(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> Iterato
         energy_wh = step.end_wh
 
 
-def final_energy_wh(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> FloatArray:
-    """Stored energy at the end of the time axis [Wh]."""
-    for step in march(balance, store, energy_wh):
-        energy_wh = step.end_wh
-    return energy_wh
+class Charging(NamedTuple):
+    """Batteries over the surplus of one interval [Wh].
 
-
-def periodic_energy_wh(
-    balance: PowerBalance, store: Store, *, relative_tolerance: float = 1e-11
-) -> FloatArray:
-    """Stored energy at the start of a cycle that repeats itself [Wh].
-
-    The energy after a cycle never falls, and rises by at most as much, when that before it rises
-    (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
-    from an empty battery leads to it. It is found by bracketing instead (Illinois variant of the
-    false position), which does not need many cycles where a cycle's gain is small.
+    ``drained_wh`` is the energy before charging, below zero where the battery ran empty on the
+    way; ``paid_wh`` is the deficit since midnight that has been taken from the battery.
     """
-    shape = balance.batch_shape
-    energy_max = np.broadcast_to(store.energy_max_wh, shape)
-    flat = PowerBalance(
-        balance.time_h,
-        balance.net_w.reshape(len(balance.time_h), -1),
-        balance.surplus_wh.reshape(len(balance.time_h) - 1, -1),
-        balance.early_deficit_wh.reshape(len(balance.time_h) - 1, -1),
-        balance.late_deficit_wh.reshape(len(balance.time_h) - 1, -1),
-    )
-    flat_store = Store(
-        energy_max.reshape(-1).copy(),
-        store.charge_efficiency,
-        store.discharge_efficiency,
-        store.clock,
-    )
-    return _fixed_point(flat, flat_store, relative_tolerance).reshape(shape)
 
-
-def _fixed_point(balance: PowerBalance, store: Store, tolerance: float) -> FloatArray:
-    # A few cycles from full settle all cells whose battery is filled or emptied every day.
-    result = final_energy_wh(balance, store, store.energy_max_wh).copy()
-    open_cells = np.ones(result.shape, bool)
-    for _ in range(_PLAIN_CYCLES):
-        part, part_store = balance.select(open_cells), store.select(open_cells)
-        found = final_energy_wh(part, part_store, result[open_cells])
-        settled = np.abs(found - result[open_cells]) <= tolerance * part_store.energy_max_wh
-        result[open_cells] = found
-        open_cells[open_cells] = ~settled
-        if not np.any(open_cells):
-            return result
-    part, part_store = balance.select(open_cells), store.select(open_cells)
-    result[open_cells] = _bracketed(part, part_store, result[open_cells], tolerance)
-    return result
-
-
-def _bracketed(
-    balance: PowerBalance, store: Store, upper: FloatArray, tolerance: float
-) -> FloatArray:
-    """Root of the cycle's gain on ``[0, upper]``, where it is positive at 0 and negative above."""
-    lower = np.zeros_like(upper)
-    lower_gain = final_energy_wh(balance, store, lower)
-    rising = lower_gain > tolerance * store.energy_max_wh
-    result = np.where(rising, upper, lower)
-    work = _Bracket(
-        place=np.arange(len(upper)),
-        lower=lower,
-        upper=upper,
-        lower_gain=lower_gain,
-        upper_gain=final_energy_wh(balance, store, upper) - upper,
-        side=np.zeros(len(upper)),
-    ).select(rising)
-    for _ in range(_MAXIMUM_ROUNDS):
-        if not len(work.place):
-            break
-        mask = np.zeros(upper.shape, bool)
-        mask[work.place] = True
-        limit = tolerance * store.energy_max_wh[work.place]
-        trial = work.trial()
-        gain = final_energy_wh(balance.select(mask), store.select(mask), trial) - trial
-        result[work.place] = trial
-        work = work.narrowed(trial, gain)
-        work = work.select((np.abs(gain) > limit) & (work.upper - work.lower > limit))
-    return result
+    drained_wh: FloatArray
+    before_charge_wh: FloatArray
+    after_charge_wh: FloatArray
+    paid_wh: FloatArray
 
 
 @dataclass(frozen=True)
-class _Bracket:
-    """Brackets of the cells that are still searched; ``place`` is their index in the batch."""
+class ChargingDay:
+    """A day reduced to the intervals in which batteries are charged; time is the first axis.
 
-    place: NDArray[np.intp]
-    lower: FloatArray
-    upper: FloatArray
-    lower_gain: FloatArray
-    upper_gain: FloatArray
-    side: FloatArray
+    Between two surpluses a battery only falls, to zero at the most, so the deficits in between are
+    taken at once and exactly: nights are a single step. ``cumulative_wh`` is the deficit from
+    midnight to every node. ``owed_wh`` is the deficit from midnight to the surplus of the interval,
+    minus infinity where an element of the batch has no surplus there: the interval then changes
+    nothing, so that what an element becomes does not depend on the others in the batch.
+    """
 
-    def select(self, mask: BoolArray) -> _Bracket:
-        """Brackets of a part of the cells."""
-        return _Bracket(
-            self.place[mask],
-            self.lower[mask],
-            self.upper[mask],
-            self.lower_gain[mask],
-            self.upper_gain[mask],
-            self.side[mask],
+    first: int
+    hours: FloatArray
+    surplus_wh: FloatArray
+    owed_wh: FloatArray
+    cumulative_wh: FloatArray
+
+    @classmethod
+    def of(cls, balance: PowerBalance) -> ChargingDay:
+        """Reduce a balance with a batch of one dimension."""
+        charging = balance.surplus_wh > 0.0
+        rows = np.flatnonzero(charging.any(axis=1))
+        lit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
+        cumulative = running_sum(balance.deficit_wh)
+        falls_first = balance.net_w[:-1][lit] < 0.0
+        owed = np.where(falls_first, cumulative[1:][lit], cumulative[:-1][lit])
+        owed[~charging[lit]] = -np.inf
+        return cls(
+            first=lit.start,
+            hours=np.diff(balance.time_h)[lit],
+            surplus_wh=balance.surplus_wh[lit],
+            owed_wh=owed,
+            cumulative_wh=cumulative,
         )
 
-    def trial(self) -> FloatArray:
-        """Zero of the straight line through both ends."""
-        slope = np.where(
-            self.upper_gain == self.lower_gain, -1.0, self.upper_gain - self.lower_gain
+    def select(self, cells: IntArray) -> ChargingDay:
+        """Day of a part of the batch."""
+        return replace(
+            self,
+            surplus_wh=self.surplus_wh[:, cells],
+            owed_wh=self.owed_wh[:, cells],
+            cumulative_wh=self.cumulative_wh[:, cells],
         )
-        point = self.lower - self.lower_gain * (self.upper - self.lower) / slope
-        return np.clip(point, self.lower, self.upper)
 
-    def narrowed(self, trial: FloatArray, gain: FloatArray) -> _Bracket:
-        """Bracket with one end moved; an end kept twice counts half (Illinois)."""
-        rises = gain > 0.0
-        side = np.where(rises, 1.0, -1.0)
-        again = side == self.side
-        kept_lower = np.where(again & ~rises, self.lower_gain / 2.0, self.lower_gain)
-        kept_upper = np.where(again & rises, self.upper_gain / 2.0, self.upper_gain)
-        return _Bracket(
-            self.place,
-            np.where(rises, trial, self.lower),
-            np.where(rises, self.upper, trial),
-            np.where(rises, gain, kept_lower),
-            np.where(rises, kept_upper, gain),
-            side,
+    def without_nodes(self) -> ChargingDay:
+        """Day that knows the deficit at its end alone: enough to march."""
+        return replace(self, cumulative_wh=self.cumulative_wh[-1:])
+
+    def charge(
+        self, store: Store, energy_wh: FloatArray, paid_wh: ArrayLike = 0.0
+    ) -> Iterator[Charging]:
+        """March from midnight over the surpluses of the day."""
+        eta = store.discharge_efficiency
+        paid = np.asarray(paid_wh, float)
+        for hours, surplus, owed in zip(self.hours, self.surplus_wh, self.owed_wh, strict=True):
+            drained = energy_wh - np.maximum(owed - paid, 0.0) / eta
+            before = np.maximum(drained, 0.0)
+            energy_wh = store.charged(before, surplus, hours)
+            paid = np.maximum(paid, owed)
+            yield Charging(drained, before, energy_wh, paid)
+
+    def midnight_wh(self, store: Store, energy_wh: FloatArray, paid_wh: ArrayLike) -> FloatArray:
+        """Energy at the end of the day after the last surplus; below zero if it ran empty."""
+        due = self.cumulative_wh[-1] - paid_wh
+        return np.asarray(energy_wh - due / store.discharge_efficiency)
+
+    def end_wh(self, store: Store, energy_wh: FloatArray) -> FloatArray:
+        """Energy at the end of a day that starts with some energy [Wh]."""
+        paid: ArrayLike = 0.0
+        for step in self.charge(store, energy_wh):
+            energy_wh, paid = step.after_charge_wh, step.paid_wh
+        return np.maximum(self.midnight_wh(store, energy_wh, paid), 0.0)
+
+    def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
+        """March a day and keep what becomes of the batteries."""
+        drained, after, paid = (np.empty_like(self.owed_wh) for _ in range(3))
+        for k, step in enumerate(self.charge(store, energy_wh)):
+            drained[k], _, after[k], paid[k] = step
+        return DayRun(self, store, energy_wh, drained, after, paid)
+
+
+@dataclass(frozen=True)
+class DayRun:
+    """What became of the batteries on a day: energy around every surplus [Wh]."""
+
+    day: ChargingDay
+    store: Store
+    start_wh: FloatArray
+    drained_wh: FloatArray
+    after_charge_wh: FloatArray
+    paid_wh: FloatArray
+
+    @property
+    def midnight_wh(self) -> FloatArray:
+        """Energy at the end of the day [Wh], below zero if the battery ran empty."""
+        energy, paid = self.start_wh, np.zeros_like(self.start_wh)
+        if len(self.after_charge_wh):
+            energy, paid = self.after_charge_wh[-1], self.paid_wh[-1]
+        return self.day.midnight_wh(self.store, energy, paid)
+
+    @property
+    def end_wh(self) -> FloatArray:
+        """Energy at the end of the day [Wh]."""
+        return np.maximum(self.midnight_wh, 0.0)
+
+    def select(self, cells: IntArray) -> DayRun:
+        """Run of a part of the batch."""
+        return DayRun(
+            self.day.select(cells),
+            self.store.select(cells),
+            self.start_wh[cells],
+            self.drained_wh[:, cells],
+            self.after_charge_wh[:, cells],
+            self.paid_wh[:, cells],
         )
+
+    def restart(self, cells: IntArray, start_wh: FloatArray) -> None:
+        """Change the initial energy of elements that are empty before their first surplus."""
+        waiting = np.maximum.accumulate(self.day.owed_wh[:, cells], axis=0) < 0.0
+        for energy in (self.drained_wh, self.after_charge_wh):
+            energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])
+        first = waiting.sum(axis=0)
+        lit = first < len(waiting)
+        more_wh = start_wh - self.start_wh[cells]
+        self.drained_wh[first[lit], cells[lit]] += more_wh[lit]
+        self.start_wh[cells] = start_wh
+
+    def replace_cells(self, cells: IntArray, other: DayRun) -> None:
+        """Overwrite a part of the batch by another run."""
+        self.start_wh[cells] = other.start_wh
+        self.drained_wh[:, cells] = other.drained_wh
+        self.after_charge_wh[:, cells] = other.after_charge_wh
+        self.paid_wh[:, cells] = other.paid_wh
+
+    def energy_at_nodes_wh(self) -> FloatArray:
+        """Energy at every node of the time axis [Wh]."""
+        held, paid = np.empty_like(self.day.cumulative_wh), np.zeros_like(self.day.cumulative_wh)
+        begin, stop = self.day.first + 1, self.day.first + 1 + len(self.after_charge_wh)
+        held[:begin] = self.start_wh
+        held[begin:stop], paid[begin:stop] = self.after_charge_wh, self.paid_wh
+        held[stop:], paid[stop:] = held[stop - 1], paid[stop - 1]
+        return self._after_deficit(held, paid, self.day.cumulative_wh)
+
+    def energy_at_node_wh(self, node: IntArray) -> FloatArray:
+        """Energy at one node for every element of the batch [Wh]."""
+        cells = np.arange(len(node))
+        row = np.minimum(node - self.day.first, len(self.after_charge_wh)) - 1
+        held, paid = self.start_wh.copy(), np.zeros_like(self.start_wh)
+        some = cells[row >= 0]
+        held[some] = self.after_charge_wh[row[some], some]
+        paid[some] = self.paid_wh[row[some], some]
+        return self._after_deficit(held, paid, self.day.cumulative_wh[node, cells])
+
+    def _after_deficit(
+        self, held_wh: FloatArray, paid_wh: FloatArray, cumulative_wh: FloatArray
+    ) -> FloatArray:
+        due = cumulative_wh - paid_wh
+        return np.maximum(held_wh - due / self.store.discharge_efficiency, 0.0)
+
+
+def final_energy_wh(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> FloatArray:
+    """Stored energy at the end of the time axis [Wh]."""
+    shape = np.broadcast_shapes(balance.batch_shape, np.shape(energy_wh), store.energy_max_wh.shape)
+    start = np.broadcast_to(np.asarray(energy_wh, float), shape)
+    day = ChargingDay.of(balance.flat())
+    return day.end_wh(_flat(store, shape), start.reshape(-1)).reshape(shape)
+
+
+def periodic_energy_wh(balance: PowerBalance, store: Store) -> FloatArray:
+    """Stored energy at the start of a cycle that repeats itself [Wh]."""
+    shape = balance.batch_shape
+    run = repeated_day(ChargingDay.of(balance.flat()), _flat(store, shape))
+    return run.start_wh.reshape(shape)
+
+
+def _flat(store: Store, shape: tuple[int, ...]) -> Store:
+    return replace(store, energy_max_wh=store.spread(shape).energy_max_wh.reshape(-1))
+
+
+# Of the capacity: change of the stored energy over a day that counts as none.
+_SETTLED = 1e-11
+
+
+class Repetition(NamedTuple):
+    """Run of a day, and the elements that do not end it with the energy they started with."""
+
+    run: DayRun
+    unsettled: IntArray
+
+
+def repeated_day(day: ChargingDay, store: Store) -> DayRun:
+    """Run of a day that ends with the energy it started with.
+
+    The energy after a cycle never falls, and rises by at most as much, when that before it rises
+    (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
+    from an empty battery leads to it. A cycle whose deficit exceeds all that could be stored
+    passes through an empty battery, and from there one day leads to the fixed point. Any other
+    cycle is marched from a full battery at nightfall; most fill it again within the day. The few
+    that are left are searched for, see :func:`sizing.bracketing.falling_root`.
+    """
+    run, unsettled = first_repetition(day, store)
+    if len(unsettled):
+        part, part_store = day.select(unsettled), store.select(unsettled)
+        upper = np.maximum(run.start_wh, run.end_wh)[unsettled]
+        start = _fixed_point(part, part_store, upper)
+        run.replace_cells(unsettled, part.run(part_store, start))
+    return run
+
+
+def first_repetition(day: ChargingDay, store: Store) -> Repetition:
+    """Run of a day that settles at once in nearly all cases, see :func:`repeated_day`."""
+    full, eta = store.energy_max_wh, store.discharge_efficiency
+    storable = store.charge_efficiency * sum_over_time(day.surplus_wh) * eta
+    last_paid = np.maximum.reduce(day.owed_wh, axis=0, initial=0.0)
+    full_at_nightfall = np.maximum(day.midnight_wh(store, full, last_paid), 0.0)
+    loses = storable < day.cumulative_wh[-1]
+    run = day.run(store, np.where(loses, 0.0, full_at_nightfall))
+    end = run.end_wh
+    moved = np.flatnonzero(np.abs(end - run.start_wh) > _SETTLED * full)
+    owed = np.where(day.owed_wh[:, moved] < 0.0, np.inf, day.owed_wh[:, moved])
+    first_owed = np.minimum.reduce(owed, axis=0, initial=np.inf)
+    # Empty before the first surplus from here and from there, and from then on the same.
+    alike = first_owed >= eta * np.maximum(run.start_wh, end)[moved]
+    run.restart(moved[alike], end[moved[alike]])
+    return Repetition(run, moved[~alike])
+
+
+def _fixed_point(day: ChargingDay, store: Store, upper_wh: FloatArray) -> FloatArray:
+    """Energy at the start of the repeated day, from an energy that is not below it."""
+
+    def gain(some: IntArray, energy: FloatArray) -> FloatArray:
+        return day.select(some).end_wh(store.select(some), energy) - energy
+
+    return falling_root(gain, np.zeros_like(upper_wh), upper_wh, _SETTLED * store.energy_max_wh)

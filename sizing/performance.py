@@ -26,8 +26,8 @@ from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
 
 DEFAULT_STEP_H = 1.0 / 12.0
-# Searches for the best launch that are marched together: what fits into the cache.
-_FLIGHTS_AT_ONCE = 64
+# Scenarios whose best launch is searched for together.
+_SCENARIOS_AT_ONCE = 2048
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,8 @@ def solar_day(
     power = modelled_power(aircraft, mission, solar.model, chosen, time_h)
     if solar.correction == "loiter":
         power = power * loiter_ratio(aircraft, mission, solar.model, chosen, time_h, power)
-    corrected = power * judged_factor(mission, solar)
+    factor = judged_factor(mission, solar)
+    corrected = power if factor == 1.0 else power * factor
     return SolarDay(chosen, time_h, corrected, times.sunrise_h, times.sunset_h)
 
 
@@ -128,8 +129,10 @@ def modelled_power(
         If VM or FM lack the aircraft's module geometry or the mission's flight path.
     """
     if model not in ATTITUDE_MODELS:
-        latitude, day = scenarios.latitude_deg[:, np.newaxis], scenarios.noon_day[:, np.newaxis]
-        return _horizontal_power(aircraft, mission, model, latitude, day, time_h)
+        latitude, day = scenarios.latitude_deg, scenarios.noon_day
+        # In memory the time comes first: the simulator marches over it, all scenarios at once.
+        column = time_h[:, np.newaxis]
+        return _horizontal_power(aircraft, mission, model, latitude, day, column).T
     pairs = zip(scenarios.latitude_deg, scenarios.noon_day, strict=True)
     return np.stack(
         [_power_on_path(aircraft, mission, model, float(lat), day, time_h) for lat, day in pairs]
@@ -264,16 +267,30 @@ class Performance:
         """Longest flight in every scenario (of a single design); none where it has no end."""
         ends = np.flatnonzero(~self.cycle.perpetual)
         found: list[Endurance | None] = [None] * len(self.cycle.status)
+        flights = self._longest_flights(ends)
+        for k, index in enumerate(ends):
+            found[index] = Endurance(flights.endurance_h[k], flights.launch_h[k])
+        return found
+
+    def endurance_h(self) -> FloatArray:
+        """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
+        ends = np.flatnonzero(~self.cycle.perpetual)
+        hours = np.full(len(self.cycle.status), np.inf)
+        hours[ends] = self._longest_flights(ends).endurance_h
+        return hours
+
+    def _longest_flights(self, scenarios: NDArray[np.intp]) -> Endurance:
         energy = np.broadcast_to(self.store.energy_max_wh, self.cycle.status.shape)
-        for start in range(0, len(ends), _FLIGHTS_AT_ONCE):
-            some = ends[start : start + _FLIGHTS_AT_ONCE]
+        hours, launch = np.empty((2, len(scenarios)))
+        for start in range(0, len(scenarios), _SCENARIOS_AT_ONCE):
+            part = slice(start, start + _SCENARIOS_AT_ONCE)
+            some = scenarios[part]
             store = replace(self.store, energy_max_wh=energy[some])
             flights = longest_flight(
                 self.day.time_h, self.solar_power_w[some], self.load_w[some], store
             )
-            for k, index in enumerate(some):
-                found[index] = Endurance(flights.endurance_h[k], flights.launch_h[k])
-        return found
+            hours[part], launch[part] = flights.endurance_h, flights.launch_h
+        return Endurance(hours, launch)
 
 
 def performance(
@@ -283,10 +300,15 @@ def performance(
     *,
     day: SolarDay | None = None,
     step_h: float = DEFAULT_STEP_H,
+    keep_trajectory: bool = True,
 ) -> Performance:
-    """Simulate an aircraft, as its file describes it, in every scenario of a mission."""
+    """Simulate an aircraft, as its file describes it, in every scenario of a mission.
+
+    Without ``keep_trajectory`` the stored energy over time is not kept.
+    """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    return _simulate(aircraft, mission, solar, design_of(aircraft, mission), lit)
+    design = design_of(aircraft, mission)
+    return _simulate(aircraft, mission, solar, design, lit, keep_trajectory=keep_trajectory)
 
 
 def performance_of_designs(
@@ -305,7 +327,7 @@ def performance_of_designs(
     """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     design = closed_design(aircraft, mission, variables)
-    return _simulate(aircraft, mission, solar, design, lit)
+    return _simulate(aircraft, mission, solar, design, lit, keep_trajectory=True)
 
 
 def performance_of_pairs(
@@ -321,7 +343,7 @@ def performance_of_pairs(
     ``variables`` are arrays over the scenarios, and so are the results.
     """
     design = closed_design(aircraft, mission, variables)
-    return _simulate(aircraft, mission, solar, design, day, paired=True)
+    return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
 
 
 def _simulate(
@@ -331,6 +353,7 @@ def _simulate(
     design: Design,
     day: SolarDay,
     *,
+    keep_trajectory: bool,
     paired: bool = False,
 ) -> Performance:
     """Simulate every design in every scenario, or ``paired``: every design in its own."""
@@ -349,12 +372,17 @@ def _simulate(
     )
     load_w = load_profile(day.time_h, per_scenario, mission, day.sunrise_h, day.sunset_h)
     load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
-    nominal = per_scenario.nominal_load_w(mission)
+    nominal = np.asarray(per_scenario.nominal_load_w(mission))
     store = Store.of(aircraft.battery, over_scenarios(design.battery_energy_wh))
-    cycle = simulate_cycle(day.time_h, solar_w, load_w, store, nominal_load_w=nominal)
-    return Performance(
-        design, mission, solar, day, solar_w, load_w, np.asarray(nominal), store, cycle
+    cycle = simulate_cycle(
+        day.time_h,
+        solar_w,
+        load_w,
+        store,
+        nominal_load_w=nominal,
+        keep_trajectory=keep_trajectory,
     )
+    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
 
 
 def perpetual_days(

@@ -42,6 +42,14 @@ class Irradiance(NamedTuple):
     dhi: FloatArray
 
 
+class Coefficients(NamedTuple):
+    """A [W/m2], B [-] and C [-] of the clear sky."""
+
+    a: FloatArray
+    b: FloatArray
+    c: FloatArray
+
+
 def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArray:
     """Interpolate twelve mid-month values linearly, periodic over the year."""
     return np.asarray(
@@ -51,9 +59,7 @@ def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArra
     )
 
 
-def coefficients(
-    day_of_year: ArrayLike, latitude_deg: ArrayLike
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficients:
     """Coefficients A [W/m2], B [-] and C [-] for a day and a hemisphere.
 
     B and C describe the season's water vapour and dust, so south of the equator they are shifted
@@ -63,7 +69,7 @@ def coefficients(
     southern = np.asarray(latitude_deg, float) < 0.0
     season_day = day + np.where(southern, DAYS_PER_YEAR / 2.0, 0.0)
     a = monthly_coefficient(np.broadcast_to(day, np.shape(season_day)), MONTHLY_A)
-    return (
+    return Coefficients(
         a,
         monthly_coefficient(season_day, MONTHLY_B),
         monthly_coefficient(season_day, MONTHLY_C),
@@ -114,11 +120,18 @@ def clear_sky(
     Irradiance
         ``dni`` and ``dhi`` [W/m2] with the broadcast shape of the arguments.
     """
-    a, b, c = coefficients(day_of_year, latitude_deg)
+    sky = coefficients(day_of_year, latitude_deg)
+    return irradiance_under(sky, cos_zenith, pressure_ratio(altitude_m))
+
+
+def irradiance_under(
+    sky: Coefficients, cos_zenith: ArrayLike, relative_pressure: ArrayLike
+) -> Irradiance:
+    """Irradiance [W/m2] under a sky of given coefficients, at a pressure relative to sea level."""
     cos_z = np.asarray(cos_zenith, float)
-    optical_path = b * air_mass(cos_z) * pressure_ratio(altitude_m)
-    dni = np.where(cos_z > 0.0, a * np.exp(-optical_path), 0.0)
-    return Irradiance(dni, c * dni)
+    optical_path = sky.b * np.asarray(relative_pressure, float) * air_mass(cos_z)
+    dni = np.where(cos_z > 0.0, sky.a * np.exp(-optical_path), 0.0)
+    return Irradiance(dni, sky.c * dni)
 
 
 def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArray:

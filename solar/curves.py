@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import io
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from solar.schema import Real, Record
@@ -37,15 +38,59 @@ class Curve(Record):
         return self
 
     @cached_property
-    def _interpolant(self) -> PchipInterpolator:
+    def _pieces(self) -> _Pieces:
         from scipy.interpolate import PchipInterpolator
 
-        return PchipInterpolator(np.asarray(self.x), np.asarray(self.y))
+        return _Pieces.of(PchipInterpolator(np.asarray(self.x), np.asarray(self.y)))
 
     def __call__(self, x: ArrayLike) -> FloatArray:
         """Value of the curve at ``x``, shape of ``x``."""
-        clipped = np.clip(np.asarray(x, float), self.x[0], self.x[-1])
-        return np.asarray(self._interpolant(clipped))
+        return self._pieces.at(np.minimum(np.maximum(x, self.x[0]), self.x[-1]))
+
+
+# Beyond so many bins a piece is searched for instead of looked up.
+_MOST_BINS = 4096
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """Cubic pieces, evaluated several times faster than by SciPy's general class.
+
+    The axis is divided into equal bins, of which none holds more than one end of a piece: the bin
+    of a value and one comparison tell its piece.
+    """
+
+    begin: FloatArray
+    end: FloatArray
+    cubic: FloatArray
+    bins_per_x: float
+    piece_of_bin: NDArray[np.intp] | None
+
+    @classmethod
+    def of(cls, interpolant: PchipInterpolator) -> _Pieces:
+        begin, end = interpolant.x[:-1], np.append(interpolant.x[1:-1], np.inf)
+        span = interpolant.x[-1] - interpolant.x[0]
+        bins = 2.0 * np.ceil(span / np.diff(interpolant.x).min())
+        scale = float(bins / span)
+        piece_of_bin = None
+        if bins <= _MOST_BINS:
+            bin_of_end = ((end[:-1] - begin[0]) * scale).astype(np.intp)
+            piece_of_bin = np.searchsorted(bin_of_end, np.arange(int(bins) + 1), side="left")
+        return cls(begin, end, np.asarray(interpolant.c), scale, piece_of_bin)
+
+    def at(self, x: FloatArray) -> FloatArray:
+        """Value at points within the axis."""
+        if self.piece_of_bin is None:
+            piece = np.searchsorted(self.end, x, side="right")
+        else:
+            place = ((x - self.begin[0]) * self.bins_per_x).astype(np.intp)
+            piece = self.piece_of_bin.take(place, mode="clip")
+            piece = piece + (x >= self.end.take(piece))
+        along = x - self.begin.take(piece)
+        value = self.cubic[0].take(piece)
+        for coefficient in self.cubic[1:]:
+            value = value * along + coefficient.take(piece)
+        return np.asarray(value)
 
 
 def shipped_curve(name: str) -> Curve:

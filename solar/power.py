@@ -7,14 +7,23 @@ Modeling for Solar-Electric UAVs" (the report), table 2 and the equations named 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.clearsky import Irradiance, clear_sky
+from solar.clearsky import (
+    Coefficients,
+    Irradiance,
+    coefficients,
+    irradiance_under,
+    pressure_ratio,
+)
 from solar.correction import correction
 from solar.modules import SolarCell
 from solar.names import CorrectionName, ModelName
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+from solar.sun import NOON_H, FloatArray, declination, hour_angle, sun_arc
 
 
 def conceptual_design_model(
@@ -128,8 +137,109 @@ def horizontal_specific_power(
     if correct == "loiter":
         raise ValueError("the correction 'loiter' needs a flight path; choose none or report")
     factor = correction(model, correct).factor * np.asarray(clearness, float)
-    cosine = cos_zenith(latitude_deg, declination(day_of_year), hour_angle(time_solar_h))
-    irradiance = clear_sky(day_of_year, latitude_deg, cosine, altitude_m)
-    return np.asarray(
-        factor * HORIZONTAL_MODELS[model](irradiance, cosine, cell, module_temperature_c)
+    time = np.asarray(time_solar_h, float)
+    skies = _Skies(
+        *sun_arc(latitude_deg, declination(day_of_year)),
+        *coefficients(day_of_year, latitude_deg),
+        pressure_ratio(altitude_m),
+        factor,
+        np.asarray(module_temperature_c, float),
     )
+    convert = HORIZONTAL_MODELS[model]
+
+    def power(part: _Skies, cosine: FloatArray) -> FloatArray:
+        sky = Coefficients(part.a, part.b, part.c)
+        irradiance = irradiance_under(sky, cosine, part.pressure)
+        return part.factor * convert(irradiance, cosine, cell, part.temperature_c)
+
+    return _over_the_day(power, skies, time)
+
+
+class _Skies(NamedTuple):
+    """What sun, air and modules are on each day; arrays that broadcast with the time."""
+
+    mean: FloatArray
+    amplitude: FloatArray
+    a: FloatArray
+    b: FloatArray
+    c: FloatArray
+    pressure: FloatArray
+    factor: FloatArray
+    temperature_c: FloatArray
+
+
+# Points computed at once: what a formula needs stays near the processor.
+_POINTS_AT_ONCE = 8192
+
+
+def _over_the_day(
+    power: Callable[[_Skies, FloatArray], FloatArray], skies: _Skies, time_h: FloatArray
+) -> FloatArray:
+    """Power of every sky at every time, in blocks, and the half of a symmetric day only.
+
+    Every point is computed by itself, so that the blocks do not show in the result.
+    """
+    shape = np.broadcast_shapes(time_h.shape, *(v.shape for v in skies))
+    axis = _axis_of_a_symmetric_day(time_h, skies)
+    if axis is None:
+        result = np.zeros(shape)
+        _fill(result, power, skies, np.cos(hour_angle(time_h)), None)
+        return result
+    count = shape[axis]
+    half = (count + 1) // 2
+    hours = np.cos(hour_angle(time_h.take(range(half), axis)))
+    result = np.zeros(shape)
+    morning = np.moveaxis(result, axis, 0)[:half]
+    _fill(np.moveaxis(morning, 0, axis), power, skies, hours, axis)
+    np.moveaxis(result, axis, 0)[half:] = morning[: count - half][::-1]
+    return result
+
+
+def _axis_of_a_symmetric_day(time_h: FloatArray, skies: _Skies) -> int | None:
+    """Axis of the time, counted from the last, if its afternoon mirrors its morning."""
+    axes = [axis for axis in range(-time_h.ndim, 0) if time_h.shape[axis] > 1]
+    if len(axes) != 1 or any(v.ndim >= -axes[0] and v.shape[axes[0]] > 1 for v in skies):
+        return None
+    line = time_h.ravel()
+    # Nodes of an even axis are symmetric to rounding.
+    mirrored = np.abs(line + line[::-1] - 2.0 * NOON_H).max() <= 1e-12
+    return axes[0] if mirrored and np.all(np.diff(line) > 0.0) else None
+
+
+def _fill(
+    result: FloatArray,
+    power: Callable[[_Skies, FloatArray], FloatArray],
+    skies: _Skies,
+    cos_hour: FloatArray,
+    time_axis: int | None,
+) -> None:
+    """Compute a result block by block along its first axis of more than one element."""
+    wide = [axis for axis in range(-result.ndim, 0) if result.shape[axis] > 1]
+    first = wide[0] if wide else None
+    step = 1 if first is None else max(1, _POINTS_AT_ONCE * result.shape[first] // result.size)
+    for start in range(0, 1 if first is None else result.shape[first], step):
+        cut = slice(start, start + step)
+        some = skies if first is None else _Skies(*(_cut(v, first, cut) for v in skies))
+        hours = cos_hour if first is None else _cut(cos_hour, first, cut)
+        block = result if first is None else _cut(result, first, cut)
+        cosine = np.asarray(some.mean + some.amplitude * hours)
+        lit = cosine > 0.0
+        if time_axis is not None and cosine.ndim:
+            others = tuple(a for a in range(-cosine.ndim, 0) if a != time_axis)
+            nodes = np.flatnonzero(lit.any(axis=others))
+            if not len(nodes):
+                continue
+            day = slice(int(nodes[0]), int(nodes[-1]) + 1)
+            cosine, block = _cut(cosine, time_axis, day), _cut(block, time_axis, day)
+        elif not np.any(lit):
+            continue
+        block[...] = power(some, cosine)
+
+
+def _cut(values: FloatArray, axis: int, part: slice) -> FloatArray:
+    """Part of an array along an axis counted from the last; all of it where it has no such axis."""
+    if values.ndim < -axis or values.shape[axis] == 1:
+        return values
+    index = [slice(None)] * values.ndim
+    index[axis] = part
+    return values[tuple(index)]

@@ -82,6 +82,20 @@ def hour_angle(time_solar_h: ArrayLike) -> FloatArray:
     return np.asarray((np.asarray(time_solar_h, float) - NOON_H) * (2.0 * np.pi / HOURS_PER_DAY))
 
 
+class SunArc(NamedTuple):
+    """Path of a day's sun: the cosine of its zenith angle is ``mean + amplitude cos(hour)``."""
+
+    mean: FloatArray
+    amplitude: FloatArray
+
+
+def sun_arc(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunArc:
+    """Path of the sun at a latitude [deg] for a declination [rad]."""
+    lat = np.radians(np.asarray(latitude_deg, float))
+    dec = np.asarray(sun_declination, float)
+    return SunArc(np.asarray(np.sin(lat) * np.sin(dec)), np.asarray(np.cos(lat) * np.cos(dec)))
+
+
 def cos_zenith(latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayLike) -> FloatArray:
     """Cosine of the geometric zenith angle, negative below the horizon.
 
@@ -92,11 +106,8 @@ def cos_zenith(latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayL
     sun_declination, hour : array_like
         Declination and hour angle [rad].
     """
-    lat = np.radians(np.asarray(latitude_deg, float))
-    dec = np.asarray(sun_declination, float)
-    return np.asarray(
-        np.sin(lat) * np.sin(dec) + np.cos(lat) * np.cos(dec) * np.cos(np.asarray(hour, float))
-    )
+    arc = sun_arc(latitude_deg, sun_declination)
+    return np.asarray(arc.mean + arc.amplitude * np.cos(np.asarray(hour, float)))
 
 
 def sun_vector_ned(

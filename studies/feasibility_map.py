@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from missions.dates import MONTH_NAMES
 from missions.mission import Mission, Scenarios
@@ -21,11 +22,13 @@ if TYPE_CHECKING:
 
     from sizing.energy_balance import FloatArray
 
-# Cells simulated at once: their arrays over one day stay within a few megabytes.
-_BLOCK = 512
+# Cells simulated at once: their arrays over one day take some 20 MB each.
+_CELLS_AT_ONCE = 8192
+
+FAILED = -1  # status of a cell that could not be computed
 
 # Variable -> unit, long name.
-_VARIABLES = {
+VARIABLES = {
     "excess_time": ("h", "excess time; infinite where solar power always exceeds the load"),
     "minimum_state_of_charge": ("1", "minimum state of charge of the repeated day"),
     "charge_margin": ("h", "time from first full charge to last instant of full charge"),
@@ -34,14 +37,15 @@ _VARIABLES = {
     "full_charge": ("h", "solar time of the first full charge"),
     "solar_energy": ("Wh", "electric energy of the modules over the day"),
     "load_energy": ("Wh", "energy drawn over the day"),
+    "day_length": ("h", "time from sunrise to sunset"),
 }
 
 
 def feasibility_map(
     aircraft: Aircraft,
     mission: Mission,
-    latitudes_deg: FloatArray,
-    days: FloatArray,
+    latitudes_deg: ArrayLike,
+    days: ArrayLike,
     solar: SolarModel,
     *,
     endurance: bool = False,
@@ -54,11 +58,11 @@ def feasibility_map(
     aircraft, mission, solar
         What flies, in which air, with which load; the mission's own latitudes and dates play no
         part.
-    latitudes_deg, days : ndarray
+    latitudes_deg, days : array_like
         Latitudes [deg] and days of year.
     endurance : bool
-        Also search the longest flight of every cell that is not perpetual (about a hundred times
-        the work of the other metrics).
+        Also search the longest flight of every cell that is not perpetual (some twenty times the
+        work of a cell's other metrics).
     progress : callable, optional
         Called with the cells done and the cells in all.
 
@@ -68,38 +72,50 @@ def feasibility_map(
         On the dimensions ``latitude`` and ``day``, with CF attributes; undefined values are NaN,
         and ``status`` tells why.
     """
-    grid_lat, grid_day = (
-        v.ravel() for v in np.meshgrid(latitudes_deg, np.asarray(days, int), indexing="ij")
-    )
-    count = len(grid_lat)
-    columns = {name: np.full(count, np.nan) for name in _VARIABLES}
-    status = np.zeros(count, np.int8)
-    longest = np.full(count, np.nan)
-    for start in range(0, count, _BLOCK):
-        block = slice(start, min(start + _BLOCK, count))
-        scenarios = Scenarios(grid_lat[block], grid_day[block])
-        lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
-        found = performance(aircraft, mission, solar, day=lit)
-        for name, values in _metrics(found).items():
-            columns[name][block] = values
-        status[block] = found.cycle.status
-        if endurance:
-            flights = found.endurances()
-            longest[block] = [np.inf if f is None else float(f.endurance_h) for f in flights]
+    columns = map_block(aircraft, mission, latitudes_deg, days, solar, endurance, progress=progress)
+    return map_dataset(aircraft, mission, solar, latitudes_deg, days, columns)
+
+
+def map_block(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitudes_deg: ArrayLike,
+    days: ArrayLike,
+    solar: SolarModel,
+    endurance: bool = False,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, NDArray[Any]]:
+    """Metrics of the cells of some latitudes, arrays of shape ``(latitude, day)``.
+
+    A cell does not depend on the others to its last digit: maps may be computed in parts of any
+    size, by other processes too, and put together. Parameters are those of
+    :func:`feasibility_map`; the keys are its variables.
+    """
+    grid = np.meshgrid(np.asarray(latitudes_deg, float), np.asarray(days, int), indexing="ij")
+    latitude, day = (v.ravel() for v in grid)
+    parts: list[dict[str, NDArray[Any]]] = []
+    for start in range(0, len(latitude), _CELLS_AT_ONCE):
+        some = slice(start, start + _CELLS_AT_ONCE)
+        parts.append(
+            _cells(aircraft, mission, Scenarios(latitude[some], day[some]), solar, endurance)
+        )
         if progress is not None:
-            progress(block.stop, count)
+            progress(min(some.stop, len(latitude)), len(latitude))
+    shape = grid[0].shape
+    return {name: np.concatenate([p[name] for p in parts]).reshape(shape) for name in parts[0]}
+
+
+def _cells(
+    aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
+) -> dict[str, NDArray[Any]]:
+    lit = solar_day(aircraft, mission, solar, scenarios=cells)
+    found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
+    columns: dict[str, NDArray[Any]] = dict(_metrics(found))
+    columns["status"] = found.cycle.status.astype(np.int8)
     if endurance:
-        columns["endurance"] = longest
-    shape = (len(latitudes_deg), len(days))
-    return _dataset(
-        aircraft,
-        mission,
-        solar,
-        latitudes_deg,
-        days,
-        {name: values.reshape(shape) for name, values in columns.items()},
-        status.reshape(shape),
-    )
+        columns["endurance"] = found.endurance_h()
+    return columns
 
 
 def _metrics(perf: Performance) -> dict[str, FloatArray]:
@@ -113,35 +129,42 @@ def _metrics(perf: Performance) -> dict[str, FloatArray]:
         "full_charge": cycle.full_charge_h,
         "solar_energy": cycle.account.solar_wh,
         "load_energy": cycle.account.load_wh,
+        "day_length": perf.day.sunset_h - perf.day.sunrise_h,
     }
 
 
-def _dataset(
+def map_dataset(
     aircraft: Aircraft,
     mission: Mission,
     solar: SolarModel,
-    latitudes_deg: FloatArray,
-    days: FloatArray,
-    columns: dict[str, FloatArray],
-    status: Any,
+    latitudes_deg: ArrayLike,
+    days: ArrayLike,
+    columns: dict[str, NDArray[Any]],
 ) -> xr.Dataset:
+    """Map of what :func:`map_block` found, in one block or in many that are put together.
+
+    Cells that failed have a flag of their own.
+    """
     import xarray as xr
 
-    described = _VARIABLES | {
+    described = VARIABLES | {
         "endurance": ("h", "longest flight over all launch times; infinite where perpetual")
     }
     dims = ("latitude", "day")
     variables: dict[str, Any] = {
         name: (dims, values, {"units": described[name][0], "long_name": described[name][1]})
         for name, values in columns.items()
+        if name != "status"
     }
+    failed = [("failed", FAILED)] if np.any(columns["status"] == FAILED) else []
+    flags = failed + [(s.name, s.value) for s in Status]
     variables["status"] = (
         dims,
-        status,
+        columns["status"],
         {
             "long_name": "how the repeated day ends",
-            "flag_values": np.array([s.value for s in Status], np.int8),
-            "flag_meanings": " ".join(s.name for s in Status),
+            "flag_values": np.array([value for _, value in flags], np.int8),
+            "flag_meanings": " ".join(name for name, _ in flags),
         },
     )
     return xr.Dataset(
@@ -213,47 +236,7 @@ def _levels(top: float) -> FloatArray:
     return np.linspace(-reach, reach, 13)
 
 
-# ---- For maps that are computed in blocks
-
-VARIABLES = _VARIABLES
-FAILED = -1  # status of a cell that could not be computed
-
-
-def map_block(
-    aircraft: Aircraft,
-    mission: Mission,
-    latitudes_deg: FloatArray,
-    days: FloatArray,
-    solar: SolarModel,
-    endurance: bool = False,
-) -> dict[str, Any]:
-    """Metrics and status of a rectangle of cells, arrays of the shape ``(latitude, day)``."""
-    data = feasibility_map(aircraft, mission, latitudes_deg, days, solar, endurance=endurance)
-    return {str(name): values.to_numpy() for name, values in data.data_vars.items()}
-
-
-def map_dataset(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    latitudes_deg: FloatArray,
-    days: FloatArray,
-    columns: dict[str, FloatArray],
-    status: Any,
-) -> xr.Dataset:
-    """Map of blocks put together, like that of :func:`feasibility_map`.
-
-    Cells that failed have a flag of their own.
-    """
-    data = _dataset(aircraft, mission, solar, latitudes_deg, days, columns, status)
-    if (status == FAILED).any():
-        flags = data["status"].attrs
-        flags["flag_values"] = np.append(np.int8(FAILED), flags["flag_values"])
-        flags["flag_meanings"] = f"failed {flags['flag_meanings']}"
-    return data
-
-
-def coordinates(latitudes_deg: FloatArray, days: FloatArray) -> dict[str, Any]:
+def coordinates(latitudes_deg: ArrayLike, days: ArrayLike) -> dict[str, Any]:
     """Coordinates of a map, with CF attributes."""
     degrees = {"units": "degrees_north", "standard_name": "latitude"}
     return {

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # Time of a cell [s], roughly: it decides the size of a chunk and nothing else. A chunk must not
 # depend on the workers, or results would.
 _CHUNK_S = 0.5
-_CELL_S, _CELL_ON_PATH_S, _CELL_ENDURANCE_S, _CELL_SIZING_S = 3e-4, 1e-2, 3e-2, 8e-3
+_CELL_S, _CELL_ON_PATH_S, _CELL_ENDURANCE_S, _CELL_SIZING_S = 2.5e-5, 1e-2, 2e-4, 8e-3
 
 
 @dataclass(frozen=True)
@@ -150,9 +150,8 @@ def map_dataset(
     """Map of a fixed aircraft, as :func:`studies.feasibility_map.feasibility_map` returns it."""
     asked: MapConfiguration = job.configuration
     columns = _on_grid(job, outcome, latitudes_deg, days)
-    status = columns.pop("status")
     data = feasibility_map.map_dataset(
-        asked.aircraft, asked.mission, asked.solar, latitudes_deg, days, columns, status
+        asked.aircraft, asked.mission, asked.solar, latitudes_deg, days, columns
     )
     return data.assign_attrs(_failed_cells(job, outcome))
 

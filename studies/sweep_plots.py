@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from studies.hatching import hatch_cells
 from studies.plots import CHARGE, LOAD, SUN
+from studies.sizing_columns import SIZED
 from studies.sweep import feasible, to_table
 from studies.sweep_axes import without_unit
 from studies.sweep_points import PointStatus

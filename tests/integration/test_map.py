@@ -46,6 +46,64 @@ def test_cells_are_those_of_single_analyses(data: xr.Dataset) -> None:
             )
 
 
+def test_parts_of_a_map_are_the_map_to_the_last_digit() -> None:
+    latitudes, days = np.linspace(-90.0, 90.0, 13), np.arange(1, 366, 26)
+    whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    assert whole["status"].shape == (13, len(days))
+    for cuts in ([1, 2, 7], list(range(1, 13))):
+        parts = [
+            study.map_block(AS2, JULY, some, days, SolarModel(), True)
+            for some in np.split(latitudes, cuts)
+        ]
+        for name, values in whole.items():
+            joined = np.concatenate([part[name] for part in parts])
+            np.testing.assert_array_equal(joined, values, name)
+    for i, j in ((0, 0), (4, 5), (9, 3), (12, 6)):
+        cell = study.map_block(AS2, JULY, latitudes[[i]], days[[j]], SolarModel(), True)
+        for name, values in whole.items():
+            np.testing.assert_array_equal(cell[name], values[i : i + 1, j : j + 1], name)
+
+
+def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    latitudes, days = np.linspace(-66.0, 66.0, 9), np.arange(1, 366, 30)
+    whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    monkeypatch.setattr(study, "_CELLS_AT_ONCE", 50)
+    monkeypatch.setattr("sizing.cycle.CELLS_AT_ONCE", 7)
+    monkeypatch.setattr("sizing.endurance._FLIGHTS_AT_ONCE", 100)
+    monkeypatch.setattr("solar.power._POINTS_AT_ONCE", 333)
+    again = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    for name, values in whole.items():
+        np.testing.assert_array_equal(again[name], values, name)
+
+
+@pytest.mark.parametrize(
+    ("plane", "thermal"), [("atlantiksolar-as2", 0.6), ("atlantiksolar-design", 0.0)]
+)
+def test_cells_with_thermals_or_another_charger_are_those_of_analyses(
+    plane: str, thermal: float
+) -> None:
+    aircraft = load_aircraft(plane).aircraft
+    rough = JULY.model_copy(
+        update={"turbulence": JULY.turbulence.model_copy(update={"thermal": thermal})}
+    )
+    found = study.map_block(aircraft, rough, LATITUDES, DAYS, SolarModel("CDM"))
+    for i, latitude in enumerate(LATITUDES):
+        for j, day in enumerate(DAYS):
+            scenario = Scenarios(np.array([latitude]), np.array([day]))
+            lit = solar_day(aircraft, rough, SolarModel("CDM"), scenarios=scenario)
+            cycle = performance(aircraft, rough, SolarModel("CDM"), day=lit).cycle
+            assert found["excess_time"][i, j] == cycle.excess_time_h[0]
+            assert found["charge_margin"][i, j] == cycle.charge_margin_h[0]
+            assert found["load_energy"][i, j] == cycle.account.load_wh[0]
+
+
+def test_models_with_attitude_are_mapped_too() -> None:
+    found = study.map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
+    lit = solar_day(AS2, JULY, SolarModel("FM"))  # 15 July
+    cycle = performance(AS2, JULY, SolarModel("FM"), day=lit).cycle
+    assert found["excess_time"][0, 1] == cycle.excess_time_h[0]
+
+
 def test_tropics_fly_all_year_and_polar_winter_never(data: xr.Dataset) -> None:
     assert int(study.season_length(data).sel(latitude=0.0)) == len(DAYS)
     assert int(data["status"].sel(latitude=89.0, day=355)) == Status.never_lit
@@ -61,6 +119,17 @@ def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data: xr.Datase
     assert float(data["endurance"].sel(latitude=89.0, day=355)) == pytest.approx(
         2.918 * 251.0 * 0.97 / load, rel=1e-6
     )
+
+
+def test_day_lasts_from_nothing_by_polar_night_to_all_hours(data: xr.Dataset) -> None:
+    assert float(data["day_length"].sel(latitude=89.0, day=355)) == 0.0
+    assert float(data["day_length"].sel(latitude=89.0, day=172)) == 24.0
+    # At the equator the sun's centre is up for half of every day.
+    np.testing.assert_allclose(data["day_length"].sel(latitude=0.0), 12.0, rtol=1e-12)
+    night = data.sel(latitude=89.0, day=355)
+    assert float(night["solar_energy"]) == 0.0
+    # Nothing charges and the battery is empty for ever: all 24 hours lack.
+    assert float(night["excess_time"]) == pytest.approx(-24.0, abs=1e-9)
 
 
 def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:

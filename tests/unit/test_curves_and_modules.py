@@ -10,6 +10,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from scipy.interpolate import PchipInterpolator
 
 from solar.curves import Curve, shipped_curve
 from solar.modules import IncidenceTable, SolarCell
@@ -50,6 +51,22 @@ def test_curve_reproduces_a_straight_line() -> None:
     line = Curve(x=(0.0, 1.0, 4.0, 10.0), y=(1.0, 3.0, 9.0, 21.0))
     x = np.linspace(0.0, 10.0, 37)
     assert line(x) == pytest.approx(1.0 + 2.0 * x)
+
+
+@given(curves(), st.integers(0, 2**32 - 1))
+def test_curve_is_the_interpolant_of_scipy(curve: Curve, seed: int) -> None:
+    x = np.random.default_rng(seed).uniform(curve.x[0], curve.x[-1], 50)
+    x = np.concatenate((x, curve.x, np.nextafter(curve.x[1:], -np.inf)))
+    expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y))(x)
+    # The same polynomials, summed in another order: rounding of values up to 100.
+    np.testing.assert_allclose(curve(x), expected, rtol=1e-12, atol=1e-11)
+
+
+def test_curve_with_points_close_together_is_searched() -> None:
+    curve = Curve(x=(0.0, 1e-6, 1.0), y=(0.0, 1.0, 2.0))
+    x = np.array([0.0, 5e-7, 1e-6, 0.5, 1.0])
+    expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y))(x)
+    np.testing.assert_allclose(curve(x), expected, rtol=1e-12)
 
 
 def test_curve_keeps_the_shape_of_its_argument() -> None:

@@ -10,7 +10,7 @@ import pytest
 from sizing.battery import Battery, ChargeLimit, NoChargeLimit, RuleChargeLimit
 from sizing.cycle import simulate_cycle
 from sizing.endurance import flight_time_h, longest_flight
-from sizing.energy_balance import FloatArray, PowerBalance, Store
+from sizing.energy_balance import FloatArray, PowerBalance, Store, advance, empty_after_h
 from sizing.performance import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
@@ -183,3 +183,75 @@ def test_whole_days_that_lose_the_same_are_skipped_without_effect() -> None:
     days = (pack.energy_wh - nights) / loss
     # The day on which it ends is known to one day by this account.
     assert found / 24.0 == pytest.approx(days, abs=2.0)
+
+
+# ---- days with more than one surplus
+
+
+def stepwise_flight_h(
+    solar: FloatArray, load: FloatArray, store: Store, node: int, days: int
+) -> float:
+    """Flight time from a node of the hourly axis, interval by interval."""
+    balance = PowerBalance.of(HOURLY, solar, load)
+    intervals = list(balance.intervals())
+    energy = np.asarray(store.energy_max_wh)
+    for count in range(days * len(intervals)):
+        number = (node + count) % len(intervals)
+        step = advance(store, intervals[number], energy)
+        if step.unserved_wh > 1e-12 * store.energy_max_wh:
+            return count * 1.0 + float(empty_after_h(step))
+        energy = step.end_wh
+    return inf
+
+
+def rough_days(count: int) -> tuple[FloatArray, FloatArray]:
+    """Suns that clouds break into pieces, and loads with thermals [W]."""
+    rng = np.random.default_rng(11)
+    clear = np.stack(
+        [
+            sun(x, int(d), HOURLY)
+            for x, d in zip(rng.uniform(-60, 60, count), rng.integers(1, 366, count), strict=True)
+        ]
+    )
+    clouds = rng.uniform(0.0, 1.0, clear.shape) ** 0.5
+    load = rng.uniform(15.0, 45.0, (count, 1)) * (1.0 + rng.uniform(0.0, 1.0, clear.shape))
+    return clear * clouds, load
+
+
+@pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
+def test_flights_over_broken_days_are_those_marched_step_by_step(limit: ChargeLimit) -> None:
+    solar, load = rough_days(12)
+    energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
+    nodes = np.arange(24)
+    balance, store = PowerBalance.of(HOURLY, solar, load), Store.of(battery(1.0, limit), energies)
+    launches = np.repeat(HOURLY[nodes][:, np.newaxis], len(solar), axis=1)
+    found = flight_time_h(balance, store, launches)
+    ends = 0
+    for i, energy in enumerate(energies):
+        one = Store.of(battery(1.0, limit), energy)
+        for node in nodes:
+            expected = stepwise_flight_h(solar[i], load[i], one, int(node), 20)
+            if np.isinf(expected):
+                assert found[node, i] > 19.0 * 24.0
+                continue
+            ends += 1
+            # Rounding, and the clock's table at 1e-10 of the charge for every interval flown.
+            assert found[node, i] == pytest.approx(expected, rel=1e-6)
+    assert ends > 100
+
+
+@pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
+def test_no_tried_launch_flies_longer_on_broken_days(limit: ChargeLimit) -> None:
+    solar, load = rough_days(12)
+    energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
+    balance, store = PowerBalance.of(HOURLY, solar, load), Store.of(battery(1.0, limit), energies)
+    launches = np.linspace(0.0, 24.0, 900, endpoint=False)[:, np.newaxis] + np.zeros(len(solar))
+    tried = flight_time_h(balance, store, launches).max(axis=0)
+    found = longest_flight(HOURLY, solar, load, store)
+    again = flight_time_h(balance, store, found.launch_h[np.newaxis])[0]
+    ended = np.isfinite(tried)
+    assert ended.sum() >= 5
+    np.testing.assert_array_equal(np.isinf(found.endurance_h), ~ended)
+    np.testing.assert_allclose(again[ended], found.endurance_h[ended], rtol=1e-9)
+    # As above; loads that triple within hours make flights longer by up to thrice the difference.
+    assert np.all(found.endurance_h[ended] >= tried[ended] - 3e-3)

@@ -241,6 +241,68 @@ def test_no_limit_never_charges_less_than_a_limit(case: Case, start: float) -> N
     assert np.all(unlimited >= limited - 1e-9 * store.energy_max_wh)
 
 
+# ---- nights at once
+
+
+@settings(max_examples=200, deadline=None)
+@given(case=cases(), start=st.floats(0.0, 1.0))
+def test_day_marched_over_its_surpluses_is_the_day_marched_step_by_step(
+    case: Case, start: float
+) -> None:
+    balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
+    begin = start * case.store.energy_max_wh
+    energy = begin
+    for step in march(balance, case.store, begin):
+        energy = step.end_wh
+    # Deficits are summed before they are taken: rounding, and the clock's table at 1e-10.
+    scale = case.store.energy_max_wh + balance.deficit_wh.sum(axis=0)
+    found = final_energy_wh(balance, case.store, begin)
+    assert np.all(np.abs(found - energy) <= 1e-9 * scale)
+
+
+@settings(max_examples=200, deadline=None)
+@given(case=cases())
+def test_metrics_are_those_of_the_cycle_marched_step_by_step(case: Case) -> None:
+    cycle = simulate_cycle(*case)
+    balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
+    energy = cycle.energy_wh[..., 0]
+    missing, unserved, nodes = 0.0, 0.0, [energy]
+    for step in march(balance, case.store, energy):
+        missing, unserved = missing + unserved_h(step), unserved + step.unserved_wh
+        nodes.append(step.end_wh)
+    scale = case.store.energy_max_wh + balance.deficit_wh.sum(axis=0)
+    # As above; the fixed point is settled to 1e-11 of the capacity.
+    trajectory = np.moveaxis(np.array(nodes), 0, -1)
+    assert np.all(np.abs(trajectory - cycle.energy_wh) <= 1e-9 * scale[..., np.newaxis])
+    assert np.all(np.abs(unserved - cycle.account.unserved_wh) <= 1e-9 * scale)
+    # An hour's error is the energy's over the power at the instant of empty: near a crossing of
+    # zero its square root.
+    sure = np.asarray(unserved) > 1e-6 * scale
+    np.testing.assert_allclose(
+        np.asarray(missing)[sure], cycle.missing_h[sure], rtol=1e-6, atol=2e-3
+    )
+
+
+@settings(max_examples=50, deadline=None)
+@given(case=cases())
+def test_element_does_not_depend_on_the_batch_or_on_what_is_kept(case: Case) -> None:
+    batch = simulate_cycle(*case)
+    light = simulate_cycle(*case, keep_trajectory=False)
+    names = ("excess_time_h", "charge_margin_h", "full_charge_h", "missing_h", "status")
+    for index in np.ndindex(case.solar_w.shape[:-1]):
+        store = Store(
+            np.asarray(case.store.energy_max_wh[index]),
+            case.store.charge_efficiency,
+            case.store.discharge_efficiency,
+            case.store.clock,
+        )
+        one = simulate_cycle(case.time_h, case.solar_w[index], case.load_w[index], store)
+        for name in names:
+            np.testing.assert_array_equal(getattr(batch, name)[index], getattr(one, name), name)
+            np.testing.assert_array_equal(getattr(light, name)[index], getattr(one, name), name)
+        np.testing.assert_array_equal(batch.energy_wh[index], one.energy_wh)
+
+
 # ---- the fixed point
 
 

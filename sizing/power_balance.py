@@ -1,0 +1,235 @@
+"""Net power over the time axis and its exact integrals over every interval.
+
+Solar power and load are piecewise linear between the nodes of the time axis; surplus and deficit
+of every interval are integrated exactly, a change of sign inside an interval included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
+
+_POINTS_AT_ONCE = 16384
+
+
+def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) -> FloatArray:
+    """Integral of the positive part of a power that is linear over an interval [Wh].
+
+    One expression for all four combinations of signs: with ``a, b`` the positive parts at the
+    ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour.
+    """
+    positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
+    return _part_wh(positive, np.abs(left_w) + np.abs(right_w), hours)
+
+
+def _part_wh(part_w: FloatArray, total_w: FloatArray, hours: ArrayLike) -> FloatArray:
+    """Integral of one sign's part of a linear power, from its and the total end values."""
+    mean_w = part_w * part_w / np.maximum(2.0 * total_w, 1e-300)
+    return np.asarray(mean_w * np.asarray(hours, float))
+
+
+def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Where a linear function from ``left`` to ``right`` is zero, as a fraction of the interval."""
+    drop = left - right
+    safe = np.where(drop == 0.0, 1.0, drop)
+    return np.clip(left / safe, 0.0, 1.0)
+
+
+def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> FloatArray:
+    """Where the integral of a linear, non-negative power reaches a share of its interval's whole.
+
+    ``left`` and ``right`` are the power at the ends; the result is a fraction of the interval.
+    """
+    total = left + right
+    goal = np.clip(share, 0.0, 1.0) * total / 2.0
+    # left s + (right - left) s^2 / 2 = goal, solved without cancellation.
+    root = np.sqrt(np.maximum(left * left + 2.0 * (right - left) * goal, 0.0))
+    return np.clip(2.0 * goal / np.maximum(left + root, 1e-300), 0.0, 1.0)
+
+
+class Interval(NamedTuple):
+    """Flows of one interval of the time axis, per element of the batch.
+
+    An interval has up to three phases: an early deficit, a surplus, a late deficit; at most one
+    deficit is not zero.
+    """
+
+    number: int | IntArray
+    start_h: float | FloatArray
+    hours: float | FloatArray
+    left_w: FloatArray
+    right_w: FloatArray
+    surplus_wh: FloatArray
+    early_deficit_wh: FloatArray
+    late_deficit_wh: FloatArray
+
+
+def surplus_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
+    """Begin and end of the surplus within an interval, in hours after its start."""
+    crossing = interval.hours * crossing_fraction(interval.left_w, interval.right_w)
+    begin = np.where(interval.left_w < 0.0, crossing, 0.0)
+    end = np.where(interval.right_w < 0.0, crossing, interval.hours)
+    return begin, end
+
+
+def deficit_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
+    """Begin and length of the deficit within an interval [h]."""
+    surplus_begin, surplus_end = surplus_phase_h(interval)
+    early = interval.left_w < 0.0
+    whole = early & (interval.right_w < 0.0)
+    begin = np.where(early, 0.0, surplus_end)
+    length = np.where(early, surplus_begin, interval.hours - surplus_end)
+    return begin, np.where(whole, interval.hours, length)
+
+
+@dataclass(frozen=True)
+class PowerBalance:
+    """Net power on a time axis and its exact integrals per interval; time is the first axis."""
+
+    time_h: FloatArray
+    net_w: FloatArray
+    surplus_wh: FloatArray
+    deficit_wh: FloatArray
+
+    @classmethod
+    def of(cls, time_h: FloatArray, solar_power_w: FloatArray, load_w: FloatArray) -> PowerBalance:
+        """Balance of solar power and load, arrays of shape ``(..., time)``.
+
+        Raises
+        ------
+        ValueError
+            If time does not increase or the last axis is not the time.
+        """
+        time = np.asarray(time_h, float)
+        hours = np.diff(time)
+        if np.any(hours <= 0.0):
+            raise ValueError("time_h must increase strictly")
+        net = np.asarray(solar_power_w, float) - np.asarray(load_w, float)
+        if net.shape[-1] != len(time):
+            raise ValueError(f"the last axis has length {net.shape[-1]}, time has {len(time)}")
+        net = np.ascontiguousarray(np.moveaxis(net, -1, 0))
+        surplus, deficit = np.empty((2, len(hours), *net.shape[1:]))
+        column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
+        # Some rows at a time: intermediate results stay near the processor.
+        rows = max(1, _POINTS_AT_ONCE * len(net) // max(net.size, 1))
+        for start in range(0, len(hours), rows):
+            part = slice(start, start + rows)
+            some = net[start : start + rows + 1]
+            above = np.maximum(some, 0.0)
+            below = above - some
+            above, below = above[:-1] + above[1:], below[:-1] + below[1:]
+            total = above + below
+            surplus[part] = _part_wh(above, total, column[part])
+            deficit[part] = _part_wh(below, total, column[part])
+        return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
+
+    @property
+    def early_deficit_wh(self) -> FloatArray:
+        """Deficit at the start of every interval [Wh], before its surplus; time first."""
+        return np.where(self.net_w[:-1] < 0.0, self.deficit_wh, 0.0)
+
+    @property
+    def late_deficit_wh(self) -> FloatArray:
+        """Deficit at the end of every interval [Wh], after its surplus; time first."""
+        return np.where(self.net_w[:-1] < 0.0, 0.0, self.deficit_wh)
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+        return self.net_w.shape[1:]
+
+    def flat(self) -> PowerBalance:
+        """Balance with a batch of one dimension."""
+        return PowerBalance(
+            self.time_h,
+            self.net_w.reshape(len(self.time_h), -1),
+            self.surplus_wh.reshape(len(self.time_h) - 1, -1),
+            self.deficit_wh.reshape(len(self.time_h) - 1, -1),
+        )
+
+    def select(self, cells: IntArray | BoolArray) -> PowerBalance:
+        """Balance of a part of a one-dimensional batch."""
+        return PowerBalance(
+            self.time_h,
+            self.net_w[:, cells],
+            self.surplus_wh[:, cells],
+            self.deficit_wh[:, cells],
+        )
+
+    def interval_of(self, number: IntArray, cells: IntArray) -> Interval:
+        """Some intervals of some elements of a one-dimensional batch, by their numbers."""
+        left, right = self.net_w[number, cells], self.net_w[number + 1, cells]
+        deficit = self.deficit_wh[number, cells]
+        early = np.where(left < 0.0, deficit, 0.0)
+        return Interval(
+            number=number,
+            start_h=self.time_h[number],
+            hours=self.time_h[number + 1] - self.time_h[number],
+            left_w=left,
+            right_w=right,
+            surplus_wh=self.surplus_wh[number, cells],
+            early_deficit_wh=early,
+            late_deficit_wh=deficit - early,
+        )
+
+    def deficit_h(self) -> FloatArray:
+        """Length of the deficit in every interval [h]; time first."""
+        lengths = np.where(self.deficit_wh > 0.0, np.diff(self.time_h)[:, np.newaxis], 0.0)
+        mixed = np.nonzero((self.deficit_wh > 0.0) & (self.surplus_wh > 0.0))
+        lengths[mixed] = deficit_phase_h(self.interval_of(*mixed))[1]
+        return lengths
+
+    def intervals(self) -> Iterator[Interval]:
+        """Walk the time axis interval by interval."""
+        hours = np.diff(self.time_h)
+        early, late = self.early_deficit_wh, self.late_deficit_wh
+        for k in range(len(hours)):
+            yield Interval(
+                number=k,
+                start_h=float(self.time_h[k]),
+                hours=float(hours[k]),
+                left_w=self.net_w[k],
+                right_w=self.net_w[k + 1],
+                surplus_wh=self.surplus_wh[k],
+                early_deficit_wh=early[k],
+                late_deficit_wh=late[k],
+            )
+
+
+def sum_over_time(values: FloatArray) -> FloatArray:
+    """Sum over the first axis of a two-dimensional array, in the order of time.
+
+    NumPy adds up many contiguous columns row by row but a lone column pairwise; a running sum
+    makes the last digit of an element independent of how many others are computed with it.
+    """
+    values = np.ascontiguousarray(values)
+    if values.shape[1] == 1 and len(values):
+        return np.asarray(np.cumsum(values, axis=0)[-1])
+    return np.asarray(np.add.reduce(values, axis=0))
+
+
+def running_sum(values: FloatArray) -> FloatArray:
+    """Sums over the first axis from the start to every node, one row more than ``values``."""
+    sums = np.zeros((len(values) + 1, *values.shape[1:]))
+    for k in range(len(values)):
+        np.add(sums[k], values[k], out=sums[k + 1])
+    return sums
+
+
+def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> IntArray:
+    """Intervals in which running sums of some columns reach some levels, by bisection."""
+    low = np.zeros(level.shape, np.intp)
+    high = np.full(level.shape, len(sums) - 1)
+    for _ in range(len(sums).bit_length()):
+        middle = (low + high) // 2
+        reached = sums[middle, cells] <= level
+        low, high = np.where(reached, middle, low), np.where(reached, high, middle)
+    return low

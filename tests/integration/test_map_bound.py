@@ -1,0 +1,19 @@
+"""The map against an independent loop in C, cell by cell over the whole year and all latitudes."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+# The benchmarks are part of the source tree, not of what is installed.
+map_scaling = pytest.importorskip("benchmarks.map_scaling")
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no C compiler")
+def test_map_is_that_of_a_loop_in_c(tmp_path: Path) -> None:
+    library = map_scaling._compiled(tmp_path)
+    bound = map_scaling._Bound(library)
+    # Compares all metrics to 1e-8 and asks for every status to occur.
+    bound.check(map_scaling._map(map_scaling._LATITUDES, map_scaling._DAYS))
