@@ -97,7 +97,7 @@ def _reasons(data: xr.Dataset) -> dict[int, str]:
     """Statuses without a result, with their names."""
     meanings = data["status"].attrs["flag_meanings"].split()
     flags = [int(v) for v in data["status"].attrs["flag_values"]]
-    good = [0] if data.attrs["objective"] else list(range(PointStatus.never_lit + 1))
+    good = list(SIZED) if data.attrs["objective"] else list(range(PointStatus.never_lit + 1))
     return {v: name for v, name in zip(flags, meanings, strict=True) if v not in good}
 
 

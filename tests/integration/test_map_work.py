@@ -164,8 +164,8 @@ def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 def test_a_stopped_command_says_how_to_go_on(
     tmp_path: Path, signum: signal.Signals, workers: str
 ) -> None:
-    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "30:50:10"]
-    asked = ["map", *asked, "--days", "100:260:16", "--out", "m.nc", "--workers", workers]
+    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:2"]
+    asked = ["map", *asked, "--days", "1:365:7", "--out", "m.nc", "--workers", workers]
     process = command(*asked, cwd=tmp_path)
     folder = tmp_path / "m.nc.parts"
     deadline = time.monotonic() + 120.0
@@ -185,7 +185,9 @@ def test_a_stopped_command_says_how_to_go_on(
     assert process.returncode == 0, err
     assert not folder.exists()
     data = xr.load_dataset(tmp_path / "m.nc", engine="h5netcdf")
-    assert (data["status"] == SizingStatus.optimal).all()
+    found = set(data["status"].to_numpy().ravel().tolist())
+    assert SizingStatus.certified in found
+    assert found <= {SizingStatus.certified, SizingStatus.optimal, SizingStatus.infeasible}
 
 
 @pytest.mark.parametrize(
@@ -230,7 +232,9 @@ def test_cells_are_sizings_of_their_own(sized: xr.Dataset) -> None:
     mission = JULY.model_copy(update={"latitude_deg": 47.6, "dates": Dates(on="06-21")})
     result = size_aircraft(DESIGN, mission, Objective.min_wingspan)
     cell = sized.sel(latitude=47.6, day=172)
-    assert float(cell["wingspan"]) == pytest.approx(result.objective_value, rel=1e-9)
+    assert int(cell["status"]) == SizingStatus.certified
+    # Two searches that both stop within 0.02 h of the requirement.
+    assert float(cell["wingspan"]) == pytest.approx(result.objective_value, rel=2e-3)
     assert float(cell["excess_time"]) > 0.0
     assert float(cell["module_area"]) <= 0.85 * float(cell["wingspan"]) ** 2 / 18.5 * (1 + 1e-6)
 
@@ -251,8 +255,10 @@ def test_sized_map_follows_cf_and_survives_its_file(sized: xr.Dataset, tmp_path:
     path.write_bytes(feasibility_map.to_netcdf_bytes(sized))
     again = xr.load_dataset(path, engine="h5netcdf")
     meanings = again["status"].attrs["flag_meanings"].split()
-    assert meanings == ["failed", "optimal", "infeasible", "not_converged", "invalid"]
-    assert again["status"].attrs["flag_values"].tolist() == [-1, 0, 1, 2, 3]
+    assert meanings == [
+        *("failed", "optimal", "infeasible", "not_converged", "invalid", "certified")
+    ]
+    assert again["status"].attrs["flag_values"].tolist() == [-1, 0, 1, 2, 3, 4]
     assert again["latitude"].attrs["standard_name"] == "latitude"
     assert json.loads(again.attrs["aircraft"])["name"] == "atlantiksolar-design"
     assert again.attrs["objective"] == "min_wingspan"
