@@ -9,21 +9,28 @@ import io
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from solar._version import __version__
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from studies.command_parts import console as _console
+from studies.command_parts import load_both as _load
+from studies.command_parts import plot_format as _image_format
+from studies.command_parts import print_json as _print_json
+from studies.command_parts import progress_bar as _progress
+from studies.command_parts import refuse_polar_night as _refuse_polar_night
+from studies.command_parts import require_path as _require_path
+from studies.command_parts import write_files as _write_files
+from studies.compare_command import compare
 from studies.verify_command import verify
 
 if TYPE_CHECKING:
     from missions.mission import Mission
     from sizing.performance import SolarModel
-    from studies.library import LoadedAircraft, LoadedMission
 
 DEFAULT_MISSION = "rafz-july"
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
@@ -531,26 +538,8 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     print_reproduction(_console(), record)
 
 
+cli.add_command(compare)
 cli.add_command(verify)
-
-
-def _load(
-    aircraft: str, mission: str, overrides: tuple[str, ...]
-) -> tuple[LoadedAircraft, LoadedMission]:
-    """Load both files and report what is wrong with either of them together."""
-    from missions.problems import InputError
-    from studies.library import load_aircraft, load_mission, split_overrides
-
-    of_aircraft, of_mission = split_overrides(overrides)
-    try:
-        craft = load_aircraft(aircraft, of_aircraft)
-    except InputError as error:
-        try:
-            load_mission(mission, of_mission)
-        except InputError as second:
-            raise InputError([*error.problems, *second.problems]) from None
-        raise
-    return craft, load_mission(mission, of_mission)
 
 
 def _placed(mission: Mission, latitude_deg: float | None, day: int | None) -> Mission:
@@ -566,21 +555,6 @@ def _placed(mission: Mission, latitude_deg: float | None, day: int | None) -> Mi
     return mission.model_copy(update=update)
 
 
-def _refuse_polar_night(mission: Mission, where: LoadedMission, *, options: bool) -> None:
-    """Refuse scenarios in which the sun never rises: there is nothing to analyse or to size."""
-    from missions.configfile import located_error
-
-    scenarios = mission.scenarios()
-    dark = scenarios.in_polar_night()
-    if not dark.any():
-        return
-    label = scenarios.label(int(dark.argmax()))
-    message = f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
-    if options:
-        raise click.UsageError(f"--latitude/--date: {message}")
-    raise located_error(where.document, ("latitude_deg",), message)
-
-
 def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[float]:
     """Those of the winds that the mission's flight path can be held in."""
     from missions.flight_path import largest_wind_m_per_s
@@ -590,76 +564,10 @@ def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[f
     return [w for w in winds_m_per_s if w < limit]
 
 
-def _require_path(model: str, correction: str, craft: LoadedAircraft, where: LoadedMission) -> None:
-    """Refuse VM, FM and the loiter correction without module surfaces and a flight path."""
-    if model not in ATTITUDE_MODELS and correction != "loiter":
-        return
-    from missions.configfile import located_error
-    from missions.flight_path import orbit
-
-    asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
-    if craft.aircraft.modules.geometry is None:
-        message = f"{asked} needs the module surfaces: add geometry with its surfaces"
-        raise located_error(craft.document, ("modules",), message)
-    if where.mission.flight_path is None:
-        message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
-        raise located_error(where.document, ("name",), message)
-    try:
-        orbit(where.mission.flight_path, where.mission.wind, samples=4)
-    except ValueError as error:
-        raise located_error(where.document, ("flight_path",), str(error)) from None
-
-
 def _solar_model(model: str, correction: str) -> SolarModel:
     from sizing.performance import SolarModel
 
     return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-
-
-@contextmanager
-def _progress(unit: str) -> Iterator[Callable[[int, int], None]]:
-    """Progress bar on a terminal's standard error, nothing elsewhere."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(unit)
-
-        def update(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
-        yield update
-
-
-def _write_files(contents: dict[str | os.PathLike[str], bytes]) -> None:
-    """Write all files of a command, or none."""
-    from missions.output_files import write_files_atomically
-
-    write_files_atomically(contents)
-
-
-def _image_format(path: str | None) -> str | None:
-    if path is None:
-        return None
-    from studies.formats import IMAGE_FORMATS, image_format
-
-    found = image_format(path)
-    if found is None:
-        allowed = ", ".join(f".{f}" for f in IMAGE_FORMATS)
-        raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
-    return found
-
-
-def _console() -> Any:
-    from rich.console import Console
-
-    # Names from files are text, never markup.
-    return Console(highlight=False, markup=False, emoji=False)
-
-
-def _print_json(record: Any) -> None:
-    click.echo(json.dumps(record, indent=2, allow_nan=False))
 
 
 def main() -> None:
