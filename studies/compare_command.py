@@ -139,7 +139,12 @@ def compare(
             progress=progress,
         )
     record = study.to_json(found, sentence(found))
-    write_files(_contents(found, record, out_dir, csv_file, plot_file, image))
+    if out_dir is not None:
+        from missions.output_files import write_folder
+
+        write_folder(Path(out_dir), _folder_contents(found, record))
+    else:
+        write_files(_file_contents(found, record, csv_file, plot_file, image))
     if as_json:
         print_json(record)
     else:
@@ -174,34 +179,39 @@ def _wanted(
     return combinations(chosen_models, chosen_corrections, attitude=known)
 
 
-def _contents(
+def _folder_contents(found: Comparison, record: dict[str, Any]) -> dict[str, bytes]:
+    """Files of ``--out``, each with its content."""
+    return {
+        "comparison.json": json.dumps(record, indent=2, allow_nan=False).encode(),
+        "comparison.csv": _csv(record),
+        "comparison.png": _figure(found, "png"),
+    }
+
+
+def _file_contents(
     found: Comparison,
     record: dict[str, Any],
-    out_dir: str | None,
     csv_file: str | None,
     plot_file: str | None,
     image: str | None,
 ) -> dict[str | os.PathLike[str], bytes]:
-    """Files of the comparison, each with its content."""
+    """Files of ``--csv`` and ``--plot``, each with its content."""
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    if csv_file is not None:
+        contents[csv_file] = _csv(record)
+    if plot_file is not None and image is not None:
+        contents[plot_file] = _figure(found, image)
+    return contents
+
+
+def _csv(record: dict[str, Any]) -> bytes:
     from studies.comparison import case_table
 
-    if out_dir is not None:
-        folder = Path(out_dir)
-        folder.mkdir(parents=True, exist_ok=True)
-        table: str | os.PathLike[str] | None = folder / "comparison.csv"
-        figure: str | os.PathLike[str] | None = folder / "comparison.png"
-        image = "png"
-    else:
-        table, figure = csv_file, plot_file
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    if table is not None:
-        contents[table] = case_table(record).to_csv(index=False).encode()
-    if figure is not None and image is not None:
-        from studies.comparison_plots import comparison_figure
-        from studies.plots import to_bytes
+    return str(case_table(record).to_csv(index=False)).encode()
 
-        contents[figure] = to_bytes(comparison_figure(found), image)
-    if out_dir is not None:
-        text = json.dumps(record, indent=2, allow_nan=False)
-        contents[folder / "comparison.json"] = text.encode()
-    return contents
+
+def _figure(found: Comparison, image: str) -> bytes:
+    from studies.comparison_plots import comparison_figure
+    from studies.plots import to_bytes
+
+    return to_bytes(comparison_figure(found), image)

@@ -19,12 +19,12 @@ _PREDICTED = (
     "income [Wh]",
     "vs ref. [%]",
     "excess time [h]",
-    "least charge [%]",
+    "least SoC [%]",
     "charge margin [h]",
     "endur. [h]",
     "season [d]",
 )
-_JUDGED = ("judged: excess [h]", "judged: endur. [h]")
+_JUDGED = ("then: excess [h]", "then: endur. [h]")
 
 
 def print_comparison(console: Console, record: dict[str, Any]) -> None:
@@ -54,7 +54,7 @@ def print_comparison(console: Console, record: dict[str, Any]) -> None:
         required = record["objective"]["required_excess_time_h"]
         lines.append(
             f"built: {record['objective']['name']} with {required:g} h of excess time; "
-            "judged: by the reference, in its worst scenario"
+            "then: judged by the reference, in its worst scenario"
         )
     for line in (*lines, *record["notes"]):
         console.print(f"- {line}", style="dim")
