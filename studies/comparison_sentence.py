@@ -88,10 +88,15 @@ def fate(prediction: Prediction, required_h: float = 0.0) -> str:
 
 
 def duration(hours: float) -> str:
-    """Length of a flight: hours up to three days, then days."""
+    """Length of a flight: hours up to three days, then days with two digits."""
     if not np.isfinite(hours):
         return "more than a year"
-    return f"{hours:.1f} h" if hours < 72.0 else f"{hours / 24.0:.1f} days"
+    return f"{hours:.1f} h" if hours < 72.0 else f"{two_digits(hours / 24.0)} days"
+
+
+def two_digits(number: float) -> str:
+    """Number with two significant digits, without an exponent."""
+    return f"{float(f'{number:.1e}'):g}"
 
 
 def _why_it_ends(prediction: Prediction) -> str:

@@ -8,6 +8,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from studies.comparison_sentence import two_digits
+
 _DESIGN_COLUMNS = {
     "max_excess_time": ("built: promised [h]", "promised_excess_time_h"),
     "min_wingspan": ("built: span [m]", "wingspan_m"),
@@ -118,7 +120,10 @@ def _endurance(of: dict[str, Any]) -> str:
     if of["status"] in ("perpetual", "always_lit"):
         return "no end"
     hours = of["endurance_h"]
-    return "> 1 year" if hours is None else f"{hours:.1f}"
+    if hours is None:
+        return "> 1 year"
+    # A flight that is almost perpetual ends after a number of days that is known less well.
+    return f"{hours:.1f}" if hours < 72.0 else f"{two_digits(hours / 24.0)} d"
 
 
 def _season(season: dict[str, Any]) -> str:

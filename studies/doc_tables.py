@@ -8,10 +8,20 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from missions.output_files import write_text_atomically
-from studies import clear_sky_comparison, model_transfer, published, report_reproduction
+from studies import (
+    clear_sky_comparison,
+    comparison,
+    comparison_sentence,
+    comparison_tables,
+    model_transfer,
+    published,
+    report_reproduction,
+)
+from studies.library import load_aircraft, load_mission
 
 
 def _published() -> str:
@@ -35,11 +45,27 @@ def _clear_sky() -> str:
     return clear_sky_comparison.markdown(clear_sky_comparison.compare())
 
 
+def _comparison(aircraft: str, mission: str, required_h: float) -> str:
+    found = comparison.compare(
+        load_aircraft(aircraft).aircraft,
+        load_mission(mission).mission,
+        required_excess_time_h=required_h,
+    )
+    return comparison_tables.markdown(
+        comparison.to_json(found, comparison_sentence.sentence(found))
+    )
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", _published),
     "clear-sky": ("validation.md", _clear_sky),
     "report": ("validation.md", _report),
     "transfer": ("full-model.md", _transfer),
+    "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
+    "compare-design": (
+        "compare.md",
+        partial(_comparison, "atlantiksolar-design", "central-europe-summer", 3.0),
+    ),
 }
 
 

@@ -59,7 +59,13 @@ def test_fate(changes: dict[str, Any], required_h: float, said: str) -> None:
 
 @pytest.mark.parametrize(
     ("hours", "said"),
-    [(0.04, "0.0 h"), (71.94, "71.9 h"), (72.0, "3.0 days"), (math.inf, "more than a year")],
+    [
+        (0.04, "0.0 h"),
+        (71.94, "71.9 h"),
+        (72.0, "3 days"),
+        (5605.7, "230 days"),
+        (math.inf, "more than a year"),
+    ],
 )
 def test_duration(hours: float, said: str) -> None:
     assert duration(hours) == said
