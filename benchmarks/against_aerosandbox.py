@@ -1,0 +1,170 @@
+"""Sizing against AeroSandbox: one case, another with new parameters, and a map of 240 cases."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from benchmarks.measuring import best_time_s, missing, optional, row
+from benchmarks.shared_sizing import (
+    POINTS_PER_DAY,
+    REQUIRED_H,
+    Collocation,
+    shared_aircraft,
+    shared_mission,
+    size_ours,
+    sun_of,
+)
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.performance import SolarDay
+
+_PEER = "AeroSandbox Opti"
+# Equal optima differ by the trapezoids of the collocation, 10 min wide, and by the margin of one
+# part in a thousand of the night's energy that our program keeps: together about 0.1 % of the span.
+_AGREEMENT = 0.003
+_LATITUDES = np.linspace(-57.0, 57.0, 20)
+_PAYLOADS_KG = np.linspace(0.0, 8.8, 12)
+_EVERY = 10
+
+
+def sizing_against_aerosandbox() -> list[dict[str, Any]]:
+    """The three-date problem: build and solve, and solve again with another requirement."""
+    aircraft, mission = shared_aircraft(), shared_mission()
+    day = sun_of(aircraft, mission)
+    work = (
+        f"least span for 3 dates at 47.6 N; ours with confirmation by simulation, "
+        f"the peer with {POINTS_PER_DAY} points a day"
+    )
+    requirements = np.linspace(REQUIRED_H, REQUIRED_H + 2.0, 6)
+    ours_s = best_time_s(lambda: size_ours(aircraft, mission, day))
+    ours_again_s = _again(lambda h: size_ours(aircraft, mission, day, h), requirements)
+    asb = optional("aerosandbox")
+    names = ("sizing, build and solve", "sizing, solve again")
+    if asb is None:
+        times = (ours_s, ours_again_s)
+        return [missing(n, work, s, _PEER) for n, s in zip(names, times, strict=True)]
+    _quiet()
+    built = Collocation.build(asb, aircraft, mission, day)
+    theirs_m = built.solve()
+    ours_m = size_ours(aircraft, mission, day).objective_value
+    agreed = _agreement([(ours_m, theirs_m)])
+    peer_s = best_time_s(lambda: Collocation.build(asb, aircraft, mission, day).solve())
+    built.start_from_solution()
+
+    def solve_again(required_h: float) -> Any:
+        built.put(day, required_h, 0.0)
+        return built.solve()
+
+    peer_again_s = _again(solve_again, requirements)
+    again = "another required excess time; ours builds anew, the peer sets a parameter, warm start"
+    return [
+        row(names[0], f"{work}; {agreed}", ours_s, _PEER, peer_s),
+        row(names[1], again, ours_again_s, _PEER, peer_again_s),
+    ]
+
+
+def _again(solve: Any, requirements: Any) -> float:
+    """Mean time for one of several requirements, of the fastest pass through them [s]."""
+
+    def work() -> None:
+        for required_h in requirements[1:]:
+            solve(float(required_h))
+
+    return best_time_s(work, 3) / (len(requirements) - 1)
+
+
+# ---- The map
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One case of the map: a mission, and the sun in its scenarios."""
+
+    mission: Mission
+    day: SolarDay
+
+
+def map_against_aerosandbox() -> list[dict[str, Any]]:
+    """Map of least wingspans over latitude and payload, with its infeasible cells."""
+    aircraft = shared_aircraft()
+    cells = [
+        _cell(aircraft, float(latitude), float(payload_kg))
+        for latitude in _LATITUDES
+        for payload_kg in _PAYLOADS_KG
+    ]
+    begun = time.perf_counter()
+    spans_m = map_ours(aircraft, cells)
+    ours_s = time.perf_counter() - begun
+    infeasible = spans_m.count(None)
+    name = f"map of {len(cells)} sizings"
+    work = f"latitude x payload, 3 dates, {infeasible} of {len(cells)} cells infeasible"
+    asb = optional("aerosandbox")
+    if asb is None:
+        return [missing(name, work, ours_s, _PEER)]
+    _quiet()
+    chosen = range(0, len(cells), _EVERY)
+    theirs_m, times_s = _map_peer(asb, aircraft, [cells[i] for i in chosen])
+    agreed = _agreement([(spans_m[i], s) for i, s in zip(chosen, theirs_m, strict=True)])
+    failed = np.array([s is None for s in theirs_m])
+    taken = np.array(times_s)
+    peer_s = (len(cells) - infeasible) * taken[~failed].mean() + infeasible * taken[failed].mean()
+    scaled = (
+        f"; peer measured on {len(times_s)} cells ({failed.sum()} infeasible) and scaled to all, "
+        f"{1e3 * taken[~failed].mean():.0f} ms for a feasible and "
+        f"{1e3 * taken[failed].mean():.0f} ms for an infeasible one; {agreed}"
+    )
+    return [row(name, work + scaled, ours_s, f"{_PEER}, one by one", float(peer_s))]
+
+
+def _cell(aircraft: Aircraft, latitude_deg: float, payload_kg: float) -> Cell:
+    mission = shared_mission(latitude_deg, payload_kg)
+    return Cell(mission, sun_of(aircraft, mission))
+
+
+def map_ours(aircraft: Aircraft, cells: Sequence[Cell]) -> list[float | None]:
+    """Least wingspan of every cell [m], none where infeasible: one sizing for each cell."""
+    return [size_ours(aircraft, cell.mission, cell.day).objective_value for cell in cells]
+
+
+def _map_peer(
+    asb: Any, aircraft: Aircraft, cells: Sequence[Cell]
+) -> tuple[list[float | None], list[float]]:
+    """Least wingspans by AeroSandbox and the time of each; the program is built once."""
+    built = Collocation.build(asb, aircraft, cells[0].mission, cells[0].day)
+    spans_m, times_s = [], []
+    for cell in cells:
+        begun = time.perf_counter()
+        built.put(cell.day, REQUIRED_H, cell.mission.payload.mass_kg)
+        spans_m.append(built.solve())
+        times_s.append(time.perf_counter() - begun)
+    return spans_m, times_s
+
+
+def _agreement(pairs: Sequence[tuple[float | None, float | None]]) -> str:
+    """Say that the optima are the same.
+
+    Raises
+    ------
+    AssertionError
+        If they are not: the comparison would be void.
+    """
+    worst = 0.0
+    for ours, theirs in pairs:
+        if (ours is None) != (theirs is None):
+            raise AssertionError(f"ours {ours}, peer {theirs}: only one of them is feasible")
+        if ours is not None and theirs is not None:
+            worst = max(worst, abs(ours / theirs - 1.0))
+    if worst > _AGREEMENT:
+        raise AssertionError(f"the optima differ by {100 * worst:.2f} %")
+    return f"optima within {100 * worst:.2f} % of each other"
+
+
+def _quiet() -> None:
+    # CasADi announces a change of its NumPy support whenever AeroSandbox calls it.
+    warnings.filterwarnings("ignore", category=FutureWarning)
