@@ -30,8 +30,8 @@ Hundreds of scenarios are marched together, so that NumPy's overhead for each st
 and sizings are made of such batches. The times are for one scenario of the batch. The peers march
 one or two days and find no fixed point and no metrics.""",
     "day and night, alone": """The same for a single scenario, where nothing is shared. A plain
-Python loop without metrics may then be faster. Whoever simulates one case does not wait for it;
-whoever simulates thousands should pass them together.""",
+Python loop without metrics or charge limit is then faster by far. Whoever simulates one case does
+not wait for it; whoever simulates thousands should pass them together.""",
     "sizing, build and solve": """Least wingspan that flies for ever with 3 h of excess time on
 three dates. Both sides use the same formulas for masses and power (AeroSandbox's program calls
 the functions of this project), the same solar power as data, a power-law structure and no charge

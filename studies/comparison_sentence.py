@@ -11,6 +11,8 @@ from studies.solar_models import model_label
 
 # Excess time that is missing by less than is printed is not missing [h].
 _MET_H = 0.005
+# Nights from which on a flight ends by what is lost from day to day.
+_MANY_NIGHTS = 10
 
 
 def sentence(comparison: Comparison) -> str:
@@ -79,11 +81,14 @@ def fate(prediction: Prediction, required_h: float = 0.0) -> str:
     if prediction.status is Status.always_lit:
         return "flies for ever, as solar power always exceeds the load"
     if prediction.status is Status.perpetual:
-        shown = f"{prediction.excess_time_h:.1f} h of excess time at {at}"
+        shown = f"h of excess time at {at}"
         if prediction.excess_time_h < required_h - _MET_H:
-            return f"flies for ever, but with {shown} instead of the required {required_h:g} h"
+            return (
+                f"flies for ever, but with {prediction.excess_time_h:.2f} {shown} instead of the "
+                f"required {required_h:g} h"
+            )
         where = " in every scenario" if prediction.several_scenarios else ""
-        return f"flies for ever{where}, with {shown}"
+        return f"flies for ever{where}, with {prediction.excess_time_h:.1f} {shown}"
     return f"stays up {duration(prediction.endurance_h)} at {at}: {_why_it_ends(prediction)}"
 
 
@@ -106,7 +111,7 @@ def _why_it_ends(prediction: Prediction) -> str:
         return "solar power never reaches the load"
     if prediction.polar_day:
         return "the sun does not set, but the battery does not last through its low hours"
-    if not np.isfinite(prediction.endurance_h):
+    if prediction.nights >= _MANY_NIGHTS or not np.isfinite(prediction.endurance_h):
         return "the days return a trifle less than the nights take"
     if prediction.nights == 0:
         return "it does not survive the night"

@@ -41,6 +41,7 @@ PERPETUAL = {"status": Status.perpetual, "excess_time_h": 3.04, "endurance_h": m
         ({}, 0.0, "stays up 21.3 h at 50 N, 15 Aug: it does not survive the night"),
         ({"endurance_h": 30.0, "nights": 1}, 0.0, "stays up 30.0 h at 50 N, 15 Aug: it survives 1 night and not the next"),  # noqa: E501
         ({"endurance_h": 84.0, "nights": 3}, 0.0, "stays up 3.5 days at 50 N, 15 Aug: it survives 3 nights and not the next"),  # noqa: E501
+        ({"endurance_h": 250.0, "nights": 10}, 0.0, "stays up 10 days at 50 N, 15 Aug: the days return a trifle less than the nights take"),  # noqa: E501
         ({"endurance_h": math.inf}, 0.0, "stays up more than a year at 50 N, 15 Aug: the days return a trifle less than the nights take"),  # noqa: E501
         ({"enough_sun": False}, 0.0, "stays up 21.3 h at 50 N, 15 Aug: solar power never reaches the load"),  # noqa: E501
         ({"status": Status.never_lit, "enough_sun": False}, 0.0, "stays up 21.3 h at 50 N, 15 Aug: the sun does not rise"),  # noqa: E501
@@ -49,7 +50,7 @@ PERPETUAL = {"status": Status.perpetual, "excess_time_h": 3.04, "endurance_h": m
         (PERPETUAL | {"several_scenarios": False}, 0.0, "flies for ever, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
         (PERPETUAL, 3.0, "flies for ever in every scenario, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
         (PERPETUAL, 3.04, "flies for ever in every scenario, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
-        (PERPETUAL, 6.5, "flies for ever, but with 3.0 h of excess time at 50 N, 15 Aug instead of the required 6.5 h"),  # noqa: E501
+        (PERPETUAL, 6.5, "flies for ever, but with 3.04 h of excess time at 50 N, 15 Aug instead of the required 6.5 h"),  # noqa: E501
         ({"status": Status.always_lit, "excess_time_h": math.inf}, 6.0, "flies for ever, as solar power always exceeds the load"),  # noqa: E501
     ],
 )  # fmt: skip
