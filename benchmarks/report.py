@@ -44,10 +44,13 @@ its own aerodynamics, is not measured here.""",
     "sizing, solve again": """Five more requirements. AeroSandbox keeps its program, sets the
 parameter and starts from the last solution. Our call builds its program anew each time.""",
     "map of 240 sizings": """Twenty latitudes times twelve payloads; in the southern winter there
-is no design for heavy payloads. Feasible cells differ little between the two. Infeasible ones
-make the difference: our elastic program says what is missing, while IPOPT searches the
-collocation for a feasible point until it gives up. AeroSandbox is given a limit of 1 s and 150
-iterations for each cell; without it some infeasible cells took up to 30 s.""",
+is no design for heavy payloads. For an infeasible cell our elastic program says what is missing
+and which design comes closest, while IPOPT searches the collocation for a feasible point until it
+gives up. AeroSandbox is given 150 iterations and 1 s for each cell, and this limit makes most of
+its time in infeasible ones; without it some of them took up to 30 s. Its program is built once.
+An AeroSandbox user could make the program elastic too.""",
+    "its feasible cells": """The feasible cells of that map alone: what the choice of a limit has
+no part in.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar
 structure, with the charge limit of the aircraft file.""",
     "sizing, solver alone": """The part of it that IPOPT takes.""",

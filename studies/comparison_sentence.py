@@ -34,30 +34,28 @@ def sentence(comparison: Comparison) -> str:
 def _of_designs(comparison: Comparison, case: Case, built: Built) -> str:
     name, by = comparison.aircraft.name, model_label(case.solar)
     truth = model_label(comparison.reference.solar)
-    itself = case.solar == comparison.reference.solar
     own = comparison.reference.built
     assert own is not None
-    if built.judged is None:
-        told = f"Sized with {by} {name} {_no_design(built)}"
-        if itself:
-            return f"{told}."
-        if own.judged is None:
-            return f"{told}, and with {truth} it {_no_design(own)}."
-        return f"{told}; sized with {truth} it gets {outcome(own, comparison.objective)}."
+    itself = case.solar == comparison.reference.solar
     required_h = comparison.required_excess_time_h
+    aside = "" if itself else f" (sized with {truth}: {_in_short(own, comparison.objective)})"
+    if built.judged is None:
+        return f"Sized with {by}, {_no_design(built, name)}{aside}."
     told = f"Sized with {by} {name} gets {outcome(built, comparison.objective)}"
-    if itself:
-        return f"{told} and {fate(built.judged, required_h)}."
-    told += f"; judged by {truth} it {fate(built.judged, required_h)}"
-    if own.judged is None:
-        return f"{told} (sized with {truth} it {_no_design(own)})."
-    return f"{told} (sized with {truth}: {outcome(own, comparison.objective)})."
+    joined = " and" if itself else f"; judged by {truth} it"
+    return f"{told}{joined} {fate(built.judged, required_h)}{aside}."
 
 
-def _no_design(built: Built) -> str:
+def _no_design(built: Built, name: str) -> str:
     if built.sizing.status == "infeasible":
-        return "finds no design that meets the requirements"
-    return "finds no design, as the sizing did not converge"
+        return f"no design of {name} meets the requirements"
+    return f"{name} comes to no result, as the solver does not converge"
+
+
+def _in_short(built: Built, objective: Objective) -> str:
+    if built.judged is not None:
+        return outcome(built, objective)
+    return "no design" if built.sizing.status == "infeasible" else "no result"
 
 
 def outcome(built: Built, objective: Objective) -> str:
@@ -106,7 +104,7 @@ def two_digits(number: float) -> str:
 
 def _why_it_ends(prediction: Prediction) -> str:
     if prediction.status is Status.never_lit:
-        return "the sun does not rise"
+        return "there is no solar power"
     if not prediction.enough_sun:
         return "solar power never reaches the load"
     if prediction.polar_day:

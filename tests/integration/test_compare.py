@@ -156,13 +156,13 @@ def test_sentence_where_nothing_is_feasible() -> None:
     assert sentence(both) == (
         f"Sized with uncorrected CDM {DESIGN} gets a span of "
         f"{both.cases[0].built.sizing.objective_value:.2f} m; judged by corrected FM it stays up "  # type: ignore[union-attr]
-        "3.4 days at 50 N, 15 Aug: it survives 3 nights and not the next (sized with corrected FM "
-        "it finds no design that meets the requirements)."
+        "3.4 days at 50 N, 15 Aug: it survives 3 nights and not the next (sized with corrected "
+        "FM: no design)."
     )
     none = study.compare(aircraft, MISSION, [SolarModel("CDM")], required_excess_time_h=9.0)
     assert sentence(none) == (
-        f"Sized with uncorrected CDM {DESIGN} finds no design that meets the requirements, and "
-        "with corrected FM it finds no design that meets the requirements."
+        f"Sized with uncorrected CDM, no design of {DESIGN} meets the requirements (sized with "
+        "corrected FM: no design)."
     )
     assert study.to_json(none, "")["cases"][0]["design"]["judged"] is None
     assert "no design" in str([t.get_text() for t in comparison_figure(none).axes[3].texts])

@@ -44,7 +44,7 @@ PERPETUAL = {"status": Status.perpetual, "excess_time_h": 3.04, "endurance_h": m
         ({"endurance_h": 250.0, "nights": 10}, 0.0, "stays up 10 days at 50 N, 15 Aug: the days return a trifle less than the nights take"),  # noqa: E501
         ({"endurance_h": math.inf}, 0.0, "stays up more than a year at 50 N, 15 Aug: the days return a trifle less than the nights take"),  # noqa: E501
         ({"enough_sun": False}, 0.0, "stays up 21.3 h at 50 N, 15 Aug: solar power never reaches the load"),  # noqa: E501
-        ({"status": Status.never_lit, "enough_sun": False}, 0.0, "stays up 21.3 h at 50 N, 15 Aug: the sun does not rise"),  # noqa: E501
+        ({"status": Status.never_lit, "enough_sun": False}, 0.0, "stays up 21.3 h at 50 N, 15 Aug: there is no solar power"),  # noqa: E501
         ({"polar_day": True}, 0.0, "stays up 21.3 h at 50 N, 15 Aug: the sun does not set, but the battery does not last through its low hours"),  # noqa: E501
         (PERPETUAL, 0.0, "flies for ever in every scenario, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
         (PERPETUAL | {"several_scenarios": False}, 0.0, "flies for ever, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
