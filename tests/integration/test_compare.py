@@ -19,7 +19,7 @@ from sizing.performance import SolarModel, performance, performance_of_designs
 from studies import cli
 from studies import comparison as study
 from studies.comparison_plots import comparison_figure, spans
-from studies.comparison_sentence import sentence
+from studies.comparison_sentence import fate, sentence
 from studies.comparison_tables import markdown
 from studies.library import load_aircraft, load_mission
 from studies.season import Season
@@ -153,11 +153,13 @@ def test_sentence_where_the_reference_is_the_only_case() -> None:
 def test_sentence_where_nothing_is_feasible() -> None:
     aircraft = load_aircraft(DESIGN, ["design_space.wingspan_m.maximum=4.1"]).aircraft
     both = study.compare(aircraft, MISSION, [SolarModel("CDM")], required_excess_time_h=3.0)
+    built = both.cases[0].built
+    assert built is not None
+    assert built.judged is not None
     assert sentence(both) == (
         f"Sized with uncorrected CDM {DESIGN} gets a span of "
-        f"{both.cases[0].built.sizing.objective_value:.2f} m; judged by corrected FM it stays up "  # type: ignore[union-attr]
-        "3.4 days at 50 N, 15 Aug: it survives 3 nights and not the next (sized with corrected "
-        "FM: no design)."
+        f"{built.sizing.objective_value:.2f} m; judged by corrected FM it "
+        f"{fate(built.judged, 3.0)} (sized with corrected FM: no design)."
     )
     none = study.compare(aircraft, MISSION, [SolarModel("CDM")], required_excess_time_h=9.0)
     assert sentence(none) == (
