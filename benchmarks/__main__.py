@@ -1,8 +1,8 @@
 """``python -m benchmarks``: speed as ratios against peers, measured in one process.
 
-Absolute times depend on the machine and on what else it does; the ratios hold up better. A ratio
-above one says how many times faster this project does the same work. Peers that are not installed
-are left out, with a note.
+CPU times depend on the machine and on what else it does; the ratios hold up better. A ratio above
+one says how many times faster this project does the same work. Peers that are not installed are
+left out, with a note.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import click
 from benchmarks.against_aerosandbox import map_against_aerosandbox, sizing_against_aerosandbox
 from benchmarks.day_and_night import one_day
 from benchmarks.own_sizing import map_cells, sizing
-from benchmarks.report import duration, markdown
+from benchmarks.report import duration, markdown, plain
 from benchmarks.solar_power import module_power
 
 PARTS: tuple[Callable[[], list[dict[str, Any]]], ...] = (
@@ -52,7 +52,7 @@ def main(as_json: bool, markdown_file: str | None, names: tuple[str, ...]) -> No
     for r in rows:
         peer = ""
         if r["ratio"] is not None:
-            peer = f"  {r['ratio']:6.1f} x {r['peer']}"
+            peer = f"  {plain(r['ratio'])} x {r['peer']}"
         elif r["peer"] is not None:
             peer = f"  ({r['peer']})"
         click.echo(f"{r['name']:26} {duration(r['ours_s']):>8}  {r['work']}{peer}")

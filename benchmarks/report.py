@@ -13,9 +13,10 @@ _HEAD = """# Performance
 `python -m benchmarks [--json]` prints the same. Peers are optional: `pip install ".[bench]"` brings
 AeroSandbox and pvlib.
 
-Absolute times depend on the machine and on what else it does. Ratios hold up better: both sides
-of one run in one process, one after the other, least time of several runs. A ratio above one says
-how many times faster this project is, one below one how many times slower.
+Times are CPU times of one process. They depend on the machine and on what else it does. Ratios
+hold up better: both sides of one run one after the other, and the least time of several runs
+counts. A ratio above one says how many times faster this project is, one below one how many times
+slower.
 
 """
 
@@ -66,10 +67,10 @@ def markdown(rows: list[dict[str, Any]]) -> str:
     ]
     for r in rows:
         peer_s = "-" if r["peer_s"] is None else duration(r["peer_s"])
-        ratio = "-" if r["ratio"] is None else f"{r['ratio']:.2g}"
+        ratio = "-" if r["ratio"] is None else plain(r["ratio"])
         lines.append(
             f"| {r['name']} | {r['work']} | {duration(r['ours_s'])} | {r['peer'] or '-'} | "
-            f"{peer_s} | {_plain(ratio)} |"
+            f"{peer_s} | {ratio} |"
         )
     named = dict.fromkeys(r["name"] for r in rows)
     told = [f"**{name}.** {_EXPLAINED[name]}" for name in named if name in _EXPLAINED]
@@ -80,9 +81,9 @@ def markdown(rows: list[dict[str, Any]]) -> str:
     )
 
 
-def _plain(number: str) -> str:
-    """Number without an exponent."""
-    return number if number == "-" else f"{float(number):g}"
+def plain(number: float) -> str:
+    """Number with two digits and without an exponent."""
+    return f"{float(f'{number:.1e}'):g}"
 
 
 def duration(seconds: float) -> str:
