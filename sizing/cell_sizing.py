@@ -1,6 +1,7 @@
 """Many sizings of one aircraft at once: a design for every cell of a map.
 
-Every cell is one place on one day, with a payload of its own if need be. The program of the
+Every cell is one place on one day, or a few such scenarios together, with a payload and a required
+excess time of its own if need be. The program of the
 optimiser is asked with its requirements made soft: missing one costs more than any design could
 save, so that a cell without a design ends as quickly as one that has it, and says what it lacks.
 Cells are solved one after the other by sequential quadratic programming, each from the last one's
@@ -23,14 +24,13 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.agreement import GOAL_CUSHION_H
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, variables_of
+from sizing.design import DesignVariables, Masses, variables_of
 from sizing.energy_balance import FloatArray
 from sizing.limits import meets_requirements
 from sizing.objectives import Objective
 from sizing.performance import (
     UNCORRECTED_CAM,
     Performance,
-    SolarDay,
     SolarModel,
     performance_of_pairs,
     solar_day,
@@ -38,6 +38,7 @@ from sizing.performance import (
 from sizing.program_solver import Answer, ProgramSolver, Question
 from sizing.sizing_problem import SizingProblems
 from sizing.sizing_result import objective_value
+from sizing.structure import Value
 
 # Prices of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, 300.0)
@@ -107,7 +108,8 @@ def size_cells(
     objective: Objective = Objective.min_wingspan,
     solar: SolarModel = UNCORRECTED_CAM,
     *,
-    required_excess_time_h: float | None = None,
+    scenarios_per_cell: int = 1,
+    required_excess_time_h: ArrayLike | None = None,
     payload_mass_kg: ArrayLike | None = None,
     payload_power_w: ArrayLike | None = None,
     problems: SizingProblems | None = None,
@@ -120,11 +122,16 @@ def size_cells(
 
     Parameters
     ----------
-    aircraft, mission, objective, solar, required_excess_time_h
+    aircraft, mission, objective, solar
         As for :func:`sizing.optimiser.size_aircraft`; latitude and dates of the mission play no
         part.
     scenarios : Scenarios
         Latitude and day of every cell.
+    scenarios_per_cell : int
+        How many scenarios, following each other, make one cell; the worst of them counts. All of
+        them are in the program: a handful, not hundreds.
+    required_excess_time_h : array_like, optional
+        Of all cells or of each, instead of the mission's [h].
     payload_mass_kg, payload_power_w : array_like, optional
         Payload of every cell, instead of the mission's.
     problems : SizingProblems, optional
@@ -137,27 +144,32 @@ def size_cells(
     TypeError
         For a measured aircraft.
     ValueError
-        For an objective that is a range, or programs of another aircraft.
+        For an objective that is a range, programs of another aircraft, or scenarios that do not
+        fill the cells.
     """
+    if scenarios_per_cell < 1 or len(scenarios) % scenarios_per_cell:
+        raise ValueError(
+            f"{len(scenarios)} scenarios do not make cells of {scenarios_per_cell} each"
+        )
     if objective.of_range:
         raise ValueError(f"{objective.value} is a range: cells are single days and latitudes")
     if problems is not None and problems.aircraft is not aircraft:
         raise ValueError("the programs belong to another aircraft")
-    required = mission.required_excess_time_h
-    required = required if required_excess_time_h is None else required_excess_time_h
-    count = len(scenarios)
+    count = len(scenarios) // scenarios_per_cell
+
+    def each(given: ArrayLike | None, otherwise: float) -> FloatArray:
+        return np.array(np.broadcast_to(otherwise if given is None else given, count), float)
+
+    required = each(required_excess_time_h, mission.required_excess_time_h)
     payload = np.stack(
         [
-            np.broadcast_to(np.asarray(given, float), count)
-            for given in (
-                mission.payload.mass_kg if payload_mass_kg is None else payload_mass_kg,
-                mission.payload.power_w if payload_power_w is None else payload_power_w,
-            )
+            each(payload_mass_kg, mission.payload.mass_kg),
+            each(payload_power_w, mission.payload.power_w),
         ]
     )
     day = solar_day(aircraft, mission, solar, scenarios=scenarios)
     solver = ProgramSolver(problems or SizingProblems(aircraft), mission, day)
-    return _Cells(solver, solar, objective, required, payload, seed).run()
+    return _Cells(solver, solar, objective, required, payload, seed, scenarios_per_cell).run()
 
 
 class _Cells:
@@ -166,16 +178,18 @@ class _Cells:
         solver: ProgramSolver,
         solar: SolarModel,
         objective: Objective,
-        required_h: float,
+        required_h: FloatArray,
         payload: FloatArray,
         seed: int,
+        each: int,
     ) -> None:
         self.solver, self.solar, self.objective = solver, solar, objective
         self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
         self.required_h, self.payload, self.seed = required_h, payload, seed
-        self.count = len(self.day.scenarios)
+        self.each = each
+        self.count = len(self.day.scenarios) // each
         cushion_h = 0.0 if objective is Objective.max_excess_time else GOAL_CUSHION_H
-        self.goals_h = np.full(self.count, required_h + cushion_h)
+        self.goals_h = required_h + cushion_h
         self.margins = np.full(self.count, Question(cost={}, goal_h=0.0).margin)
         self.answers: list[Answer | None] = [None] * self.count
         self.slacks: list[dict[str, float]] = [{} for _ in range(self.count)]
@@ -231,7 +245,7 @@ class _Cells:
             question = question.elastically()
         return self.solver.ask_softly(
             replace(question, margin=float(self.margins[cell])),
-            cell,
+            range(cell * self.each, (cell + 1) * self.each),
             penalty,
             held={k: float(v) for k, v in held.items()},
             start=self.own,
@@ -244,27 +258,27 @@ class _Cells:
         self, solved: NDArray[np.int_], best: dict[int, tuple[float, Answer]]
     ) -> NDArray[np.int_]:
         """Keep what the simulator accepts, shift the goals of the others; cells to ask again."""
-        perf = self._simulate(self._variables(solved), self.day.at(solved))
-        excess = perf.cycle.excess_time_h
-        value = objective_value(self.objective, _as_designs(perf))
+        perf = self._simulate(self._variables(solved), solved)
+        excess = perf.cycle.excess_time_h.min(axis=-1)
+        value = objective_value(self.objective, perf)
         merit = value if self.objective.maximised else -value
         again = []
         for k, i in enumerate(solved):
-            found_h = float(excess[k])
-            accepted = found_h > 0.0 and found_h >= self.required_h
+            found_h, required_h = float(excess[k]), float(self.required_h[i])
+            accepted = found_h > 0.0 and found_h >= required_h
             answer = self.answers[i]
             assert answer is not None
             if accepted and (i not in best or merit[k] > best[i][0]):
                 best[int(i)] = (float(merit[k]), answer)
             costs = self.objective is not Objective.max_excess_time
-            wasteful = costs and self.goals_h[i] > 0.0 and found_h - self.required_h > _WASTE_H
+            wasteful = costs and self.goals_h[i] > 0.0 and found_h - required_h > _WASTE_H
             if accepted and not wasteful:
                 continue
             if found_h <= 0.0:
                 self.margins[i] *= 3.0
                 self.goals_h[i] += GOAL_CUSHION_H
             else:
-                shifted = self.goals_h[i] + self.required_h - found_h + GOAL_CUSHION_H
+                shifted = self.goals_h[i] + required_h - found_h + GOAL_CUSHION_H
                 self.goals_h[i] = max(shifted, 0.0)
             again.append(i)
         return np.array(again, int)
@@ -277,14 +291,22 @@ class _Cells:
             found.append(answer.variables)
         return _stacked(found)
 
-    def _simulate(self, variables: DesignVariables, day: SolarDay) -> Performance:
-        return performance_of_pairs(self.aircraft, self.mission, variables, self.solar, day=day)
+    def _simulate(self, variables: DesignVariables, cells: NDArray[np.int_]) -> Performance:
+        """Performance of designs in their cells; the scenarios of a cell are the last axis."""
+        where = (cells[:, np.newaxis] * self.each + np.arange(self.each)).ravel()
+        repeated = variables.mapped(lambda v: np.repeat(v, self.each))
+        perf = performance_of_pairs(
+            self.aircraft, self.mission, repeated, self.solar, day=self.day.at(where)
+        )
+        return _by_cell(perf, self.each)
 
     def _withstands(
         self, cells: NDArray[np.int_], variables: DesignVariables, perf: Performance
     ) -> NDArray[np.bool_]:
         """Whether no random neighbour of a design is better by more than the tolerance."""
-        bounds = {v.name: (v.minimum, v.maximum) for v in self.solver.problems.of(1).variables}
+        bounds = {
+            v.name: (v.minimum, v.maximum) for v in self.solver.problems.of(self.each).variables
+        }
         fixed = {"payload_mass_kg", "payload_power_w", "aspect_ratio"} - (
             {self.objective.variable} | ({"aspect_ratio"} & set(bounds))
         )
@@ -297,16 +319,16 @@ class _Cells:
             around = np.outer(values, factor)
             moved[name] = (np.clip(around, *bounds[name]) if name in bounds else around).ravel()
         attack = DesignVariables(**moved)
-        found = self._simulate(attack, self.day.at(np.repeat(cells, len(spread))))
-        excess = found.cycle.excess_time_h
-        good = (excess > 0.0) & (excess >= self.required_h)
+        found = self._simulate(attack, np.repeat(cells, len(spread)))
+        excess = found.cycle.excess_time_h.min(axis=-1)
+        good = (excess > 0.0) & (excess >= np.repeat(self.required_h[cells], len(spread)))
         good = good & meets_requirements(
             self.aircraft, found.design, self.solver.conditions, tolerance=_ROW_TOLERANCE
         )
-        value = objective_value(self.objective, _as_designs(found))
+        value = objective_value(self.objective, found)
         sign = 1.0 if self.objective.maximised else -1.0
         merit = np.where(good, sign * value, -np.inf).reshape(len(cells), -1).max(axis=1)
-        own = sign * objective_value(self.objective, _as_designs(perf))
+        own = sign * objective_value(self.objective, perf)
         in_hours = _TOLERANCE_H if self.objective is Objective.max_excess_time else 0.0
         return np.asarray(merit - own <= np.maximum(_TOLERANCE * np.abs(own), in_hours))
 
@@ -324,14 +346,15 @@ class _Cells:
         chosen: dict[str, FloatArray] = {}
         if len(kept):
             variables = _stacked([best[int(i)][1].variables for i in kept])
-            perf = self._simulate(variables, self.day.at(kept))
+            perf = self._simulate(variables, kept)
+            rows, worst = np.arange(len(kept)), perf.cycle.excess_time_h.argmin(axis=-1)
             sound = self._withstands(kept, variables, perf)
             status[kept] = np.where(sound, CellStatus.certified, CellStatus.optimal)
-            columns["value"][kept] = objective_value(self.objective, _as_designs(perf))
+            columns["value"][kept] = objective_value(self.objective, perf)
             columns["mass"][kept] = perf.design.total_mass_kg
-            columns["excess"][kept] = perf.cycle.excess_time_h
-            columns["margin"][kept] = perf.cycle.charge_margin_h
-            columns["lowest"][kept] = perf.cycle.minimum_state_of_charge
+            columns["excess"][kept] = perf.cycle.excess_time_h[rows, worst]
+            columns["margin"][kept] = perf.cycle.charge_margin_h[rows, worst]
+            columns["lowest"][kept] = perf.cycle.minimum_state_of_charge[rows, worst]
             columns["airspeed"][kept] = perf.design.airspeed_m_per_s
             columns["load"][kept] = perf.nominal_load_w
             for name, values in variables.chosen().items():
@@ -371,7 +394,37 @@ def _stacked(designs: list[DesignVariables]) -> DesignVariables:
     return DesignVariables(**{n: np.array([d.chosen()[n] for d in designs]) for n in names})
 
 
-def _as_designs(perf: Performance) -> Performance:
-    """Performance of pairs with the scenario of each as an axis of its own."""
-    excess = perf.cycle.excess_time_h[..., np.newaxis]
-    return replace(perf, cycle=replace(perf.cycle, excess_time_h=excess))
+def _by_cell(perf: Performance, each: int) -> Performance:
+    """Performance of pairs as that of cells: one design each, their scenarios as the last axis."""
+
+    def first(value: Value) -> Value:
+        return np.asarray(value)[::each] if np.ndim(value) else value
+
+    def gathered(values: FloatArray) -> FloatArray:
+        return values.reshape(-1, each)
+
+    design, cycle = perf.design, perf.cycle
+    return replace(
+        perf,
+        design=design._replace(
+            variables=design.variables.mapped(first),
+            masses=Masses(*(first(mass) for mass in design.masses)),
+            **{name: first(getattr(design, name)) for name in _DESIGN_NUMBERS},
+        ),
+        nominal_load_w=first(perf.nominal_load_w),
+        cycle=replace(
+            cycle,
+            excess_time_h=gathered(cycle.excess_time_h),
+            charge_margin_h=gathered(cycle.charge_margin_h),
+            minimum_state_of_charge=gathered(cycle.minimum_state_of_charge),
+        ),
+    )
+
+
+_DESIGN_NUMBERS = (
+    "total_mass_kg",
+    "battery_energy_wh",
+    "propulsion_power_w",
+    "constant_power_w",
+    "airspeed_m_per_s",
+)

@@ -180,21 +180,21 @@ class ProgramSolver:
     def ask_softly(
         self,
         question: Question,
-        scenario: int,
+        scenarios: Sequence[int],
         penalty: float | None,
         *,
         held: Mapping[str, float],
         start: DesignVariables,
         previous: Answer | None = None,
     ) -> Answer | None:
-        """Answer about one scenario with requirements that may be missed at a price.
+        """Answer about some scenarios with requirements that may be missed at a price.
 
         Parameters
         ----------
         question : Question
             What is asked.
-        scenario : int
-            Index of the scenario.
+        scenarios : sequence of int
+            Indices of the scenarios, one for each slot.
         penalty : float or None
             Price of a missed requirement on top of the question's cost; none where missing as
             little as possible is all that is asked.
@@ -205,10 +205,11 @@ class ProgramSolver:
         previous : Answer, optional
             Answer to a similar question, from which sequential quadratic programming starts.
         """
-        problem = self.problems.of(1)
+        filled = tuple(scenarios)
+        problem = self.problems.of(len(filled))
         weights = problem.weights(_soft_cost(problem, question, penalty))
         parameters = problem.parameters(
-            weights, self.conditions, self.suns[[scenario]], margin=question.margin
+            weights, self.conditions, self.suns[list(filled)], margin=question.margin
         )
         lower, upper = self._bounds(problem, question, held)
         upper[problem.places()["slack"]] = np.inf
@@ -221,12 +222,12 @@ class ProgramSolver:
             }
             found = self._solve(problem, "next", limits | warm)
             if found is not None:
-                return Answer(problem, question, found[0], weights, *found[1:], (scenario,))
+                return Answer(problem, question, found[0], weights, *found[1:], filled)
         cold = {"x0": np.clip(self._start(problem, question, start), lower, upper)}
         for effort in _COLD_EFFORTS:
             found = self._solve(problem, effort, limits | cold)
             if found is not None:
-                return Answer(problem, question, found[0], weights, *found[1:], (scenario,))
+                return Answer(problem, question, found[0], weights, *found[1:], filled)
         return None
 
     def _solve(

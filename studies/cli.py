@@ -21,16 +21,17 @@ from studies.command_options import console as _console
 from studies.command_options import image_format as _image_format
 from studies.command_options import load as _load
 from studies.command_options import print_json as _print_json
+from studies.command_options import refuse_polar_night as _refuse_polar_night
 from studies.command_options import require_path as _require_path
 from studies.command_options import solar_model as _solar_model
 from studies.command_options import write_files as _write_files
+from studies.compare_command import compare
 from studies.map_command import map_
 from studies.sweep_command import sweep
 from studies.verify_command import verify
 
 if TYPE_CHECKING:
     from missions.mission import Mission
-    from studies.library import LoadedMission
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -398,6 +399,7 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
 
 cli.add_command(map_)
 cli.add_command(sweep)
+cli.add_command(compare)
 cli.add_command(verify)
 
 
@@ -412,21 +414,6 @@ def _placed(mission: Mission, latitude_deg: float | None, day: int | None) -> Mi
     if day is not None:
         update["dates"] = Dates(on=date_code(day))
     return mission.model_copy(update=update)
-
-
-def _refuse_polar_night(mission: Mission, where: LoadedMission, *, options: bool) -> None:
-    """Refuse scenarios in which the sun never rises: there is nothing to analyse or to size."""
-    from missions.configfile import located_error
-
-    scenarios = mission.scenarios()
-    dark = scenarios.in_polar_night()
-    if not dark.any():
-        return
-    label = scenarios.label(int(dark.argmax()))
-    message = f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
-    if options:
-        raise click.UsageError(f"--latitude/--date: {message}")
-    raise located_error(where.document, ("latitude_deg",), message)
 
 
 def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[float]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -12,6 +13,7 @@ import click
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES
 
 if TYPE_CHECKING:
+    from missions.mission import Mission
     from sizing.performance import SolarModel
     from studies.library import LoadedAircraft, LoadedMission
 
@@ -105,10 +107,15 @@ def require_path(model: str, correction: str, craft: LoadedAircraft, where: Load
     """Refuse VM, FM and the loiter correction without module surfaces and a flight path."""
     if model not in ATTITUDE_MODELS and correction != "loiter":
         return
+    asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
+    require_path_for(asked, craft, where)
+
+
+def require_path_for(asked: str, craft: LoadedAircraft, where: LoadedMission) -> None:
+    """Refuse an aircraft without module surfaces and a mission without a flight path it can fly."""
     from missions.configfile import located_error
     from missions.flight_path import orbit
 
-    asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
     if craft.aircraft.modules.geometry is None:
         message = f"{asked} needs the module surfaces: add geometry with its surfaces"
         raise located_error(craft.document, ("modules",), message)
@@ -119,6 +126,37 @@ def require_path(model: str, correction: str, craft: LoadedAircraft, where: Load
         orbit(where.mission.flight_path, where.mission.wind, samples=4)
     except ValueError as error:
         raise located_error(where.document, ("flight_path",), str(error)) from None
+
+
+def refuse_polar_night(mission: Mission, where: LoadedMission, *, options: bool) -> None:
+    """Refuse scenarios in which the sun never rises: there is nothing to analyse or to size."""
+    from missions.configfile import located_error
+
+    scenarios = mission.scenarios()
+    dark = scenarios.in_polar_night()
+    if not dark.any():
+        return
+    label = scenarios.label(int(dark.argmax()))
+    message = f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
+    if options:
+        raise click.UsageError(f"--latitude/--date: {message}")
+    raise located_error(where.document, ("latitude_deg",), message)
+
+
+@contextmanager
+def progress_bar(unit: str) -> Iterator[Callable[[int, int], None]]:
+    """Progress bar on a terminal's standard error, nothing elsewhere."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(unit)
+
+        def update(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        yield update
 
 
 def solar_model(model: str, correction: str) -> SolarModel:

@@ -8,17 +8,22 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from missions.output_files import write_text_atomically
 from studies import (
     clear_sky_comparison,
+    comparison,
+    comparison_sentence,
+    comparison_tables,
     found_designs,
     model_transfer,
     published,
     report_reproduction,
     structure_comparison,
 )
+from studies.library import load_aircraft, load_mission
 
 
 def _published() -> str:
@@ -46,6 +51,17 @@ def _structure() -> str:
     return structure_comparison.markdown()
 
 
+def _comparison(aircraft: str, mission: str, required_h: float) -> str:
+    found = comparison.compare(
+        load_aircraft(aircraft).aircraft,
+        load_mission(mission).mission,
+        required_excess_time_h=required_h,
+    )
+    return comparison_tables.markdown(
+        comparison.to_json(found, comparison_sentence.sentence(found))
+    )
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", _published),
     "clear-sky": ("validation.md", _clear_sky),
@@ -53,6 +69,11 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "report": ("validation.md", _report),
     "structure": ("structure.md", _structure),
     "transfer": ("full-model.md", _transfer),
+    "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
+    "compare-design": (
+        "compare.md",
+        partial(_comparison, "atlantiksolar-design", "central-europe-summer", 3.0),
+    ),
 }
 
 

@@ -18,6 +18,19 @@ VALIDATION = ROOT / "docs" / "validation.md"
 TIMEOUT_S = 120
 
 
+# Studies that draw a figure into a file if they are given one.
+DRAWING = [
+    ("compare_models.py", r"Sized with uncorrected CDM .* \(sized with corrected FM: a span of "),
+    ("season_map.py", r"as built: share .*\n   0 N: 100 %\n"),
+    (
+        "corrected_against_uncorrected.py",
+        r"55 N, 15 Jul\n  uncorrected CDM: \d\.\d\d m, comes down",
+    ),
+    ("battery_outlook.py", r"23 September, 500 Wh/kg: \d\.\d\d m"),
+    ("payload_against_latitude.py", r" 2\.0 kg  ( +\d\.\d\d m){5}"),
+]
+
+
 def run_python(*arguments: str, folder: Path) -> str:
     """Run this interpreter in a folder away from any source and return what it prints."""
     done = subprocess.run(
@@ -50,11 +63,19 @@ def test_example_runs_and_prints_its_result(name: str, expected: str, tmp_path: 
     assert not list(tmp_path.iterdir()), "an example leaves files behind"
 
 
+@pytest.mark.parametrize(("name", "expected"), DRAWING)
+def test_study_prints_its_result_and_draws(name: str, expected: str, tmp_path: Path) -> None:
+    printed = run_python(str(EXAMPLES / name), "figure.png", folder=tmp_path)
+    assert re.search(expected, printed), printed
+    assert [path.name for path in tmp_path.iterdir()] == ["figure.png"]
+    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_every_example_is_tested() -> None:
-    assert sorted(path.name for path in EXAMPLES.glob("*.py")) == [
-        "analyse_atlantiksolar.py",
-        "size_an_aircraft.py",
-    ]
+    drawing = [name for name, _ in DRAWING]
+    assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(
+        ["analyse_atlantiksolar.py", "size_an_aircraft.py", *drawing]
+    )
 
 
 @pytest.mark.parametrize("number", range(len(python_blocks(PYTHON_API))))

@@ -1,0 +1,41 @@
+"""Compare the solar power models: what each predicts, builds, and how that really flies.
+
+Run with: python examples/compare_models.py [figure.png]
+"""
+
+import sys
+
+from studies.comparison import compare
+from studies.comparison_plots import comparison_figure
+from studies.comparison_sentence import fate, sentence
+from studies.library import load_aircraft, load_mission
+from studies.solar_models import model_label
+
+
+def main() -> None:
+    """Print the fate of every model's design, and the one sentence that sums it up."""
+    # A parametric aircraft: every model gets to size its own. Judge of all is corrected FM.
+    aircraft = load_aircraft("atlantiksolar-design").aircraft
+    mission = load_mission("rafz-july").mission
+    found = compare(aircraft, mission, required_excess_time_h=3.0)
+
+    for case in found.cases:
+        # Every model sees the aircraft as given ...
+        seen = case.prediction
+        print(
+            f"{model_label(case.solar):21}: {seen.solar_energy_wh:.0f} Wh a day, "
+            f"excess time {seen.excess_time_h:.2f} h, {case.season.days} days a year"
+        )
+        # ... and would have built another one.
+        if case.built is None or case.built.sizing.design is None or case.built.judged is None:
+            continue
+        span_m = case.built.sizing.design.variables.wingspan_m
+        print(f"  would build {span_m:.2f} m, which {fate(case.built.judged, 3.0)}")
+    print(sentence(found))
+
+    if len(sys.argv) > 1:
+        comparison_figure(found).savefig(sys.argv[1], dpi=150)
+
+
+if __name__ == "__main__":
+    main()
