@@ -189,7 +189,7 @@ class Launch(Record):
 
 
 class Climb(Record):
-    """Storing surplus power as height by day, to sink back to the mission's altitude in the evening.
+    """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
 
     ``battery_full`` climbs once the battery is full, ``surplus`` with whatever the charger leaves
     over at any time.
