@@ -106,12 +106,12 @@ def highest_perpetual_altitude(
         )
     if not step_m > 0.0:
         raise ValueError(f"step_m must be above 0 (got {step_m:g})")
-    count = int(np.ceil((highest_m - mission.altitude_m) / step_m - 1e-9)) + 1
+    altitudes = scanned_altitudes_m(mission.altitude_m, highest_m, step_m)
     flights = []
-    for number, altitude_m in enumerate(np.linspace(mission.altitude_m, highest_m, count)):
-        flights.append(flight_at_altitude(aircraft, mission, solar, float(altitude_m)))
+    for number, altitude_m in enumerate(altitudes):
+        flights.append(flight_at_altitude(aircraft, mission, solar, altitude_m))
         if progress is not None:
-            progress(number + 1, count)
+            progress(number + 1, len(altitudes))
     if all(np.isnan(flight.propulsion_power_w) for flight in flights):
         raise ImpossibleDesignError(f"{aircraft.name} cannot carry its own mass at any altitude")
 
@@ -127,6 +127,13 @@ def highest_perpetual_altitude(
         best=_best(flights, flown),
         at_search_limit=highest is flights[-1],
     )
+
+
+def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> list[float]:
+    """Both ends, and the multiples of the step between them [m]."""
+    first, last = np.floor(lowest_m / step_m) + 1.0, np.ceil(highest_m / step_m) - 1.0
+    between = step_m * np.arange(first, last + 1.0)
+    return [float(lowest_m), *(float(h) for h in between), float(highest_m)]
 
 
 def flight_at_altitude(

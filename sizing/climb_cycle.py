@@ -145,8 +145,13 @@ class ClimbAccount:
         sources = self.solar_wh + self.unserved_wh
         uses = self.constant_load_wh + self.level_flight_wh + self.propulsion_loss_wh
         stores = self.stored_wh + self.stored_height_wh
-        return sources - uses - stores - self.charge_loss_wh - self.discharge_loss_wh - (
-            self.curtailed_wh
+        return (
+            sources
+            - uses
+            - stores
+            - self.charge_loss_wh
+            - self.discharge_loss_wh
+            - (self.curtailed_wh)
         )
 
 

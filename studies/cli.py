@@ -18,6 +18,8 @@ import click
 
 from solar._version import __version__
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from studies.ceiling_command import ceiling
+from studies.climb_checks import refuse_climb, require_climber
 from studies.verify_command import verify
 
 if TYPE_CHECKING:
@@ -167,6 +169,7 @@ def analyse(
     placed = _placed(where.mission, latitude, day)
     _refuse_polar_night(placed, where, options=latitude is not None or day is not None)
     _require_path(model, correction, craft, where)
+    require_climber(craft, where)
     replay = latitude is None and day is None
     result = study.analyse(craft.aircraft, placed, _solar_model(model, correction), replay=replay)
     record = study.to_json(result)
@@ -249,6 +252,7 @@ def size(
             ("airframe", "kind"),
             "a measured aircraft cannot be sized; allowed: parametric",
         )
+    refuse_climb(where, "size")
     _refuse_polar_night(where.mission, where, options=False)
     _require_path(model, correction, craft, where)
     if required_h is not None and required_h != required_h:
@@ -414,6 +418,7 @@ def map_(
 
     image = _image_format(plot_file)
     craft, where = _load(aircraft, mission, overrides)
+    refuse_climb(where, "map")
     _require_path(model, correction, craft, where)
     with _progress("cells") as progress:
         data = study.feasibility_map(
@@ -532,6 +537,7 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
 
 
 cli.add_command(verify)
+cli.command()(solar_options(ceiling))
 
 
 def _load(
