@@ -11,7 +11,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from missions.output_files import write_text_atomically
-from studies import clear_sky_comparison, model_transfer, published, report_reproduction
+from studies import (
+    altitude_tables,
+    clear_sky_comparison,
+    model_transfer,
+    published,
+    report_reproduction,
+)
 
 
 def _published() -> str:
@@ -40,6 +46,8 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "clear-sky": ("validation.md", _clear_sky),
     "report": ("validation.md", _report),
     "transfer": ("full-model.md", _transfer),
+    "ceilings": ("altitude.md", altitude_tables.ceilings),
+    "climbs": ("altitude.md", altitude_tables.climbs),
 }
 
 

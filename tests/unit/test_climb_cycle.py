@@ -342,6 +342,17 @@ def test_climbing_with_a_full_battery_never_harms(aircraft: Aircraft, date: str)
     assert gains[2] >= gains[1] - 1e-3
 
 
+def test_climbing_carries_a_small_battery_through_the_night() -> None:
+    small = load_aircraft("atlantiksolar-as2", ["battery.specific_energy_wh_per_kg=130"]).aircraft
+    result = flown(small, 5000.0)
+    ours, theirs = result.performance.cycle, result.constant.cycle
+    assert theirs.status[0] == Status.limited
+    assert ours.status[0] == Status.perpetual
+    assert theirs.excess_time_h[0] < 0.0 < ours.excess_time_h[0]
+    assert ours.minimum_state_of_charge[0] > 0.0
+    assert ours.missing_h[0] == 0.0
+
+
 def test_battery_that_is_never_full_leaves_nothing_to_climb_with() -> None:
     result = flown(AS2, 4000.0, date="12-21")
     assert result.climb.maximum_altitude_m[0] == FLOOR_M
