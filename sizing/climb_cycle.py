@@ -58,7 +58,9 @@ _LEVEL_SPACING_M = 500.0
 _MAXIMUM_LEVELS = 21
 _FULL = 1.0 - 1e-9  # of the capacity, as in sizing.cycle
 _TOLERANCE = 1e-10  # of the capacity: gain of a cycle that repeats itself
-_MAXIMUM_ROUNDS = 80
+_MAXIMUM_ROUNDS = 160
+_PLAIN_ROUNDS = 4  # before an extrapolation
+_LAST_ROUNDS = 40  # without any, for what extrapolating does not settle
 _GLIDE_POINTS = 2001
 
 
@@ -560,37 +562,60 @@ def _surplus_share(left: FloatArray, right: FloatArray) -> FloatArray:
 def _periodic_state(march: _March) -> tuple[FloatArray, FloatArray]:
     """Stored energy and height at midnight of a day that repeats itself.
 
-    The cycle is repeated from a full battery; after every second one the energy is extrapolated to
-    where a geometric series of the gains would end (Aitken). A battery that is filled or emptied
-    every day settles at once.
+    The cycle is repeated from a full battery, which settles at once where the battery is filled or
+    emptied every day. A small gain from day to day takes many days: every few of them the energy
+    is extrapolated to where a geometric series of the gains would end (Aitken), or halved between
+    the energies that are known to rise and to fall if the series leaves them. Where height is left
+    at midnight the battery was full in the evening, and plain repetition settles fast.
     """
     capacity = march.store.energy_max_wh
     energy, height = capacity.copy(), np.zeros_like(capacity)
     scale = np.maximum(capacity, march.height_max)
-    previous: FloatArray | None = None
-    for _ in range(_MAXIMUM_ROUNDS):
+    bracket = _EnergyBracket(capacity)
+    previous = np.zeros_like(capacity)
+    low = np.ones(capacity.shape, bool)
+    for number in range(1, _MAXIMUM_ROUNDS + 1):
         new_energy, new_height = march.fly(energy, height)
-        gain = new_energy - energy
-        drift = np.maximum(np.abs(gain), np.abs(new_height - height))
+        gain, shift = new_energy - energy, np.abs(new_height - height)
+        low = low & (height == 0.0) & (new_height == 0.0)
+        bracket.learn(energy, gain, low)
         energy, height = new_energy, new_height
-        if np.all(drift <= _TOLERANCE * scale):
+        if np.all(np.maximum(np.abs(gain), shift) <= _TOLERANCE * scale):
             break
-        if previous is None:
-            previous = gain
-            continue
-        energy = _extrapolated(energy, gain, previous, capacity)
-        previous = None
+        if number % _PLAIN_ROUNDS == 0 and number <= _MAXIMUM_ROUNDS - _LAST_ROUNDS:
+            energy = np.where(low, bracket.extrapolated(energy, gain, previous), energy)
+            low = np.ones_like(low)
+        previous = gain
     return energy, height
 
 
-def _extrapolated(
-    energy: FloatArray, gain: FloatArray, previous: FloatArray, capacity: FloatArray
-) -> FloatArray:
-    ratio = gain / np.where(previous == 0.0, np.inf, previous)
-    usable = (ratio > 0.0) & (np.abs(gain) > _TOLERANCE * capacity)
-    # Gains that do not shrink end at an empty or a full battery.
-    ahead = gain * ratio / np.where(ratio < 1.0 - 1e-9, 1.0 - ratio, 1e-9)
-    return np.where(usable, np.clip(energy + ahead, 0.0, capacity), energy)
+class _EnergyBracket:
+    """Energies below and above that of the repeating day, per scenario."""
+
+    def __init__(self, capacity: FloatArray) -> None:
+        self.capacity = capacity
+        self.lower, self.upper = np.zeros_like(capacity), capacity.copy()
+
+    def learn(self, energy: FloatArray, gain: FloatArray, low: BoolArray) -> None:
+        """Narrow by the gain of a day, or start anew where height was left at midnight."""
+        rises, falls = gain > 0.0, gain < 0.0
+        self.lower = np.where(rises, np.maximum(self.lower, energy), self.lower)
+        self.upper = np.where(falls, np.minimum(self.upper, energy), self.upper)
+        void = ~low | (self.lower > self.upper)
+        self.lower = np.where(void, 0.0, self.lower)
+        self.upper = np.where(void, self.capacity, self.upper)
+
+    def extrapolated(
+        self, energy: FloatArray, gain: FloatArray, previous: FloatArray
+    ) -> FloatArray:
+        """Next energy to try, from the gains of two days one after the other."""
+        ratio = gain / np.where(previous == 0.0, np.inf, previous)
+        shrinks = (ratio > 0.0) & (ratio < 1.0 - 1e-9)
+        ahead = energy + gain * ratio / np.where(shrinks, 1.0 - ratio, 1.0)
+        halved = (self.lower + self.upper) / 2.0
+        inside = shrinks & (ahead > self.lower) & (ahead < self.upper)
+        trial = np.where(inside, ahead, halved)
+        return np.where(np.abs(gain) > _TOLERANCE * self.capacity, trial, energy)
 
 
 # ---- Measuring

@@ -8,7 +8,7 @@ from typing import Any
 import ambiance
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from missions.mission import Mission
@@ -97,6 +97,7 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> Non
 
 
 @settings(max_examples=15, deadline=None)  # 0.4 s each
+@example(5629.0, "10-10", "battery_full", AS2, 0.125)  # gains that do not shrink from day to day
 @given(
     ceiling_m=st.floats(FLOOR_M, 15000.0),
     day=st.sampled_from(["03-21", "05-01", "06-21", "09-21", "10-10", "12-21"]),
@@ -350,7 +351,7 @@ def test_climbing_carries_a_small_battery_through_the_night() -> None:
     assert ours.status[0] == Status.perpetual
     assert theirs.excess_time_h[0] < 0.0 < ours.excess_time_h[0]
     assert ours.minimum_state_of_charge[0] > 0.0
-    assert ours.missing_h[0] == 0.0
+    assert ours.missing_h[0] == pytest.approx(0.0, abs=1e-12)  # rounding
 
 
 def test_battery_that_is_never_full_leaves_nothing_to_climb_with() -> None:
