@@ -142,8 +142,8 @@ def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
     at = int(np.argmax(altitude_m))
     gain = float(climbs.gain_h[index])
     axes.annotate(
-        f"highest {altitude_m[at]:.0f} m; excess time {gain:+.1f} h by climbing",
-        (0.02, 0.9),
+        f"highest {altitude_m[at]:.0f} m\nexcess time {gain:+.1f} h by climbing",
+        (0.02, 0.8),
         xycoords="axes fraction",
     )
     top = float(altitude_m[at])
