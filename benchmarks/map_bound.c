@@ -61,14 +61,15 @@ static double charged(const Craft *c, double energy, double surplus, double hour
 }
 
 static void cell(const Craft *c, double mean, double amplitude, double a, double b, double diffuse,
-                 double *solar, double *net, double *surplus, double *deficit, double *out) {
+                 double outside, double *solar, double *net, double *surplus, double *deficit, double *out) {
     const int n = c->nodes - 1;
     for (int k = 0; k < c->half; k++) {
         double cosine = mean + amplitude * c->cos_hour[k], power = 0.0;
         if (cosine > 0.0) {
             double dni = a * exp(-b * c->pressure * 35.0 / sqrt(1224.0 * cosine * cosine + 1.0));
             double direct = dni * cosine * incidence(c, cosine) * c->camber;
-            power = c->area_m2 * (direct + diffuse * dni * c->diffuse) * c->common;
+            double scattered = fmin(diffuse * dni, (outside - dni) * cosine);
+            power = c->area_m2 * (direct + scattered * c->diffuse) * c->common;
         }
         solar[k] = solar[n - k] = power;
         net[k] = net[n - k] = power - c->load_w;
@@ -157,13 +158,14 @@ static void cell(const Craft *c, double mean, double amplitude, double a, double
                   : excess > 0.0 ? PERPETUAL : LIMITED;
 }
 
-/* skies: mean and amplitude of the sun's arc, A, B and C of the clear sky, for every cell.
+/* skies: mean and amplitude of the sun's arc, A, B and C of the clear sky and the
+   light outside the atmosphere, for every cell.
    work: four times the nodes. result: METRICS values for every cell. */
 void map_cells(const Craft *craft, int cells, const double *skies, double *work, double *result) {
     const int n = craft->nodes;
     for (int i = 0; i < cells; i++) {
-        const double *s = skies + 5 * i;
-        cell(craft, s[0], s[1], s[2], s[3], s[4], work, work + n, work + 2 * n, work + 3 * n,
+        const double *s = skies + 6 * i;
+        cell(craft, s[0], s[1], s[2], s[3], s[4], s[5], work, work + n, work + 2 * n, work + 3 * n,
              result + METRICS * i);
     }
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -213,6 +213,17 @@ class Launch(Record):
         return int(hours) + int(minutes) / 60.0
 
 
+class Climb(Record):
+    """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
+
+    ``battery_full`` climbs once the battery is full, ``surplus`` with whatever the charger leaves
+    over at any time.
+    """
+
+    ceiling_m: Altitude
+    strategy: Literal["battery_full", "surplus"] = "battery_full"
+
+
 class Mission(Record):
     """Where, when and how an aircraft flies."""
 
@@ -232,6 +243,29 @@ class Mission(Record):
     flight_path: FlightPath | None = None
     required_excess_time_h: ExcessTime = 0.0
     launch: Launch | None = None
+    climb: Climb | None = None
+
+    @model_validator(mode="after")
+    def _check_climb(self) -> Mission:
+        if self.climb is None:
+            return self
+        if self.climb.ceiling_m < self.altitude_m:
+            raise PydanticCustomError(
+                "low_ceiling",
+                "must be at least the mission's altitude_m of {altitude} (got {ceiling})",
+                {
+                    "key": "climb.ceiling_m",
+                    "altitude": f"{self.altitude_m:g}",
+                    "ceiling": f"{self.climb.ceiling_m:g}",
+                },
+            )
+        if self.launch is not None:
+            raise PydanticCustomError(
+                "climb_and_launch",
+                "a replayed flight keeps its altitude: give launch or climb, not both",
+                {"key": "climb"},
+            )
+        return self
 
     @model_validator(mode="after")
     def _check_launch(self) -> Mission:
@@ -302,6 +336,26 @@ class Mission(Record):
         if self.air.ambient_temperature_c is None:
             return standard
         return air_at(self.air.ambient_temperature_c + ZERO_CELSIUS_K, standard.pressure_pa)
+
+    def at_altitude(self, altitude_m: float) -> Mission:
+        """Same mission at one constant other altitude, through the same weather.
+
+        Air warmer than standard stays so by as many kelvin at every altitude, and modules of a
+        given temperature stay as much warmer than the air.
+        """
+        here = self.air_state()
+        standard = standard_air(self.altitude_m)
+        offset_k = float(here.temperature_k - standard.temperature_k)
+        update: dict[str, float | None] = {
+            "temperature_offset_k": offset_k,
+            "ambient_temperature_c": None,
+        }
+        if self.air.module_temperature_c is not None:
+            warmer_k = self.air.module_temperature_c - float(here.temperature_c)
+            there = standard_air(altitude_m, offset_k)
+            update["module_temperature_c"] = float(there.temperature_c) + warmer_k
+        air = self.air.model_copy(update=update)
+        return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
 
     def module_temperature_c(self) -> float:
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""

@@ -21,12 +21,28 @@ _CLIMB_POWER_RATIO = 5.0
 
 
 class LevelFlight(Record):
-    """Electric propulsion power of level flight, measured at one mass and air density."""
+    """Electric propulsion power of level flight, measured at one mass and air density.
+
+    The largest electric power of the propulsion and its efficiency from there to thrust power are
+    needed to climb, and for nothing else.
+    """
 
     electric_power_w: PositiveReal
     mass_kg: PositiveReal
     density_kg_per_m3: PositiveReal
     airspeed_m_per_s: PositiveReal | None = None
+    maximum_electric_power_w: PositiveReal | None = None
+    propulsion_efficiency: Fraction | None = None
+
+    @model_validator(mode="after")
+    def _check_maximum(self) -> LevelFlight:
+        maximum = self.maximum_electric_power_w
+        if maximum is not None and maximum < self.electric_power_w:
+            raise ValueError(
+                "maximum_electric_power_w must be at least electric_power_w "
+                f"(got {maximum:g} and {self.electric_power_w:g})"
+            )
+        return self
 
 
 class MeasuredAirframe(Record):

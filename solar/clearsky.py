@@ -3,6 +3,10 @@
 ``DNI = A exp(-B m p/p0)`` and ``DHI = C DNI`` with the air mass ``m`` and the pressure ratio
 ``p/p0``, after Markus & Morris (1980), Buildings, Climate and Energy. A, B and C are tabulated
 in the middle of each month and interpolated linearly, periodically over the year.
+
+The ratio C was fitted on the ground. High up, with less air to scatter the light, it would give
+more light than arrives: the diffuse light is therefore never more than what the direct beam has
+lost on its way (:func:`clear_sky`). That bound takes effect above some 8 km alone.
 """
 
 from __future__ import annotations
@@ -12,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.sun import DAYS_PER_YEAR, FloatArray
+from solar.sun import DAYS_PER_YEAR, FloatArray, day_angle
 
 # Apparent extraterrestrial irradiance [W/m2], optical depth [-], diffuse ratio [-], Jan..Dec.
 # Source: Markus & Morris (1980), ASHRAE type; the set used in the design of AtlantikSolar.
@@ -33,6 +37,14 @@ MID_MONTH_DAY = 1.0 + np.cumsum(_DAYS_IN_MONTH) - _DAYS_IN_MONTH / 2.0
 
 _SCALE_HEIGHT_M = 44308.0
 _PRESSURE_EXPONENT = 5.257
+# Above the tropopause the standard atmosphere is isothermal, at 216.65 K (ISO 2533:1975):
+# pressure falls by e over R T / g = 287.05287 x 216.65 / 9.80665 m.
+_TROPOPAUSE_M = 11000.0
+_STRATOSPHERE_SCALE_M = 6341.62
+
+# Total solar irradiance at the mean distance: Kopp, G. and Lean, J. L. (2011), A new, lower value
+# of total solar irradiance, Geophys. Res. Lett. 38, L01706.
+SOLAR_CONSTANT_W_PER_M2 = 1361.0
 
 
 class Irradiance(NamedTuple):
@@ -43,11 +55,12 @@ class Irradiance(NamedTuple):
 
 
 class Coefficients(NamedTuple):
-    """A [W/m2], B [-] and C [-] of the clear sky."""
+    """A [W/m2], B [-] and C [-] of the clear sky, and the light outside the atmosphere [W/m2]."""
 
     a: FloatArray
     b: FloatArray
     c: FloatArray
+    extraterrestrial: FloatArray
 
 
 def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArray:
@@ -60,7 +73,7 @@ def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArra
 
 
 def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficients:
-    """Coefficients A [W/m2], B [-] and C [-] for a day and a hemisphere.
+    """Coefficients A [W/m2], B [-] and C [-] for a day and a hemisphere, and the day's light.
 
     B and C describe the season's water vapour and dust, so south of the equator they are shifted
     by half a year; A follows the distance to the sun and does not depend on the hemisphere.
@@ -73,6 +86,7 @@ def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficient
         a,
         monthly_coefficient(season_day, MONTHLY_B),
         monthly_coefficient(season_day, MONTHLY_C),
+        np.broadcast_to(extraterrestrial_irradiance(day), np.shape(season_day)),
     )
 
 
@@ -86,14 +100,33 @@ def air_mass(cos_zenith: ArrayLike) -> FloatArray:
 
 
 def pressure_ratio(altitude_m: ArrayLike) -> FloatArray:
-    """Pressure at altitude over pressure at sea level [-], zero above 44.3 km.
+    """Pressure at altitude over pressure at sea level [-].
 
-    The tropospheric formula of the clear-sky model, carried on upwards: 5 % below the standard
-    atmosphere at 15 km and 22 % at 20 km, which changes direct light by less than 0.5 % with the
-    sun overhead.
+    Up to the tropopause at 11 km by the formula of the clear-sky model, above it falling
+    exponentially as in the isothermal stratosphere: 0.4 % below the standard atmosphere at 11 km,
+    1.1 % at 20 km and 7 % at 32 km. (The formula alone would be 22 % low at 20 km.)
     """
     h = np.asarray(altitude_m, float)
-    return np.asarray(np.maximum(1.0 - h / _SCALE_HEIGHT_M, 0.0) ** _PRESSURE_EXPONENT)
+    below = np.maximum(1.0 - np.minimum(h, _TROPOPAUSE_M) / _SCALE_HEIGHT_M, 0.0)
+    above_m = np.maximum(h - _TROPOPAUSE_M, 0.0)
+    return np.asarray(below**_PRESSURE_EXPONENT * np.exp(-above_m / _STRATOSPHERE_SCALE_M))
+
+
+def extraterrestrial_irradiance(day_of_year: ArrayLike) -> FloatArray:
+    """Irradiance normal to the beam outside the atmosphere [W/m2].
+
+    Source: Spencer, J. W. (1971), Fourier series representation of the position of the sun,
+    Search 2 (5), 172: the squared ratio of mean to actual distance.
+    """
+    angle = day_angle(day_of_year)
+    ratio = (
+        1.000110
+        + 0.034221 * np.cos(angle)
+        + 0.001280 * np.sin(angle)
+        + 0.000719 * np.cos(2.0 * angle)
+        + 0.000077 * np.sin(2.0 * angle)
+    )
+    return np.asarray(SOLAR_CONSTANT_W_PER_M2 * ratio)
 
 
 def clear_sky(
@@ -103,6 +136,9 @@ def clear_sky(
     altitude_m: ArrayLike = 0.0,
 ) -> Irradiance:
     """Direct normal and diffuse horizontal irradiance under a clear sky.
+
+    A horizontal surface never gets more light than the sun sends to it from outside the
+    atmosphere: ``DHI <= (E0 - DNI) cos z``.
 
     Parameters
     ----------
@@ -131,7 +167,8 @@ def irradiance_under(
     cos_z = np.asarray(cos_zenith, float)
     optical_path = sky.b * np.asarray(relative_pressure, float) * air_mass(cos_z)
     dni = np.where(cos_z > 0.0, sky.a * np.exp(-optical_path), 0.0)
-    return Irradiance(dni, sky.c * dni)
+    lost = (sky.extraterrestrial - dni) * np.maximum(cos_z, 0.0)
+    return Irradiance(dni, np.minimum(sky.c * dni, lost))
 
 
 def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArray:

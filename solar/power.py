@@ -148,7 +148,7 @@ def horizontal_specific_power(
     convert = HORIZONTAL_MODELS[model]
 
     def power(part: _Skies, cosine: FloatArray) -> FloatArray:
-        sky = Coefficients(part.a, part.b, part.c)
+        sky = Coefficients(part.a, part.b, part.c, part.extraterrestrial)
         irradiance = irradiance_under(sky, cosine, part.pressure)
         return part.factor * convert(irradiance, cosine, cell, part.temperature_c)
 
@@ -163,6 +163,7 @@ class _Skies(NamedTuple):
     a: FloatArray
     b: FloatArray
     c: FloatArray
+    extraterrestrial: FloatArray
     pressure: FloatArray
     factor: FloatArray
     temperature_c: FloatArray

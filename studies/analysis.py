@@ -12,6 +12,7 @@ from missions.dates import date_code, date_label
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.calendar_run import CalendarRun, calendar_run
+from sizing.climb_cycle import STEPS_PER_NODE, ClimbPerformance, climb_performance
 from sizing.cycle import Status
 from sizing.endurance import Endurance
 from sizing.performance import Performance, SolarModel, performance, solar_day
@@ -26,7 +27,7 @@ class Analysis:
     """Performance of an aircraft in the scenarios of a mission.
 
     ``low`` and ``high`` are the same with the solar power one RMS error of the model lower and
-    higher.
+    higher. ``climb`` is there for a mission with climbs, which the three performances then have.
     """
 
     aircraft: Aircraft
@@ -35,6 +36,7 @@ class Analysis:
     low: Performance
     high: Performance
     flight: CalendarRun | None
+    climb: ClimbPerformance | None = None
 
     @property
     def worst(self) -> int:
@@ -46,8 +48,22 @@ def analyse(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, *, replay: bool = True
 ) -> Analysis:
     """Analyse an aircraft on a mission; ``replay`` flies the mission's launch if it has one."""
-    day = solar_day(aircraft, mission, solar)
     rms = solar.rms_relative
+    if mission.climb is not None:
+        down, climbs, up = (
+            climb_performance(aircraft, mission, solar, solar_factor=factor)
+            for factor in (1.0 - rms, 1.0, 1.0 + rms)
+        )
+        return Analysis(
+            aircraft,
+            mission,
+            climbs.performance,
+            down.performance,
+            up.performance,
+            flight=None,
+            climb=climbs,
+        )
+    day = solar_day(aircraft, mission, solar)
     low, centre, high = (
         performance(aircraft, mission, solar, day=day.scaled(factor))
         for factor in (1.0 - rms, 1.0, 1.0 + rms)
@@ -68,7 +84,7 @@ def scenario_record(analysis: Analysis, index: int, endurance: Endurance | None)
     perf = analysis.performance
     cycle, account = perf.cycle, perf.cycle.account
     lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
-    return {
+    record = {
         "excess_time_h": finite(cycle.excess_time_h[index]),
         "charge_margin_h": finite(cycle.charge_margin_h[index]),
         "endurance_h": None if endurance is None else finite(endurance.endurance_h),
@@ -95,6 +111,25 @@ def scenario_record(analysis: Analysis, index: int, endurance: Endurance | None)
             "excess_time_high_h": finite(analysis.high.cycle.excess_time_h[index]),
         },
     }
+    if analysis.climb is not None:
+        record["climb"] = climb_record(analysis.climb, analysis.mission, index)
+    return record
+
+
+def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
+    """What climbing does in one scenario, JSON-ready."""
+    assert mission.climb is not None
+    flown, account = climbs.climb, climbs.climb.account
+    return {
+        "strategy": mission.climb.strategy,
+        "ceiling_m": mission.climb.ceiling_m,
+        "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
+        "gliding_h": finite(flown.gliding_h[index]),
+        "stored_height_wh": finite(flown.maximum_height_wh[index]),
+        "climb_energy_wh": finite(account.climb_electric_wh[index]),
+        "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
+        "gain_in_excess_time_h": finite(climbs.gain_h[index]),
+    }
 
 
 def _status_name(status: int) -> str:
@@ -104,7 +139,7 @@ def _status_name(status: int) -> str:
 
 def to_json(analysis: Analysis) -> dict[str, Any]:
     """Whole analysis, JSON-ready; the top level is the worst scenario."""
-    flights = analysis.performance.endurances()
+    flights = _endurances(analysis)
     records = [scenario_record(analysis, i, flight) for i, flight in enumerate(flights)]
     design = analysis.performance.design
     result = dict(records[analysis.worst])
@@ -130,6 +165,15 @@ def to_json(analysis: Analysis) -> dict[str, Any]:
     return result
 
 
+def _endurances(analysis: Analysis) -> list[Endurance | None]:
+    """Longest flights; with climbs those at constant altitude, which are no longer."""
+    if analysis.climb is None:
+        return analysis.performance.endurances()
+    endless = analysis.performance.cycle.perpetual
+    flights = analysis.climb.constant.endurances()
+    return [None if e else flight for e, flight in zip(endless, flights, strict=True)]
+
+
 def flight_record(flight: CalendarRun) -> dict[str, Any]:
     """Replayed flight, JSON-ready; clock times are local hours since the launch day's midnight."""
     return {
@@ -151,7 +195,7 @@ def trajectory_table(analysis: Analysis) -> pd.DataFrame:
     scenarios = perf.day.scenarios
     nodes = len(perf.day.time_h)
     energy_max = float(perf.design.battery_energy_wh)
-    return pd.DataFrame(
+    table = pd.DataFrame(
         {
             "latitude_deg": np.repeat(scenarios.latitude_deg, nodes),
             "day_of_year": np.repeat(scenarios.day_of_year, nodes),
@@ -162,6 +206,9 @@ def trajectory_table(analysis: Analysis) -> pd.DataFrame:
             "state_of_charge": perf.cycle.energy_wh.ravel() / energy_max,
         }
     )
+    if analysis.climb is not None:
+        table["altitude_m"] = analysis.climb.climb.altitude_m[:, ::STEPS_PER_NODE].ravel()
+    return table
 
 
 def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:

@@ -16,7 +16,9 @@ import click
 
 from solar._version import __version__
 from solar.names import OBJECTIVE_NAMES
-from studies.command_options import DEFAULT_MISSION, solar_options
+from studies.ceiling_command import ceiling
+from studies.climb_checks import refuse_climb, require_climber
+from studies.command_options import DEFAULT_MISSION, EXIT_BAD_INPUT, EXIT_FAILED, solar_options
 from studies.command_options import console as _console
 from studies.command_options import image_format as _image_format
 from studies.command_options import load as _load
@@ -32,8 +34,6 @@ from studies.verify_command import verify
 
 if TYPE_CHECKING:
     from missions.mission import Mission
-
-EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 
 class Latitude(click.ParamType[float]):
@@ -110,6 +110,7 @@ def analyse(
     placed = _placed(where.mission, latitude, day)
     _refuse_polar_night(placed, where, options=latitude is not None or day is not None)
     _require_path(model, correction, craft, where)
+    require_climber(craft, where)
     replay = latitude is None and day is None
     result = study.analyse(craft.aircraft, placed, _solar_model(model, correction), replay=replay)
     record = study.to_json(result)
@@ -196,6 +197,7 @@ def size(
             ("airframe", "kind"),
             "a measured aircraft cannot be sized; allowed: parametric",
         )
+    refuse_climb(where, "size")
     if not asked.of_range:
         _refuse_polar_night(where.mission, where, options=False)
     _require_path(model, correction, craft, where)
@@ -401,6 +403,7 @@ cli.add_command(map_)
 cli.add_command(sweep)
 cli.add_command(compare)
 cli.add_command(verify)
+cli.add_command(ceiling)
 
 
 def _placed(mission: Mission, latitude_deg: float | None, day: int | None) -> Mission:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from studies.library import LoadedAircraft, LoadedMission
 
 DEFAULT_MISSION = "rafz-july"
+EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 _MAXIMUM_GRID = 2000
 

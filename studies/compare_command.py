@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from studies.climb_checks import refuse_climb
 from studies.command_options import (
+    EXIT_FAILED,
     console,
     image_format,
     load,
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
 
 DEFAULT_MISSION = "rafz-july"
 DEFAULT_OBJECTIVE = "min_wingspan"
-EXIT_FAILED = 1
 
 
 class Names(click.ParamType["tuple[str, ...]"]):
@@ -122,6 +123,7 @@ def compare(
 
         check_writable_folder(Path(out_dir))
     craft, where = load(aircraft, mission, overrides)
+    refuse_climb(where, "compare")
     refuse_polar_night(where.mission, where, options=False)
     wanted = _wanted(models, corrections, craft, where)
     from sizing.objectives import Objective

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from missions.output_files import write_text_atomically
 from studies import (
+    altitude_tables,
     clear_sky_comparison,
     comparison,
     comparison_sentence,
@@ -69,6 +70,8 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "report": ("validation.md", _report),
     "structure": ("structure.md", _structure),
     "transfer": ("full-model.md", _transfer),
+    "ceilings": ("altitude.md", altitude_tables.ceilings),
+    "climbs": ("altitude.md", altitude_tables.climbs),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
     "compare-design": (
         "compare.md",

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from studies.command_options import EXIT_FAILED
+
 if TYPE_CHECKING:
     from studies.chunk_store import ChunkStore
     from studies.engine import Job, Outcome
@@ -23,7 +25,6 @@ __all__ = ["WorkOptions", "completed", "work_options"]
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 _MAXIMUM_WORKERS = 1000
-_EXIT_FAILED = 1
 
 
 def work_options(command: Command) -> Command:
@@ -127,7 +128,7 @@ def completed(
             sys.exit(128 + number)
         except OutputError as error:
             click.echo(f"solar-uav: {error}; {_kept(job, store)}", err=True)
-            sys.exit(_EXIT_FAILED)
+            sys.exit(EXIT_FAILED)
         if store is not None and not options.keep_parts and not outcome.failures:
             store.remove_parts()
 
@@ -148,4 +149,4 @@ def _tell_failures(job: Job, outcome: Outcome, unit: str) -> None:
     message = f"{len(outcome.failures)} of {job.cells} {unit} failed; the first: "
     click.echo(f"solar-uav: {message}{outcome.failures[first]}", err=True)
     if len(outcome.failures) == job.cells:
-        sys.exit(_EXIT_FAILED)
+        sys.exit(EXIT_FAILED)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from solar.names import RESIZE_NAMES
+from studies.climb_checks import refuse_climb
 from studies.command_options import (
     DEFAULT_MISSION,
     Grid,
@@ -71,6 +72,7 @@ def map_(
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     image = image_format(plot_file)
     craft, where = load(aircraft, mission, overrides)
+    refuse_climb(where, "map")
     require_path(model, correction, craft, where)
     if objective is not None:
         require_parametric(craft, "--resize")

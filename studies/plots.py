@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sizing.calendar_run import CalendarRun
+from sizing.climb_cycle import ClimbPerformance
 from sizing.objectives import Objective
 from sizing.performance import Performance, SolarModel
 from sizing.sensitivity import Sensitivity
@@ -52,14 +53,17 @@ def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
     """State of charge and power over the cycle of a scenario, the worst one by default."""
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
-    figure = Figure(figsize=(8.0, 5.6), layout="constrained")
-    power_axes, charge_axes = figure.subplots(2, 1, sharex=True)
-    _draw_power(power_axes, perf, index)
-    _draw_charge(charge_axes, analysis, index)
-    for axes in (power_axes, charge_axes):
+    panels = 2 if analysis.climb is None else 3
+    figure = Figure(figsize=(8.0, 2.8 * panels), layout="constrained")
+    every: list[Axes] = list(figure.subplots(panels, 1, sharex=True))
+    _draw_power(every[0], perf, index)
+    _draw_charge(every[1], analysis, index)
+    if analysis.climb is not None:
+        _draw_altitude(every[2], analysis.climb, index)
+    for axes in every:
         _shade_night(axes, perf, index)
         axes.grid(alpha=0.3)
-    charge_axes.set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
+    every[-1].set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
     where = perf.day.scenarios.label(index)
     title = f"{analysis.aircraft.name}, {where} ({caption(perf.solar)})"
     figure.suptitle(title, parse_math=False)
@@ -129,6 +133,22 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
             ha="center",
         )
     axes.set(ylabel="state of charge [%]", ylim=(-12, 105), yticks=range(0, 101, 20))
+
+
+def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
+    flown = climbs.climb
+    altitude_m = flown.altitude_m[index]
+    axes.plot(flown.time_h, altitude_m, color=LOAD)
+    at = int(np.argmax(altitude_m))
+    gain = float(climbs.gain_h[index])
+    axes.annotate(
+        f"highest {altitude_m[at]:.0f} m\nexcess time {gain:+.1f} h by climbing",
+        (0.02, 0.8),
+        xycoords="axes fraction",
+    )
+    top = float(altitude_m[at])
+    margin = max(0.1 * (top - float(altitude_m.min())), 50.0)
+    axes.set(ylabel="altitude [m]", ylim=(float(altitude_m.min()) - margin, top + margin))
 
 
 def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:

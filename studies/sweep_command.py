@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from solar.names import RESIZE_NAMES
+from studies.climb_checks import refuse_climb
 from studies.command_options import (
     DEFAULT_MISSION,
     console,
@@ -127,6 +128,7 @@ def sweep(
     image = image_format(plot_file)
     file_format = _file_format(out_file)
     craft, where = load(aircraft, mission, overrides)
+    refuse_climb(where, "sweep")
     require_path(model, correction, craft, where)
     from sizing.objectives import Objective
     from studies import sweep as study

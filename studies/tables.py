@@ -39,7 +39,10 @@ def print_analysis(console: Console, analysis: Analysis, record: dict[str, Any])
     table = Table(show_header=False)
     table.add_column()
     table.add_column(justify="right")
-    for label, text in _analysis_rows(record):
+    rows = _analysis_rows(record)
+    if "climb" in record:
+        rows += _climb_rows(record["climb"])
+    for label, text in rows:
         table.add_row(label, text)
     console.print(table)
     if several:
@@ -90,6 +93,20 @@ def _analysis_rows(record: dict[str, Any]) -> list[tuple[str, str]]:
             f"{clock_label(record['equal_power_evening_h'])}",
         ),
         ("full charge", clock_label(record["full_charge_h"])),
+    ]
+
+
+def _climb_rows(climb: dict[str, Any]) -> list[tuple[str, str]]:
+    gain = climb["gain_in_excess_time_h"]
+    return [
+        ("highest altitude", f"{climb['maximum_altitude_m']:.0f} m"),
+        ("gliding in the evening", hours(climb["gliding_h"])),
+        ("stored height", f"{climb['stored_height_wh']:.1f} Wh"),
+        (
+            "excess time at constant altitude",
+            hours(climb["constant_altitude_excess_time_h"], "no end"),
+        ),
+        ("gained by climbing", "-" if gain is None else f"{gain:+.2f} h"),
     ]
 
 

@@ -54,6 +54,7 @@ def python_blocks(page: Path) -> list[str]:
     ("name", "expected"),
     [
         ("analyse_atlantiksolar.py", r"CAM, correction none  : excess time \d+\.\d\d h"),
+        ("climb_and_ceiling.py", r"up to \d+ m, .*\n.* stores \d+\.\d Wh, .* adds \d+\.\d\d h"),
         ("size_an_aircraft.py", r"margin of 4 h: optimal\n  wingspan \d+\.\d\d m"),
     ],
 )
@@ -74,7 +75,7 @@ def test_study_prints_its_result_and_draws(name: str, expected: str, tmp_path: P
 def test_every_example_is_tested() -> None:
     drawing = [name for name, _ in DRAWING]
     assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(
-        ["analyse_atlantiksolar.py", "size_an_aircraft.py", *drawing]
+        ["analyse_atlantiksolar.py", "climb_and_ceiling.py", "size_an_aircraft.py", *drawing]
     )
 
 

@@ -22,6 +22,7 @@ from solar.clearsky import (
     air_mass,
     clear_sky,
     coefficients,
+    extraterrestrial_irradiance,
     global_horizontal,
     monthly_coefficient,
     pressure_ratio,
@@ -157,17 +158,33 @@ def test_pressure_ratio_is_that_of_the_standard_troposphere(altitude_m: float) -
     assert pressure_ratio(altitude_m) == pytest.approx(standard, rel=0.005)
 
 
-@pytest.mark.parametrize("altitude_m", [15000.0, 18000.0, 20000.0])
-def test_pressure_ratio_above_the_troposphere(altitude_m: float) -> None:
+@pytest.mark.parametrize(
+    ("altitude_m", "tolerance"),
+    # The formula's 0.4 % at the tropopause is carried up, with the geometric altitude taken for the
+    # geopotential one on top of it (63 m at 20 km, which are 1 % of a scale height); from 20 km on
+    # the standard atmosphere is no longer isothermal.
+    [(12000.0, 0.006), (15000.0, 0.008), (18000.0, 0.010), (20000.0, 0.012), (32000.0, 0.08)],
+)
+def test_pressure_ratio_is_that_of_the_standard_stratosphere(
+    altitude_m: float, tolerance: float
+) -> None:
     standard = ambiance.Atmosphere(altitude_m).pressure[0] / 101325.0
-    # A troposphere without end is too thin in the isothermal stratosphere. With B below 0.21 the
-    # two per cent of an atmosphere are four per mille of the sunlight from overhead.
-    assert pressure_ratio(altitude_m) == pytest.approx(standard, abs=0.02)
+    assert pressure_ratio(altitude_m) == pytest.approx(standard, rel=tolerance)
 
 
-def test_pressure_ratio_ends_at_the_top_of_the_atmosphere() -> None:
-    assert pressure_ratio([44308.0, 50000.0, 1e6]) == pytest.approx(0.0, abs=0.0)
+def test_pressure_ratio_is_continuous_and_falls_to_nothing() -> None:
+    around = pressure_ratio([10999.999, 11000.0, 11000.001])
+    assert around == pytest.approx(np.full(3, around[1]), rel=1e-6)  # 2 mm of height
+    assert np.all(np.diff(pressure_ratio(np.linspace(-500.0, 60000.0, 500))) < 0.0)
+    assert pressure_ratio(1e6) == pytest.approx(0.0, abs=1e-12)
     assert pressure_ratio(0.0) == 1.0
+
+
+@given(days)
+def test_extraterrestrial_irradiance_is_that_of_spencer(day: float) -> None:
+    # pvlib takes a year of 365 days too, and another solar constant unless told.
+    reference = pvlib.irradiance.get_extra_radiation(day, solar_constant=1361.0, method="spencer")
+    assert extraterrestrial_irradiance(day) == pytest.approx(reference, rel=1e-9)
 
 
 # ---- Irradiance
@@ -182,7 +199,7 @@ def test_direct_light_from_overhead_follows_beer_and_lambert() -> None:
 
 
 def test_nothing_attenuates_above_the_atmosphere() -> None:
-    dni, _ = clear_sky(197.5, 47.6, 0.1, 50000.0)
+    dni, _ = clear_sky(197.5, 47.6, 0.1, 1e6)
     assert dni == pytest.approx(1085.0)
 
 
@@ -197,6 +214,53 @@ def test_irradiance_is_finite_and_within_the_extraterrestrial(
     if cosine <= 0.0:
         assert dni == 0.0
         assert global_horizontal(clear_sky(day, latitude, cosine, altitude), cosine) == 0.0
+
+
+@given(days, latitudes, cosines, altitudes)
+def test_light_on_level_ground_is_within_what_the_sun_sends(
+    day: float, latitude: float, cosine: float, altitude: float
+) -> None:
+    irradiance = clear_sky(day, latitude, cosine, altitude)
+    arriving = extraterrestrial_irradiance(day) * max(cosine, 0.0)
+    assert global_horizontal(irradiance, cosine) <= arriving * (1.0 + 1e-12)  # rounding
+
+
+@given(days, latitudes, st.floats(0.001, 1.0))
+def test_light_on_level_ground_grows_with_altitude(
+    day: float, latitude: float, cosine: float
+) -> None:
+    irradiance = clear_sky(day, latitude, cosine, np.linspace(-500.0, 32000.0, 100))
+    light = global_horizontal(irradiance, cosine)
+    assert np.all(np.diff(light) >= -1e-9 * light[1:])  # rounding where the bound holds
+
+
+def test_bound_of_the_diffuse_light_leaves_low_flight_alone() -> None:
+    # The published sums of light were made without it, at 536 m.
+    cosine = np.linspace(0.02, 1.0, 200)  # from 1.1 degrees of elevation up
+    for day in (15.5, 105.5, 172.5, 266.5, 355.5):
+        for altitude in (0.0, 536.0, 3000.0, 6000.0):
+            irradiance = clear_sky(day, 47.6, cosine, altitude)
+            ratio = coefficients(day, 47.6)[2]
+            assert irradiance.dhi == pytest.approx(ratio * irradiance.dni, rel=1e-12)
+
+
+@pytest.mark.parametrize("altitude_m", [9000.0, 12000.0, 15000.0, 20000.0])
+def test_light_high_up_is_near_simplified_solis(altitude_m: float) -> None:
+    # Water and dust fall off by e every 2 km, an independent model's inputs. Its own range ends at
+    # 7 km; above that it is Rayleigh scattering alone, which is nearly all there is. The ratio C
+    # of the ground still leaves too much diffuse light at low sun: 25 % at 10 degrees and 9 km.
+    fade = np.exp(-altitude_m / 2000.0)
+    for elevation_deg, tolerance in ((10.0, 0.26), (30.0, 0.10), (60.0, 0.03)):
+        cosine = np.sin(np.radians(elevation_deg))
+        solis = pvlib.clearsky.simplified_solis(
+            elevation_deg,
+            aod700=0.1 * fade,
+            precipitable_water=max(1.5 * fade, 0.2),
+            pressure=ambiance.Atmosphere(altitude_m).pressure[0],
+            dni_extra=float(extraterrestrial_irradiance(172.5)),
+        )
+        light = global_horizontal(clear_sky(172.5, 47.6, cosine, altitude_m), cosine)
+        assert light == pytest.approx(float(solis["ghi"]), rel=tolerance)
 
 
 @given(days, latitudes, st.floats(0.001, 1.0))

@@ -1,0 +1,249 @@
+"""Ceiling and climbs on the command line: results, files, messages and exit codes."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import pytest
+
+from studies import cli
+
+AS2 = "atlantiksolar-as2"
+CLIMB = """\
+name: climb
+latitude_deg: 47.6
+dates: {on: 06-21}
+altitude_m: 536
+climb:
+  ceiling_m: 3536
+"""
+
+
+class Outcome(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+    def json(self) -> Any:
+        """Standard output as strict JSON: NaN and Infinity are refused."""
+
+        def refuse(constant: str) -> None:
+            raise AssertionError(f"{constant} is not JSON")
+
+        return json.loads(self.out, parse_constant=refuse)
+
+
+Run = Callable[..., Outcome]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+    """Run the command in an empty folder; nothing but an exit may leave it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+
+    def call(*arguments: str) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["solar-uav", *arguments])
+        capfd.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capfd.readouterr()
+        code = ended.value.code
+        assert code is None or isinstance(code, int)
+        return Outcome(code or 0, out, err)
+
+    return call
+
+
+@pytest.fixture
+def climb(tmp_path: Path) -> str:
+    (tmp_path / "climb.yaml").write_text(CLIMB)
+    return "climb.yaml"
+
+
+# ---- ceiling
+
+
+@pytest.mark.parametrize("aircraft", [AS2, "atlantiksolar-design"])
+def test_ceiling_prints_what_analyse_confirms(run: Run, aircraft: str) -> None:
+    outcome = run("ceiling", aircraft, "--step", "2000", "--json")
+    assert outcome.code == 0
+    record = outcome.json()
+    height = record["highest_perpetual_altitude_m"]
+    # The shipped mission gives the air's temperature at 536 m; aloft it is an offset from standard.
+    offset = 31.3 + 273.15 - (288.15 - 0.0065 * 536.0)
+
+    def excess(altitude_m: float) -> float:
+        said = run(
+            "analyse",
+            aircraft,
+            "--set",
+            f"mission.altitude_m={altitude_m}",
+            "--set",
+            f"mission.air={{temperature_offset_k: {offset}}}",
+            "--json",
+        ).json()["excess_time_h"]
+        assert isinstance(said, float)
+        return said
+
+    # Geopotential and geometric altitude differ by 0.05 m at 536 m, that is 0.3 mK; within 5 m of
+    # the ceiling the sign must change.
+    assert excess(height - 5.0) > 0.0 > excess(height + 5.0)
+    assert [a["altitude_m"] for a in record["altitudes"]][:3] == [536.0, 2000.0, 4000.0]
+    assert record["required_excess_time_h"] == 0.0
+    assert not record["at_search_limit"]
+
+
+def test_ceiling_writes_table_and_figure(run: Run, tmp_path: Path) -> None:
+    outcome = run("ceiling", AS2, "--step", "4000", "--csv", "a.csv", "--plot", "a.png")
+    assert outcome.code == 0
+    assert "perpetual flight up to" in outcome.out
+    table = pd.read_csv(tmp_path / "a.csv")
+    assert list(table["altitude_m"]) == [536.0, 4000.0, 8000.0, 12000.0, 16000.0, 20000.0]
+    assert (table["propulsion_power_w"].diff().dropna() > 0.0).all()
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_ceiling_of_a_summer_names_the_worst_scenario(run: Run) -> None:
+    outcome = run("ceiling", AS2, "-m", "central-europe-summer", "--step", "5000")
+    assert outcome.code == 0
+    assert "45 N, 15 Aug" in outcome.out
+
+
+def test_ceiling_with_a_margin_is_lower(run: Run) -> None:
+    plain, careful = (
+        run("ceiling", AS2, "--step", "4000", "--json", *more).json()[
+            "highest_perpetual_altitude_m"
+        ]
+        for more in ([], ["--set", "mission.required_excess_time_h=3"])
+    )
+    assert careful < plain - 1000.0
+
+
+def test_search_that_ends_too_low_says_so(run: Run) -> None:
+    outcome = run("ceiling", AS2, "--highest", "2000")
+    assert outcome.code == 0
+    assert "up to 2000 m and beyond the search" in outcome.out
+
+
+def test_no_ceiling_is_exit_code_one(run: Run, tmp_path: Path) -> None:
+    arguments = ["--set", "power.avionics_w=60", "--step", "5000", "--plot", "none.svg"]
+    outcome = run("ceiling", "sky-sailor", *arguments)
+    assert outcome.code == 1
+    assert "no perpetual flight at any altitude" in outcome.out
+    assert (tmp_path / "none.svg").exists()
+
+
+def test_endless_day_is_no_number_in_json(run: Run) -> None:
+    outcome = run("ceiling", AS2, "--step", "8000", "--json", "--set", "mission.latitude_deg=85.0")
+    assert outcome.json()["best_excess_time_h"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--highest", "100"], "--highest: must be above the mission's altitude_m of 536"),
+        (["--highest", "nan"], "--highest"),
+        (["--highest", "40000"], "--highest"),
+        (["--step", "nan"], "--step"),
+        (["--step", "1"], "--step"),
+        (["--plot", "a.txt"], "--plot"),
+        (["--model", "FM", "--set", "mission.flight_path=null"], "needs a flight path"),
+        (["--set", "mission.altitude_m=50000"], "mission.altitude_m"),
+        (["--set", "mission.latitude_deg=85", "--set", "mission.dates={on: 12-21}"], "polar night"),
+    ],
+)
+def test_wrong_ceilings_are_refused(run: Run, arguments: list[str], message: str) -> None:
+    outcome = run("ceiling", AS2, *arguments)
+    assert outcome.code == 2
+    assert message in outcome.err
+    assert "Traceback" not in outcome.err
+
+
+# ---- climbs
+
+
+def test_analyse_uses_the_climb(run: Run, climb: str, tmp_path: Path) -> None:
+    outcome = run("analyse", AS2, "-m", climb, "--json", "--plot", "c.png", "--csv", "c.csv")
+    assert outcome.code == 0
+    record = outcome.json()
+    said = record["climb"]
+    assert said["maximum_altitude_m"] == pytest.approx(3536.0)
+    assert said["gliding_h"] > 1.0
+    gain = record["excess_time_h"] - said["constant_altitude_excess_time_h"]
+    assert said["gain_in_excess_time_h"] == pytest.approx(gain)
+    assert gain > 1.0
+    band = record["uncertainty"]
+    assert band["excess_time_low_h"] < record["excess_time_h"] < band["excess_time_high_h"]
+    assert record["scenarios"][0]["climb"] == said
+    table = pd.read_csv(tmp_path / "c.csv")
+    assert table["altitude_m"].max() == pytest.approx(3536.0, abs=1.0)
+    assert table["altitude_m"].iloc[0] == pytest.approx(536.0, abs=1.0)
+    assert (tmp_path / "c.png").read_bytes().startswith(b"\x89PNG")
+    plain = run("analyse", AS2, "-m", climb, "--set", "mission.climb=null", "--json").json()
+    assert "climb" not in plain
+    assert plain["excess_time_h"] == pytest.approx(said["constant_altitude_excess_time_h"])
+
+
+def test_climb_is_printed(run: Run, climb: str) -> None:
+    outcome = run("analyse", AS2, "-m", climb)
+    assert outcome.code == 0
+    for text in ("highest altitude", "3536 m", "gliding in the evening", "gained by climbing"):
+        assert text in outcome.out
+
+
+def test_columns_without_climb_stay_as_they_are(run: Run, tmp_path: Path) -> None:
+    run("analyse", AS2, "--csv", "plain.csv")
+    assert "altitude_m" not in pd.read_csv(io.StringIO((tmp_path / "plain.csv").read_text()))
+
+
+@pytest.mark.parametrize("command", ["size", "map", "ceiling"])
+def test_commands_at_constant_altitude_refuse_climbs(run: Run, climb: str, command: str) -> None:
+    outcome = run(command, "atlantiksolar-design", "-m", climb)
+    assert outcome.code == 2
+    assert f"climb.yaml:5:1: climb: {command} flies at constant altitude" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["mission.climb.ceiling_m=100"], "mission.climb.ceiling_m: must be at least"),
+        (["mission.climb.ceiling_m=40000"], "mission.climb.ceiling_m: must be at most 32000"),
+        (["mission.climb.strategy=up"], "'battery_full' or 'surplus'"),
+        (["mission.climb.cieling_m=100"], "did you mean 'ceiling_m'"),
+        (
+            ["airframe.level_flight.propulsion_efficiency=null"],
+            "airframe.level_flight.propulsion_efficiency: required key is missing",
+        ),
+        (
+            ["airframe.level_flight.maximum_electric_power_w=20"],
+            "maximum_electric_power_w must be at least electric_power_w",
+        ),
+        (
+            [
+                "mission.longitude_deg=8.5",
+                "mission.launch={date: 07-01, time_local: '10:00', duration_h: 20}",
+            ],
+            "give launch or climb, not both",
+        ),
+    ],
+)
+def test_wrong_climbs_are_refused(run: Run, climb: str, arguments: list[str], message: str) -> None:
+    sets = [part for one in arguments for part in ("--set", one)]
+    outcome = run("analyse", AS2, "-m", climb, *sets)
+    assert outcome.code == 2
+    assert message in outcome.err
+    assert "Traceback" not in outcome.err
+
+
+def test_aircraft_without_power_to_climb_is_refused(run: Run, climb: str) -> None:
+    outcome = run("analyse", "sky-sailor", "-m", climb)
+    assert outcome.code == 2
+    assert "airframe.propulsion.climb_power_ratio" in outcome.err
+    assert "leaves nothing to climb with" in outcome.err
