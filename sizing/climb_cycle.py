@@ -204,7 +204,8 @@ class ClimbPerformance:
 def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
     """Efficiency and largest power of the propulsion.
 
-    Parametric: the rated power of the propulsion, sized at the mission's altitude. Measured: as the file says.
+    Parametric: the rated power of the propulsion, sized at the mission's altitude. Measured: as
+    the file says.
 
     Raises
     ------
