@@ -31,6 +31,7 @@ from sizing.sizing_result import SizingResult, objective_value
 # An attack that wins by less than this is within what the time steps and tolerances allow.
 RELATIVE_TOLERANCE = 0.005
 ABSOLUTE_TOLERANCE_H = 0.01
+_PAYLOAD_TOLERANCE = 0.001  # of the total mass or load
 _FINE_STEP_H = 1.0 / 60.0
 _GRID_STEP_H = 0.25
 # Points per axis of the grid, by the number of its axes: some 2000 to 3000 designs.
@@ -116,7 +117,7 @@ def certify(
     found: list[tuple[str, float]] = [("optimum", own), *attacks.items()]
     found_by, best = max(found, key=lambda item: judge.merit(item[1]))
     advantage = judge.merit(best) - judge.merit(own)
-    tolerance = judge.tolerance(own)
+    tolerance = judge.tolerance(own, result.simulated)
     return Certificate(
         certified=bool(advantage <= tolerance and abs(fine - own) <= tolerance),
         objective_value=own,
@@ -148,10 +149,15 @@ class _Judge:
             return -np.inf
         return float(value if self.objective.maximised else -value)
 
-    def tolerance(self, value: float) -> float:
+    def tolerance(self, value: float, perf: Performance) -> float:
         relative = RELATIVE_TOLERANCE * abs(value)
-        in_hours = self.objective is Objective.max_excess_time
-        return max(relative, ABSOLUTE_TOLERANCE_H) if in_hours else relative
+        # A payload is what is left of a mass, or of a load, that may be many times larger.
+        least = {
+            Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
+            Objective.max_payload_mass: _PAYLOAD_TOLERANCE * float(perf.design.total_mass_kg),
+            Objective.max_payload_power: _PAYLOAD_TOLERANCE * float(np.max(perf.nominal_load_w)),
+        }
+        return max(relative, least.get(self.objective, 0.0))
 
     def value(self, perf: Performance) -> FloatArray:
         self.tried += int(np.size(perf.design.total_mass_kg))
@@ -175,7 +181,7 @@ class _Judge:
 
     def best_of_grid(self) -> float:
         """Best of a grid, screened with a coarse time step; the finalists with the usual one."""
-        variables = _grid(self.aircraft, self.objective, self.optimum)
+        variables = design_grid(self.aircraft, self.objective, self.optimum)
         coarse = solar_day(
             self.aircraft,
             self.mission,
@@ -233,7 +239,10 @@ def _free_axes(
     return axes
 
 
-def _grid(aircraft: Aircraft, objective: Objective, optimum: DesignVariables) -> DesignVariables:
+def design_grid(
+    aircraft: Aircraft, objective: Objective, optimum: DesignVariables
+) -> DesignVariables:
+    """Designs on a grid over all variables that are free, evenly spaced in their logarithm."""
     bounds = _free_axes(aircraft, objective, optimum)
     points = _GRID_POINTS[len(bounds)]
     axes = [np.geomspace(*ends, points) for ends in bounds.values()]
