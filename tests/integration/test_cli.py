@@ -686,7 +686,7 @@ def test_folder_that_cannot_be_written(run: Run, tmp_path: Path, name: str) -> N
     [
         ("mission.payload.mass_kg=1e6", "mass_budget"),
         ("modules.efficiency_stc=0.01", "energy_balance"),
-        ("design_space.maximum_wing_loading_kg_per_m2=0.001", "wing_loading"),
+        ("design_space.maximum_wing_loading_kg_per_m2=0.001", "wing_loading_kg_per_m2_maximum"),
     ],
 )
 def test_infeasible_sizing_says_why_and_writes_nothing(
