@@ -40,7 +40,7 @@ __all__ = ["SizingResult", "SolverReport", "Violation", "size_aircraft"]
 _SLACK_TOLERANCE = 1e-5
 _ACTIVE_MULTIPLIER = 1e-5
 _RESCUES = 3
-_ELASTIC_EFFORTS: tuple[Effort, ...] = ("steady", "patient")
+_ELASTIC_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
 _GRID_POINTS = 9
 _GRID_STEP_H = 0.5
 

@@ -162,8 +162,8 @@ class SizingProblem:
 
         The sizing itself makes do with a ``quick`` quasi-Newton Hessian: for a handful of variables
         it needs few more iterations than exact second derivatives of the charge recursion, and each
-        costs a third. The elastic program, whose slacks reach far, wants exact ones: ``steady``
-        lowers the barrier in steps, ``patient`` adaptively with more iterations. ``next`` is
+        costs a third. The elastic program, whose slacks reach far, now and then wants exact ones:
+        ``steady`` lowers the barrier in steps, ``patient`` adaptively, longer. ``next`` is
         sequential quadratic programming, which starts well from the answer to a similar question,
         as interior points do not.
         """

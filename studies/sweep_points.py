@@ -27,6 +27,7 @@ from sizing.performance import (
     performance_of_designs,
     solar_day,
 )
+from sizing.sizing_problem import SizingProblems
 from solar.names import ATTITUDE_MODELS
 from studies import sizing_columns
 from studies.engine import Cell
@@ -306,6 +307,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
     mission_file = Document("mission", dict(configuration.mission))
     names = {key: design_variable(key) for key in configuration.keys}
     rows = []
+    problems: SizingProblems | None = None
     for cell in cells:
         given = dict(zip(configuration.keys, cell, strict=True))
         files = {key: value for key, value in given.items() if names[key] is None}
@@ -321,8 +323,15 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
         if trouble is not None:
             rows.append({"status": SizingStatus.infeasible, "message": trouble})
             continue
+        sized = held(aircraft, fixed)
+        if problems is None or problems.aircraft != sized:
+            problems = SizingProblems(sized)
         result = size_aircraft(
-            held(aircraft, fixed), mission, configuration.objective, configuration.solar
+            problems.aircraft,
+            mission,
+            configuration.objective,
+            configuration.solar,
+            problems=problems,
         )
         rows.append({"payload_mass": mission.payload.mass_kg} | sizing_columns.sizing_row(result))
     return {name: [row.get(name, blank) for row in rows] for name, blank in SIZED_BLANKS.items()}
