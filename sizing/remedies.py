@@ -8,15 +8,16 @@ which is rounded away from the edge.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from missions.mission import LatitudeRange, Mission
+from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
 from sizing.aircraft import Aircraft
+from sizing.cell_sizing import size_cells
 from sizing.design import DesignVariables
 from sizing.energy_balance import FloatArray
 from sizing.objectives import Objective
@@ -30,7 +31,7 @@ from sizing.performance import (
     solar_day,
 )
 from sizing.program_solver import Answer, ProgramSolver, Question
-from sizing.sizing_problem import SOLAR_TECHNOLOGY, SizingProblems, technology_keys
+from sizing.sizing_problem import SOLAR_TECHNOLOGY, Effort, SizingProblems, technology_keys
 from sizing.sizing_result import SizingResult
 
 Direction = Literal["at least", "at most"]
@@ -59,8 +60,11 @@ _BOUNDS = {
 }
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
-_LARGER = 1.4
 _SLOTS = 2
+_PENALTY = 300.0
+_SLACK_TOLERANCE = 1e-5
+_AT_ONCE = 8  # latitudes that are sized together
+_STEPS_BEYOND = 3  # where the scenarios left out ask for a little more
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
 
@@ -156,6 +160,7 @@ class _Remedies:
         self.day = result.nearest.day
         self.solver = ProgramSolver(problems, mission, self.day)
         self.start = result.nearest.design.variables.mapped(float)
+        self.previous: Answer | None = None
 
     def all(self) -> Iterable[Remedy]:
         """Every remedy that works."""
@@ -227,7 +232,7 @@ class _Remedies:
             freed=(name,),
             bounds={name: ends},
         )
-        agreement = Agreement(
+        agreement = _SoftAgreement(
             self.solver,
             question,
             self.required_h,
@@ -236,17 +241,10 @@ class _Remedies:
         )
         agreement.slots = min(_SLOTS, len(self.day.scenarios))
         agreement.chosen = telling_scenarios(self.nearest, agreement.slots)
-        answer = agreement.ask([self.start, self._larger_start()])
+        agreement.previous = self.previous
+        answer = agreement.ask([self.start])
+        self.previous = agreement.previous
         return None if answer is None else agreement.settle(answer)
-
-    def _larger_start(self) -> DesignVariables:
-        """Nearest design blown up, for where a larger aircraft is the answer."""
-        start = self.start
-        return start._replace(
-            wingspan_m=_LARGER * start.wingspan_m,
-            battery_mass_kg=_LARGER**2 * start.battery_mass_kg,
-            module_area_m2=_LARGER**2 * start.module_area_m2,
-        )
 
     def _simulate(self, answer: Answer) -> Performance:
         """Performance with the technology that the program chose."""
@@ -301,8 +299,6 @@ class _Remedies:
         if isinstance(latitude, LatitudeRange):
             return self._narrower_band(latitude)
         places = self._easier_latitudes(latitude)
-        if not len(places):
-            return None
         return self._least_move(latitude, places, "mission.latitude_deg", lambda place: place)
 
     def _narrower_band(self, band: LatitudeRange) -> Remedy | None:
@@ -312,8 +308,6 @@ class _Remedies:
         moved, other = (band.to_deg, band.from_deg) if at_end else (band.from_deg, band.to_deg)
         count = round(abs(other - moved) / _LATITUDE_STEP_DEG)
         places = np.linspace(moved, other, count + 1)[1:-1]
-        if not len(places):
-            return None
         name = "to_deg" if at_end else "from_deg"
 
         def narrowed(place: float) -> LatitudeRange:
@@ -325,23 +319,14 @@ class _Remedies:
         """Latitudes from the mission's to where the nearest design does best, in steps."""
         reach = np.arange(_LATITUDE_STEP_DEG, _LATITUDE_REACH_DEG, _LATITUDE_STEP_DEG)
         sides = [np.clip(latitude + sign * reach, -90.0, 90.0) for sign in (-1.0, 1.0)]
-        best_h = -math.inf
-        best: FloatArray = np.empty(0)
-        for side in sides:
-            coarse = side[3::20]
-            excess = np.array([self._excess_of_nearest(place) for place in coarse])
-            peak = int(np.argmax(excess))
-            if excess[peak] > best_h:
-                best_h, best = float(excess[peak]), side[: 4 + 20 * peak]
-        return best
-
-    def _excess_of_nearest(self, latitude: float) -> float:
-        mission = self._moved(latitude)
-        perf = performance_of_designs(self.aircraft, mission, self.start, self.solar, step_h=0.5)
-        return float(np.min(perf.cycle.excess_time_h))
-
-    def _moved(self, latitude: float | LatitudeRange) -> Mission:
-        return self.mission.model_copy(update={"latitude_deg": latitude})
+        tried = np.stack(sides)[:, 3::20]
+        days = np.asarray(self.mission.dates.days(), int)
+        scenarios = Scenarios(np.repeat(tried.ravel(), len(days)), np.tile(days, tried.size))
+        day = solar_day(self.aircraft, self.mission, self.solar, scenarios=scenarios, step_h=0.5)
+        perf = performance_of_designs(self.aircraft, self.mission, self.start, self.solar, day=day)
+        excess = perf.cycle.excess_time_h.reshape(*tried.shape, -1).min(axis=-1)
+        side, peak = np.unravel_index(int(np.argmax(excess)), excess.shape)
+        return sides[side][: 4 + 20 * int(peak)]
 
     def _least_move(
         self,
@@ -350,24 +335,56 @@ class _Remedies:
         key: str,
         as_latitude: Callable[[float], float | LatitudeRange],
     ) -> Remedy | None:
-        """First of the places, ordered from hard to easy, at which a design stays up."""
-        low, high = -1, len(places) - 1
-        worst_h = self._best_excess_h(as_latitude(float(places[high])))
-        if worst_h is None:
-            return None
-        while high - low > 1:
-            middle = (low + high) // 2
-            found_h = self._best_excess_h(as_latitude(float(places[middle])))
-            if found_h is None:
-                low = middle
-            else:
-                high, worst_h = middle, found_h
-        value = float(places[high])
-        direction: Direction = "at most" if value < present else "at least"
-        return Remedy(key, "deg", present, direction, value, worst_h)
+        """First of the places, ordered from hard to easy, at which a design stays up.
 
-    def _best_excess_h(self, latitude: float | LatitudeRange) -> float | None:
-        """Largest worst excess time at a latitude; None if it is not enough."""
+        A few of them are sized at once, and then a few between the two that matter.
+        """
+        low, high = -1, len(places)
+        while high - low > 1:
+            last = high if high < len(places) else len(places) - 1
+            some = np.unique(np.linspace(low + 1, last, _AT_ONCE).round().astype(int))
+            some = some[some < high]
+            found_h = self._best_excess_h([as_latitude(float(places[i])) for i in some])
+            enough = np.flatnonzero(found_h >= self.required_h)
+            if not len(enough):
+                if high == len(places):
+                    return None
+                low = int(some[-1])
+                continue
+            first = int(enough[0])
+            high = int(some[first])
+            low = int(some[first - 1]) if first > 0 else low
+        for place in places[high : high + _STEPS_BEYOND]:
+            worst_h = self._confirmed_excess_h(as_latitude(float(place)))
+            if worst_h is not None:
+                direction: Direction = "at most" if place < present else "at least"
+                return Remedy(key, "deg", present, direction, float(place), worst_h)
+        return None
+
+    def _best_excess_h(self, latitudes: list[float | LatitudeRange]) -> FloatArray:
+        """Largest excess time at each of some latitudes; NaN where nothing stays up.
+
+        Of the scenarios only those count that matter most to the nearest design.
+        """
+        telling = telling_scenarios(self.nearest, min(_SLOTS, len(self.day.scenarios)))
+        moved = [self._moved(latitude).scenarios() for latitude in latitudes]
+        found = size_cells(
+            self.aircraft,
+            self.mission,
+            Scenarios(
+                np.concatenate([one.latitude_deg[telling] for one in moved]),
+                np.concatenate([one.day_of_year[telling] for one in moved]),
+            ),
+            Objective.max_excess_time,
+            self.solar,
+            scenarios_per_cell=len(telling),
+            required_excess_time_h=0.0,
+            problems=self.problems,
+        )
+        return found.objective_value
+
+    def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
+        """Largest worst excess time over all scenarios; None if it is not enough."""
         found = size_aircraft(
             self.aircraft,
             self._moved(latitude),
@@ -380,6 +397,35 @@ class _Remedies:
         )
         worst_h = found.objective_value
         return worst_h if worst_h is not None and worst_h >= self.required_h else None
+
+    def _moved(self, latitude: float | LatitudeRange) -> Mission:
+        return self.mission.model_copy(update={"latitude_deg": latitude})
+
+
+class _SoftAgreement(Agreement):
+    """Agreement by a program whose requirements have a price, each answer from the one before."""
+
+    previous: Answer | None = None
+
+    def ask(self, starts: Sequence[DesignVariables], *, effort: Effort = "quick") -> Answer | None:
+        """Answer of the program alone; none where it misses a requirement."""
+        filled = [self.chosen[i % len(self.chosen)] for i in range(self.slots)]
+        answer = self.solver.ask_softly(
+            self.question,
+            filled,
+            _PENALTY,
+            held={},
+            start=starts[0],
+            previous=self._fitting(self.previous),
+        )
+        if answer is None:
+            return None
+        self.previous = answer
+        return None if max(answer.slack().values()) > _SLACK_TOLERANCE else answer
+
+    def _fitting(self, answer: Answer | None) -> Answer | None:
+        """An answer of the same program; others have other variables."""
+        return answer if answer is not None and answer.problem.slots == self.slots else None
 
 
 def _rounded(value: float, direction: Direction) -> float:
