@@ -162,8 +162,8 @@ def _columns(found: CellSizings) -> dict[str, Any]:
         "minimum_state_of_charge": found.minimum_state_of_charge,
         "power": found.load_w,
         "shortfall": found.shortfall,
-        "violated_requirement": found.requirement.astype(object),
-        "message": np.array([_message(one) for one in status], object),
+        "violated_requirement": found.requirement.tolist(),
+        "message": [_message(one) for one in status],
     }
 
 
