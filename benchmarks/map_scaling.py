@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.measuring import best_time_s, row
 from missions.mission import Scenarios
 from sizing.cycle import Status
 from sizing.design import design_of
@@ -52,26 +53,7 @@ def map_scaling() -> list[dict[str, Any]]:
 def _row(
     work: str, ours_s: float, peer: str | None = None, peer_s: float | None = None
 ) -> dict[str, Any]:
-    ratio = None if peer_s is None else peer_s / ours_s
-    return {
-        "name": "map",
-        "work": work,
-        "ours_s": ours_s,
-        "peer": peer,
-        "peer_s": peer_s,
-        "ratio": ratio,
-    }
-
-
-def _least_cpu_s(work: Callable[[], Any], repeats: int) -> float:
-    """Least processor time of several runs, all of one thread, after one that warms up [s]."""
-    work()
-    times = []
-    for _ in range(repeats):
-        begun = time.process_time()
-        work()
-        times.append(time.process_time() - begun)
-    return min(times)
+    return row("map", work, ours_s, peer, peer_s)
 
 
 def _map(latitudes: Any, days: Any) -> dict[str, Any]:
@@ -80,7 +62,7 @@ def _map(latitudes: Any, days: Any) -> dict[str, Any]:
 
 
 def _full_map() -> list[dict[str, Any]]:
-    ours = _least_cpu_s(lambda: _map(_LATITUDES, _DAYS), 3)
+    ours = best_time_s(lambda: _map(_LATITUDES, _DAYS), 3)
     work = f"{len(_LATITUDES)} latitudes x {len(_DAYS)} days, all metrics; processor time"
     with tempfile.TemporaryDirectory() as folder:
         library = _compiled(Path(folder))
@@ -89,7 +71,7 @@ def _full_map() -> list[dict[str, Any]]:
         bound = _Bound(library)
         bound.check(_map(_LATITUDES, _DAYS))
         peer = f"C loop, {bound.compiler} -O3, one thread"
-        return [_row(work, ours, peer, _least_cpu_s(bound.run, 3))]
+        return [_row(work, ours, peer, best_time_s(bound.run, 3))]
 
 
 def _endurance() -> dict[str, Any]:
@@ -274,7 +256,7 @@ def _cost_against_size(long: bool) -> list[dict[str, Any]]:
             for part in parts:
                 _map(part, _DAYS)
 
-        used = _least_cpu_s(work, 5) if size <= 10**4 else _once_cpu_s(work)
+        used = best_time_s(work, 5) if size <= 10**4 else _once_cpu_s(work)
         rows.append(_row(f"{count} cells: {1e6 * used / count:.1f} us for each", used))
         cells.append(count)
         times.append(used)

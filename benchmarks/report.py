@@ -42,20 +42,26 @@ variables, as the night's deficit and the day's surplus are integrated in closed
 includes the simulation that confirms the optimum. The run fails if the optima differ by more than
 0.3 %. Both are fast; what AeroSandbox gives beyond this, a general language for optimisation with
 its own aerodynamics, is not measured here.""",
-    "sizing, solve again": """Five more requirements. AeroSandbox keeps its program, sets the
-parameter and starts from the last solution. Our call builds its program anew each time.""",
-    "map of 240 sizings": """Twenty latitudes times twelve payloads; in the southern winter there
-is no design for heavy payloads. For an infeasible cell our elastic program says what is missing
-and which design comes closest, while IPOPT searches the collocation for a feasible point until it
-gives up. AeroSandbox is given 150 iterations and 1 s for each cell, and this limit makes most of
-its time in infeasible ones; without it some of them took up to 30 s. Its program is built once.
-An AeroSandbox user could make the program elastic too.""",
+    "sizing, solve again": """More requirements for the same aircraft. AeroSandbox keeps its
+program, sets the parameter and starts from the last solution. Ours keeps its program as well and
+goes from one answer to the next by sequential quadratic programming (`sizing.cell_sizing`); the
+simulator confirms every design.""",
+    "map of 240 sizings": """Twenty latitudes times twelve payloads, three dates each; in the
+southern winter there is no design for heavy payloads. Ours sizes all cells at once, with the
+requirements at a price: an infeasible cell says what is missing in about the time of a feasible
+one, while IPOPT searches the collocation for a feasible point until it gives up. AeroSandbox is
+given 150 iterations and 1 s for each cell, and this limit makes most of its time in infeasible
+ones; without it some of them took up to 30 s. Its program is built once. An AeroSandbox user could
+make the program elastic too. Our time includes sun, simulation and certification of every cell.""",
     "its feasible cells": """The feasible cells of that map alone: what the choice of a limit has
 no part in.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar
 structure, with the charge limit of the aircraft file.""",
     "sizing, solver alone": """The part of it that IPOPT takes.""",
-    "map, one cell": """Time for one cell of a feasibility map against the size of the map.""",
+    "map": """Feasibility map of AtlantikSolar AS-2 by CAM with 5 min steps, all metrics. The C loop
+does the same arithmetic in one thread, compiled where a compiler is found, and its numbers are
+checked against ours. The other lines give the cost against the number of cells, a process pool of
+two, the memory, and the map with the longest flight of every cell that is not perpetual.""",
 }
 
 
