@@ -217,7 +217,9 @@ class _Search:
             solver=self.solver.report(),
             optimum=Optimum(
                 x=answer.x,
+                constraints=answer.problem.constraints,
                 constraint_prices=answer.constraint_prices,
+                bound_prices=_free_bound_prices(answer),
                 filled=answer.filled,
                 weights=answer.weights,
                 margin=answer.question.margin,
@@ -235,9 +237,8 @@ class _Search:
             if constraint.slot is not None:
                 label += f" ({self.day.scenarios.label(answer.filled[constraint.slot])})"
             active.append(label)
-        for price, name in zip(answer.bound_prices, problem.variable_names, strict=False):
-            free = name not in (*TECHNOLOGY, "payload_mass_kg", "payload_power_w")
-            if abs(price) > _ACTIVE_MULTIPLIER and (free or name in answer.question.freed):
+        for name, price in _free_bound_prices(answer).items():
+            if abs(price) > _ACTIVE_MULTIPLIER:
                 active.append(f"{name} at its {'maximum' if price > 0 else 'minimum'}")
         return tuple(dict.fromkeys(active))
 
@@ -370,6 +371,14 @@ class _Search:
             violations=violations,
             solver=self.solver.report(),
         )
+
+
+def _free_bound_prices(answer: Answer) -> dict[str, float]:
+    """Prices of the bounds of all variables that are not held at a value."""
+    held = {*TECHNOLOGY, "payload_mass_kg", "payload_power_w"} - set(answer.question.freed)
+    names = answer.problem.variable_names
+    prices = zip(names, answer.bound_prices.tolist(), strict=False)
+    return {name: price for name, price in prices if name not in held}
 
 
 def _item(index: int, values: FloatArray) -> float:

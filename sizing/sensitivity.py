@@ -29,6 +29,8 @@ from sizing.sizing_problem import LINEAR_SCALES, SizingProblem, build_problem
 from sizing.sizing_result import Optimum, SizingResult
 
 _RELATIVE_STEP = 1e-4
+# Multipliers below this are what the solver leaves of an inactive constraint.
+LEAST_PRICE = 1e-5
 
 # Parameters as keys of the aircraft file, or of the mission file behind "mission.", and their unit.
 PARAMETERS: dict[str, str] = {
@@ -132,6 +134,60 @@ def sensitivities(
         elasticity = derivative * value / scale if value != 0.0 and scale != 0.0 else None
         found.append(Sensitivity(name, unit, value, derivative, elasticity))
     return sorted(found, key=lambda s: -abs(s.per_percent))
+
+
+@dataclass(frozen=True)
+class ConstraintPrice:
+    """What the objective gains when one active requirement or bound is eased.
+
+    ``gain`` is in units of the objective, positive where the objective becomes better, for easing
+    by ``step``: 1 % of a limit, 1 % of the battery's capacity, or one hour of required excess time.
+    """
+
+    constraint: str
+    gain: float
+    step: str
+
+
+def constraint_prices(result: SizingResult) -> list[ConstraintPrice]:
+    """Prices of the requirements and bounds that hold an optimum back, dearest first.
+
+    They are the multipliers of the program, in the units of the objective. Like sensitivities they
+    hold for small changes.
+
+    Raises
+    ------
+    ValueError
+        If the result is no optimum.
+    """
+    if result.optimum is None or result.simulated is None:
+        raise ValueError(f"the sizing is {result.status}: only an optimum has prices")
+    worth = abs(_objective_per_cost(result))
+    labels = result.simulated.day.scenarios.label
+    prices: dict[str, ConstraintPrice] = {}
+
+    def add(name: str, price: float, per: float, step: str) -> None:
+        gain = worth * abs(price) * per
+        if abs(price) > LEAST_PRICE:
+            before = prices[name].gain if name in prices else 0.0
+            prices[name] = ConstraintPrice(name, before + gain, step)
+
+    optimum = result.optimum
+    for constraint, price in zip(optimum.constraints, optimum.constraint_prices, strict=True):
+        if constraint.slot is None:
+            if constraint.name != "mass_budget":
+                add(constraint.name, float(price), 0.01, "1 % of the limit")
+            continue
+        name = f"{constraint.name} ({labels(optimum.filled[constraint.slot])})"
+        if constraint.name == "excess_time":
+            # The row counts in tenths of the day.
+            if result.objective is not Objective.max_excess_time:
+                add(name, float(price), 1.0 / 2.4, "1 h")
+        else:
+            add(name, float(price), 0.01, "1 % of the battery's capacity")
+    for variable, price in optimum.bound_prices.items():
+        add(f"{variable} at its bound", price, 0.01, "1 % of the bound")
+    return sorted(prices.values(), key=lambda one: -one.gain)
 
 
 def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:

@@ -10,6 +10,7 @@ from sizing.design import Design
 from sizing.energy_balance import FloatArray
 from sizing.objectives import Objective
 from sizing.performance import Performance
+from sizing.sizing_problem import Constraint
 
 
 @dataclass(frozen=True)
@@ -41,11 +42,14 @@ class Optimum:
     """Solver's answer at an optimum: point, prices of the constraints, and what it was asked.
 
     ``filled`` are the scenarios in the slots of the program, ``weights`` its cost; see
-    :class:`sizing.sizing_problem.SizingProblem`.
+    :class:`sizing.sizing_problem.SizingProblem`. ``bound_prices`` are those of the variables that
+    were free.
     """
 
     x: FloatArray
+    constraints: tuple[Constraint, ...]
     constraint_prices: FloatArray
+    bound_prices: dict[str, float]
     filled: tuple[int, ...]
     weights: FloatArray
     margin: float

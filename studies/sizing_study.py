@@ -23,7 +23,12 @@ from sizing.performance import (
     solar_day,
 )
 from sizing.remedies import Remedy, remedies
-from sizing.sensitivity import Sensitivity, sensitivities
+from sizing.sensitivity import (
+    ConstraintPrice,
+    Sensitivity,
+    constraint_prices,
+    sensitivities,
+)
 from sizing.sizing_problem import SizingProblems
 from sizing.sizing_result import SizingResult
 from sizing.widest_range import WidestRange, widest_range
@@ -50,6 +55,7 @@ class SizingStudy:
     band: WidestRange | None = None
     remedies: tuple[Remedy, ...] = ()
     worth: list[Sensitivity] | None = None
+    prices: list[ConstraintPrice] | None = None
     certificate: Certificate | None = None
     as_assumed: Performance | None = None
 
@@ -62,6 +68,8 @@ class SizingStudy:
             record["remedies"] = [_remedy_record(remedy) for remedy in self.remedies]
         if self.worth is not None:
             record["sensitivities"] = sensitivity_records(self.worth)
+        if self.prices is not None:
+            record["constraint_prices"] = [dict(price.__dict__) for price in self.prices]
         if self.certificate is not None:
             record["certificate"] = certificate_record(self.certificate)
         if self.as_assumed is not None:
@@ -108,6 +116,7 @@ def size(
     return SizingStudy(
         *(aircraft, mission, solar, result, band, helpful),
         worth=sensitivities(*asked) if with_sensitivities and result.feasible else None,
+        prices=constraint_prices(result) if with_sensitivities and result.feasible else None,
         certificate=certify(*asked) if with_certificate and result.feasible else None,
         as_assumed=_as_assumed(aircraft, mission, result, solar),
     )

@@ -13,7 +13,7 @@ from missions.mission import latitude_label
 from sizing.certificate import RELATIVE_TOLERANCE, Certificate
 from sizing.objectives import Objective
 from sizing.remedies import Remedy
-from sizing.sensitivity import Sensitivity
+from sizing.sensitivity import ConstraintPrice, Sensitivity
 from sizing.sizing_result import SizingResult
 from studies.analysis import Analysis, clock_label
 from studies.model_transfer import TransferredError
@@ -159,6 +159,8 @@ def print_sizing_study(console: Console, study: SizingStudy, record: dict[str, A
         _print_remedies(console, study.remedies)
     if study.worth is not None:
         print_sensitivities(console, study.worth, study.result.objective)
+    if study.prices:
+        _print_prices(console, study.prices, study.result.objective)
     if study.certificate is not None:
         print_certificate(console, study.certificate, study.result.objective)
 
@@ -168,6 +170,16 @@ def _range_text(band: dict[str, Any]) -> str:
         return f"season: {band['from']} to {band['to']}, {band['days']} days"
     ends = " to ".join(latitude_label(band[end]) for end in ("from_deg", "to_deg"))
     return f"latitudes: {ends}, {band['width_deg']:g} degrees"
+
+
+def _print_prices(console: Console, prices: list[ConstraintPrice], objective: Objective) -> None:
+    table = Table(title="what easing a constraint gains", title_justify="left")
+    table.add_column("constraint", overflow="fold")
+    table.add_column(f"{objective.unit}", justify="right")
+    table.add_column("for easing by")
+    for price in prices:
+        table.add_row(price.constraint, f"{price.gain:.3g}", price.step)
+    console.print(table)
 
 
 def _print_remedies(console: Console, remedies: tuple[Remedy, ...]) -> None:

@@ -9,7 +9,7 @@ from sizing.certificate import certify
 from sizing.objectives import Objective
 from sizing.optimiser import SizingResult, size_aircraft
 from sizing.performance import SolarModel, performance_of_designs
-from sizing.sensitivity import PARAMETERS, sensitivities
+from sizing.sensitivity import PARAMETERS, constraint_prices, sensitivities
 from studies.library import load_aircraft, load_mission
 
 DESIGN = "atlantiksolar-design"
@@ -141,3 +141,45 @@ def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
     assert not certificate.certified
     assert certificate.advantage > 0.0
     assert certificate.found_by != "optimum"
+
+
+# ---- prices of constraints
+
+
+def test_price_of_the_required_time_is_what_another_hour_costs() -> None:
+    result = sized(Objective.min_wingspan, 4.0)
+    prices = {p.constraint.split(" (")[0]: p for p in constraint_prices(result)}
+    per_hour = sum(
+        p.gain for p in constraint_prices(result) if p.constraint.startswith("excess_time")
+    )
+    more, less = (sized(Objective.min_wingspan, h).objective_value for h in (4.2, 3.8))
+    assert more is not None
+    assert less is not None
+    # A difference over 0.4 h of two searches that stop within 0.02 h: five percent.
+    assert per_hour == pytest.approx((more - less) / 0.4, rel=0.06)
+    assert prices["excess_time"].step == "1 h"
+
+
+def test_price_of_a_bound_is_what_widening_it_gains() -> None:
+    bound = "design_space.wingspan_m.maximum"
+    narrow, wide = (
+        sized(
+            Objective.max_excess_time,
+            0.0,
+            f"{bound}={span}",
+            "airframe.wingspan_m=4.9",
+            "modules.area_m2=1.0",
+        )
+        for span in (5.0, 5.05)
+    )
+    price = {p.constraint: p for p in constraint_prices(narrow)}["wingspan_m at its bound"]
+    assert narrow.objective_value is not None
+    assert wide.objective_value is not None
+    # The step is one percent; what is left is the curvature over it.
+    assert price.gain == pytest.approx(wide.objective_value - narrow.objective_value, rel=0.05)
+    assert price.step == "1 % of the bound"
+
+
+def test_no_optimum_has_no_prices() -> None:
+    with pytest.raises(ValueError, match="only an optimum has prices"):
+        constraint_prices(sized(Objective.min_wingspan, 900.0))
