@@ -34,7 +34,7 @@ tables:
 	python -m studies.doc_tables
 
 test: install
-	SOLAR_UAV_TEST_INSTALLED=1 $(BIN)/pytest
+	SOLAR_UAV_TEST_INSTALLED=1 $(BIN)/pytest -n auto --dist loadfile
 
 lint: $(BIN)/ruff
 	$(BIN)/ruff check .
