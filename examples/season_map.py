@@ -15,7 +15,7 @@ from studies.feasibility_map import feasibility_map, map_figure, season_length
 from studies.library import load_aircraft, load_mission
 
 AIRCRAFT = {"as built": [], "half the battery": ["battery.mass_kg=1.46"]}
-LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 2.5), np.arange(1, 366, 4)
+LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366, 2)
 # Published of AS-2: perpetual flight "in a 6-month window around June 21st at mid-European
 # latitudes". Which latitudes these are is our reading.
 SOLSTICE, HALF_WINDOW_D, MID_EUROPE_DEG = 172, 91, (45.0, 50.0)
