@@ -5,40 +5,45 @@ Run with: python examples/battery_outlook.py [figure.png]
 
 import sys
 
+import numpy as np
 from matplotlib.figure import Figure
 
-from sizing.objectives import Objective
-from sizing.optimiser import size_aircraft
+from missions.dates import day_of_year
+from missions.mission import Scenarios
+from sizing.cell_sizing import size_cells
 from sizing.performance import SolarModel
 from studies.library import load_aircraft, load_mission
 
-SPECIFIC_ENERGIES_WH_PER_KG = [200.0, 250.0, 300.0, 400.0, 500.0]
-DATES = {"06-21": "21 June", "08-15": "15 August", "09-23": "23 September"}
+SPECIFIC_ENERGIES_WH_PER_KG = np.arange(200.0, 501.0, 25.0)
+DATES = {"21 June": "06-21", "15 August": "08-15", "23 September": "09-23"}
+LATITUDE_DEG = 47.6
 
 
-def smallest_wingspan_m(specific_energy_wh_per_kg: float, date: str) -> float | None:
-    """Least wingspan with 3 h of excess time at 47.6 N, none where no design is feasible."""
+def smallest_wingspans_m(specific_energy_wh_per_kg: float) -> np.ndarray:
+    """Least wingspan on each date with 3 h of excess time; NaN where no design is feasible."""
+    days = np.array([day_of_year(date) for date in DATES.values()])
     energy = f"battery.specific_energy_wh_per_kg={specific_energy_wh_per_kg}"
-    result = size_aircraft(
+    # Every date is a cell of its own; cells are sized for the least wingspan unless told otherwise.
+    found = size_cells(
         load_aircraft("atlantiksolar-design", [energy]).aircraft,
-        load_mission("rafz-july", [f"dates.on={date}"]).mission,
-        Objective.min_wingspan,
-        SolarModel("CAM", "report"),
+        load_mission("rafz-july").mission,
+        Scenarios(np.full(len(days), LATITUDE_DEG), days),
+        solar=SolarModel("CAM", "report"),
         required_excess_time_h=3.0,
     )
-    return result.objective_value
+    return found.objective_value
 
 
 def main() -> None:
     """Print and draw the least wingspan over the cells' specific energy."""
+    spans_m = np.array([smallest_wingspans_m(e) for e in SPECIFIC_ENERGIES_WH_PER_KG])
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.subplots()
-    for (date, label), marker in zip(DATES.items(), "os^", strict=True):
-        spans_m = [smallest_wingspan_m(e, date) for e in SPECIFIC_ENERGIES_WH_PER_KG]
-        for energy, span_m in zip(SPECIFIC_ENERGIES_WH_PER_KG, spans_m, strict=True):
-            reached = "no design" if span_m is None else f"{span_m:.2f} m"
-            print(f"{label}, {energy:.0f} Wh/kg: {reached}")
-        axes.plot(SPECIFIC_ENERGIES_WH_PER_KG, spans_m, marker=marker, label=label)
+    for date, column, marker in zip(DATES, spans_m.T, "os^", strict=True):
+        for energy, span_m in zip(SPECIFIC_ENERGIES_WH_PER_KG, column, strict=True):
+            reached = "no design" if np.isnan(span_m) else f"{span_m:.2f} m"
+            print(f"{date}, {energy:.0f} Wh/kg: {reached}")
+        axes.plot(SPECIFIC_ENERGIES_WH_PER_KG, column, marker=marker, label=date)
     axes.set(
         xlabel="specific energy of the battery [Wh/kg]", ylabel="smallest wingspan, 47.6 N [m]"
     )

@@ -8,41 +8,40 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from sizing.objectives import Objective
-from sizing.optimiser import size_aircraft
+from missions.dates import day_of_year
+from missions.mission import Scenarios
+from sizing.cell_sizing import size_cells
 from sizing.performance import SolarModel
 from studies.library import load_aircraft, load_mission
 
-LATITUDES_DEG = [-30.0, 0.0, 20.0, 40.0, 60.0]
-PAYLOADS_KG = [0.0, 1.0, 2.0]
-
-
-def smallest_wingspan_m(latitude_deg: float, payload_kg: float) -> float:
-    """Least wingspan with 2 h of excess time from May to August [m], NaN without a design."""
-    result = size_aircraft(
-        load_aircraft("atlantiksolar-design").aircraft,
-        load_mission(
-            "central-europe-summer",
-            [f"latitude_deg={latitude_deg}", f"payload.mass_kg={payload_kg}"],
-        ).mission,
-        Objective.min_wingspan,
-        SolarModel("CAM", "report"),
-        required_excess_time_h=2.0,
-    )
-    return np.nan if result.objective_value is None else result.objective_value
+LATITUDES_DEG = np.arange(-30.0, 61.0, 10.0)
+PAYLOADS_KG = np.array([0.0, 1.0, 2.0])
+# The summer is its two ends and the solstice. They make one cell: the worst of them counts.
+DAYS = np.array([day_of_year(date) for date in ("05-01", "06-21", "08-15")])
 
 
 def main() -> None:
-    """Size every case, print a table and draw a curve for each payload."""
+    """Size every case at once, print a table and draw a curve for each payload."""
+    payload, latitude = (v.ravel() for v in np.meshgrid(PAYLOADS_KG, LATITUDES_DEG, indexing="ij"))
+    found = size_cells(
+        load_aircraft("atlantiksolar-design").aircraft,
+        load_mission("central-europe-summer").mission,
+        Scenarios(np.repeat(latitude, len(DAYS)), np.tile(DAYS, len(latitude))),
+        solar=SolarModel("CAM", "report"),
+        scenarios_per_cell=len(DAYS),
+        required_excess_time_h=2.0,
+        payload_mass_kg=payload,
+    )
+    spans_m = found.objective_value.reshape(len(PAYLOADS_KG), len(LATITUDES_DEG))
+
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.subplots()
     print("payload  " + "".join(f"{latitude:6.0f} N" for latitude in LATITUDES_DEG))
-    for payload_kg, marker in zip(PAYLOADS_KG, "os^", strict=True):
-        spans_m = [smallest_wingspan_m(latitude, payload_kg) for latitude in LATITUDES_DEG]
-        cells = "".join("       -" if np.isnan(s) else f"{s:6.2f} m" for s in spans_m)
+    for payload_kg, row_m, marker in zip(PAYLOADS_KG, spans_m, "os^", strict=True):
+        cells = "".join("       -" if np.isnan(s) else f"{s:6.2f} m" for s in row_m)
         print(f"{payload_kg:4.1f} kg  {cells}")
-        axes.plot(LATITUDES_DEG, spans_m, marker=marker, label=f"{payload_kg:g} kg")
-    axes.set(xlabel="latitude [deg N]", ylabel="smallest wingspan, May to August [m]")
+        axes.plot(LATITUDES_DEG, row_m, marker=marker, label=f"{payload_kg:g} kg")
+    axes.set(xlabel="latitude [deg N]", ylabel="smallest wingspan, 1 May to 15 August [m]")
     axes.legend(title="payload (CAM, correction: report)")
     axes.grid(alpha=0.3)
     if len(sys.argv) > 1:

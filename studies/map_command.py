@@ -144,7 +144,7 @@ def _print_seasons(data: xr.Dataset, as_json: bool) -> None:
 
 def _print_designs(data: xr.Dataset, as_json: bool) -> None:
     """Of every latitude: on how many days there is a design, and the range of its size."""
-    from studies.sizing_columns import SizingStatus
+    from studies.sizing_columns import SIZED, SizingStatus
 
     record: dict[str, Any] = {
         "latitude_deg": data["latitude"].to_numpy().tolist(),
@@ -165,20 +165,21 @@ def _print_designs(data: xr.Dataset, as_json: bool) -> None:
 
     from missions.mission import latitude_label
 
+    none = (SizingStatus.infeasible, SizingStatus.invalid)
+    groups = (SIZED, none, [kind for kind in SizingStatus if kind not in (*SIZED, *none)])
+
     title = f"{data.attrs['title']} for {record['objective']}"
     table = Table(title=title, title_justify="left")
     shown = {"wingspan_m": "wingspan [m]", "total_mass_kg": "mass [kg]"}
     if record["objective"] == "max_excess_time":
         shown["excess_time_h"] = "excess time [h]"
-    heads = ("latitude", f"designs on {data.sizes['day']} days", "none", "failed")
+    heads = ("latitude", f"designs on {data.sizes['day']} days", "none", "unknown")
     for name in (*heads, *shown.values()):
         table.add_column(name, justify="right")
     for i, latitude in enumerate(record["latitude_deg"]):
         table.add_row(
             latitude_label(latitude),
-            str(record["optimal_days"][i]),
-            str(record["infeasible_days"][i]),
-            str(record["not_converged_days"][i] + record["failed_days"][i]),
+            *(str(sum(record[f"{kind.name}_days"][i] for kind in kinds)) for kinds in groups),
             *(_range(record[f"least_{name}"][i], record[f"largest_{name}"][i]) for name in shown),
         )
     console().print(table)

@@ -27,7 +27,12 @@ DRAWING = [
         r"55 N, 15 Jul\n  uncorrected CDM: \d\.\d\d m, comes down",
     ),
     ("battery_outlook.py", r"23 September, 500 Wh/kg: \d\.\d\d m"),
-    ("payload_against_latitude.py", r" 2\.0 kg  ( +\d\.\d\d m){5}"),
+    ("design_chart.py", r"aspect ratio 18\.5\n  3 m: no battery .*\n  4 m: at most \d\.\d\d h"),
+    ("payload_against_latitude.py", r" 2\.0 kg  ( +\d\.\d\d m){10}"),
+    (
+        "resized_map.py",
+        r" -70 N: .*; else missed: .*sun\n(.*\n)+   0 N: 27 of 27 days have a design, \d\.\d\d to",
+    ),
 ]
 
 

@@ -265,6 +265,16 @@ def test_sized_map_follows_cf_and_survives_its_file(sized: xr.Dataset, tmp_path:
     xr.testing.assert_equal(again, sized)
 
 
+def test_table_counts_the_certified_designs(run: Any) -> None:
+    asked = ["atlantiksolar-design", "--resize", "min_wingspan", "--workers", "1"]
+    answer = run(*asked, "--latitudes", "0:75:75", "--days", "172:355:183")
+    assert answer.exit_code == 0, answer.output
+    rows = {row.split()[1]: row.split() for row in answer.output.splitlines() if "N" in row[:12]}
+    # Latitude, days with a design, without one, unknown: certified is a design.
+    assert [rows["0"][i] for i in (4, 6, 8)] == ["2", "0", "0"]
+    assert [rows["75"][i] for i in (4, 6, 8)] == ["1", "1", "0"]
+
+
 def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None:
     figure = map_jobs.sized_map_figure(sized)
     assert "wingspan [m]" in figure.axes[1].get_ylabel()

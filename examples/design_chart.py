@@ -1,0 +1,46 @@
+"""Design chart: which wingspan and battery fly through a summer, at two aspect ratios.
+
+Run with: python examples/design_chart.py [figure.png]
+"""
+
+import sys
+
+from sizing.performance import SolarModel
+from studies.library import load_aircraft, load_mission
+from studies.sweep import feasible, sweep
+from studies.sweep_axes import parse_axis
+from studies.sweep_plots import figure_of
+
+
+def main() -> None:
+    """Print the best battery of each wingspan, and draw excess time and charge margin."""
+    # Nothing is sized: each point is a design, flown in all scenarios of the mission. Its modules
+    # fill the wing as far as they may. Mass, airspeed and power follow from the geometry.
+    data = sweep(
+        load_aircraft("atlantiksolar-design"),
+        load_mission("central-europe-summer"),
+        [
+            parse_axis("wingspan_m=3:7:0.25"),
+            parse_axis("battery_mass_kg=0.5:10:0.25"),
+            parse_axis("aspect_ratio=14,18.5"),
+        ],
+        SolarModel("CAM", "report"),
+    )
+    excess_h = data["excess_time"].where(feasible(data))
+    for ratio in data["aspect_ratio"].to_numpy():
+        print(f"aspect ratio {ratio:g}")
+        for span in (3.0, 4.0, 5.0, 6.0, 7.0):
+            row = excess_h.sel(wingspan_m=span, aspect_ratio=ratio).dropna("battery_mass_kg")
+            if not row.size:
+                print(f"  {span:g} m: no battery makes it fly for ever")
+                continue
+            print(
+                f"  {span:g} m: at most {float(row.max()):.2f} h of excess time, "
+                f"with {float(row.idxmax()):.2f} kg of battery"
+            )
+    if len(sys.argv) > 1:
+        figure_of(data).savefig(sys.argv[1], dpi=150)
+
+
+if __name__ == "__main__":
+    main()
