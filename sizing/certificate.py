@@ -116,10 +116,12 @@ def certify(
     }
     found: list[tuple[str, float]] = [("optimum", own), *attacks.items()]
     found_by, best = max(found, key=lambda item: judge.merit(item[1]))
-    advantage = judge.merit(best) - judge.merit(own)
+    # Equal first: the excess time is infinite where the battery is never needed.
+    advantage = 0.0 if best == own else judge.merit(best) - judge.merit(own)
     tolerance = judge.tolerance(own, result.simulated)
+    confirmed = fine == own or abs(fine - own) <= tolerance
     return Certificate(
-        certified=bool(advantage <= tolerance and abs(fine - own) <= tolerance),
+        certified=bool(advantage <= tolerance and confirmed),
         objective_value=own,
         fine_step_value=fine,
         best_found=best,

@@ -109,7 +109,8 @@ def sensitivities(
     Returns
     -------
     list of Sensitivity
-        Largest change of the objective per per cent first.
+        Largest change of the objective per per cent first; empty where the excess time is infinite,
+        which no small change makes any longer.
 
     Raises
     ------
@@ -118,6 +119,8 @@ def sensitivities(
     """
     if result.optimum is None or result.simulated is None or result.objective_value is None:
         raise ValueError(f"the sizing is {result.status}: only an optimum has sensitivities")
+    if not np.isfinite(result.objective_value):
+        return []
     every = result.simulated.day.scenarios
     filled = list(result.optimum.filled)
     scenarios = Scenarios(every.latitude_deg[filled], every.day_of_year[filled])

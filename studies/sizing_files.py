@@ -44,7 +44,7 @@ def write_sizing(
         "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
         "masses.png": plots.to_bytes(masses, "png"),
     }
-    if worth is not None:
+    if worth:
         contents["sensitivities.csv"] = _csv(sizing_study.sensitivity_table(worth))
         tornado = plots.tornado_figure(worth, result.objective, sized.name, result.simulated.solar)
         contents["sensitivities.png"] = plots.to_bytes(tornado, "png")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -141,7 +142,7 @@ def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[
         "mission": mission.name,
         "objective": {
             "name": result.objective.value,
-            "value": result.objective_value,
+            "value": None if result.objective_value is None else finite(result.objective_value),
             "required_excess_time_h": result.required_excess_time_h,
         },
         "active_constraints": list(result.active_constraints),
@@ -228,29 +229,23 @@ def _range_record(band: WidestRange) -> dict[str, Any]:
 
 
 def _remedy_record(remedy: Remedy) -> dict[str, Any]:
-    return {**remedy.__dict__, "text": remedy.text}
+    return {**_strict(remedy.__dict__), "text": remedy.text}
 
 
 def sensitivity_records(worth: list[Sensitivity]) -> list[dict[str, Any]]:
     """Sensitivities, JSON-ready, most important first."""
-    return [
-        {
-            "parameter": s.parameter,
-            "unit": s.unit,
-            "value": s.value,
-            "derivative": s.derivative,
-            "elasticity": s.elasticity,
-            "per_percent": s.per_percent,
-        }
-        for s in worth
-    ]
+    return [_strict({**s.__dict__, "per_percent": s.per_percent}) for s in worth]
 
 
 def certificate_record(certificate: Certificate) -> dict[str, Any]:
     """Certificate, JSON-ready; a value that does not exist is null."""
+    return _strict(certificate.__dict__)
+
+
+def _strict(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Record with null for numbers that are infinite or not defined."""
     return {
-        name: finite(value) if isinstance(value, float) else value
-        for name, value in certificate.__dict__.items()
+        name: finite(value) if isinstance(value, float) else value for name, value in record.items()
     }
 
 

@@ -216,7 +216,7 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
         ("load", f"{record['power_out_w']:.1f} W"),
         (
             f"objective {result.objective.value}",
-            f"{result.objective_value:.4g} {result.objective.unit}",
+            _with_unit(result.objective_value, ".4g", result.objective),
         ),
         (f"excess time simulated, {worst}", hours(simulated["excess_time_h"], "no end")),
         ("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"),
@@ -236,6 +236,13 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
         f"{1000 * solver.time_s:.0f} ms (built in {1000 * solver.build_time_s:.0f} ms)",
         style="dim",
     )
+
+
+def _with_unit(value: float | None, digits: str, objective: Objective) -> str:
+    """Value of an objective with its unit; an excess time may have no end."""
+    if value is None or math.isnan(value):
+        return "-"
+    return "no end" if math.isinf(value) else f"{value:{digits}} {objective.unit}"
 
 
 def print_published(console: Console, rows: list[Comparison]) -> None:
@@ -349,6 +356,9 @@ def print_sensitivities(
     console: Console, worth: list[Sensitivity], objective: Objective, *, rows: int = 15
 ) -> None:
     """What each technology parameter is worth, most important first."""
+    if not worth:
+        console.print(f"no sensitivities: {objective.value} has no end")
+        return
     unit = objective.unit
     table = Table(title=f"sensitivities of {objective.value}", title_justify="left")
     table.add_column("parameter", overflow="fold")
@@ -376,18 +386,17 @@ def print_sensitivities(
 
 def print_certificate(console: Console, certificate: Certificate, objective: Objective) -> None:
     """Whether the optimum withstood the attack."""
-    unit = objective.unit
     verdict = "certified" if certificate.certified else "NOT certified"
     found = (
-        f"the best of them has {certificate.best_found:.5g} {unit} ({certificate.found_by}), "
-        f"better by {certificate.advantage:.2g} {unit}"
+        f"the best of them has {_with_unit(certificate.best_found, '.5g', objective)} "
+        f"({certificate.found_by}), better by {_with_unit(certificate.advantage, '.2g', objective)}"
         if certificate.advantage > RELATIVE_TOLERANCE * abs(certificate.objective_value)
         else "none is better by more than the tolerance"
     )
     fine = (
         "misses its requirement"
         if math.isnan(certificate.fine_step_value)
-        else f"has {certificate.fine_step_value:.5g} {unit}"
+        else f"has {_with_unit(certificate.fine_step_value, '.5g', objective)}"
     )
     console.print(
         f"{verdict}: {certificate.designs_tried} designs tried, {found}; with a time step of one "

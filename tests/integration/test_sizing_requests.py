@@ -345,6 +345,19 @@ def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
     assert size_aircraft(plane, moved, Objective.max_excess_time).feasible
 
 
+def test_less_required_time_is_no_remedy_for_another_requirement() -> None:
+    # No wing is covered to more than maximum_module_coverage, 0.85, however short the flight.
+    plane = aircraft("design_space.limits={module_coverage: {minimum: 0.9}}")
+    result = size_aircraft(plane, mission(), required_excess_time_h=50.0)
+    assert {violation.requirement for violation in result.violations} == {
+        "module_coverage_minimum",
+        "excess_time",
+    }
+    assert "mission.required_excess_time_h" not in {
+        remedy.parameter for remedy in remedies(plane, mission(), result)
+    }
+
+
 def test_hopeless_mission_has_no_remedies_and_a_feasible_one_is_refused() -> None:
     plane = aircraft()
     result = size_aircraft(plane, mission(latitude_deg=66.0, dates={"on": "12-21"}))

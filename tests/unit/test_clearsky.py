@@ -70,7 +70,7 @@ def test_coefficients_of_mid_month_are_those_of_the_table(month: int) -> None:
     end = date(2015 + month // 12, month % 12 + 1, 1)
     middle = start.timetuple().tm_yday + (end - start).days / 2.0
     table = (MONTHLY_A[month - 1], MONTHLY_B[month - 1], MONTHLY_C[month - 1])
-    assert coefficients(middle, 47.6) == pytest.approx(table)
+    assert coefficients(middle, 47.6)[:3] == pytest.approx(table)
 
 
 def test_coefficients_run_straight_from_month_to_month() -> None:
