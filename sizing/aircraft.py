@@ -261,6 +261,11 @@ class DesignSpace(Record):
     maximum_climb_discharge_rate_per_h: PositiveReal | None = None
     limits: dict[LimitedQuantity, Limit] = Field(default_factory=dict)
 
+    def __hash__(self) -> int:
+        # A mapping has no hash of its own; aircraft serve as keys of what is kept for them.
+        others = (getattr(self, name) for name in type(self).model_fields if name != "limits")
+        return hash((*others, frozenset(self.limits.items())))
+
     def all_limits(self) -> dict[LimitedQuantity, Limit]:
         """Every limit on a quantity of the design, whichever key it was given by."""
         named: dict[LimitedQuantity, Limit] = {}

@@ -163,6 +163,15 @@ def test_every_quantity_has_a_formula_and_a_sound_value() -> None:
     assert float(it.stall_margin) == pytest.approx(expected, rel=1e-12)
 
 
+def test_equal_limits_in_either_order_make_equal_keys() -> None:
+    chord, speed = "chord_m: {minimum: 0.1}", "airspeed_m_per_s: {maximum: 20}"
+    first = aircraft(f"design_space.limits={{{chord}, {speed}}}")
+    second = aircraft(f"design_space.limits={{{speed}, {chord}}}")
+    assert first == second
+    assert hash(first) == hash(second)
+    assert len({first, aircraft(), second}) == 2
+
+
 @pytest.mark.parametrize(
     ("override", "told"),
     [

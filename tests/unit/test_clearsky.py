@@ -94,11 +94,12 @@ def test_coefficients_are_periodic(day: float, latitude: float) -> None:
 
 @given(days)
 def test_south_has_the_north_season_half_a_year_later(day: float) -> None:
-    _, b_north, c_north = coefficients(day + 182.5, 30.0)
-    a_south, b_south, c_south = coefficients(day, -30.0)
+    _, b_north, c_north, _ = coefficients(day + 182.5, 30.0)
+    a_south, b_south, c_south, outside = coefficients(day, -30.0)
     assert np.asarray((b_south, c_south)) == pytest.approx(np.asarray((b_north, c_north)))
     # The distance to the sun does not know hemispheres.
-    assert a_south == pytest.approx(coefficients(day, 30.0)[0])
+    assert a_south == pytest.approx(coefficients(day, 30.0).a)
+    assert outside == pytest.approx(coefficients(day, 30.0).extraterrestrial)
 
 
 def test_hemisphere_matters_to_haze() -> None:
