@@ -45,8 +45,8 @@ def main(arguments: list[str]) -> None:
             SolarModel(),
             Objective.min_wingspan,
         ),
-        np.linspace(-60.0, 60.0, 7),
-        np.arange(1.0, 366.0, 28.0),
+        np.linspace(-60.0, 60.0, 61),
+        np.arange(1.0, 366.0, 7.0),
     )
     print(f"{job.cells} cells in {len(job.chunks)} chunks, {available_cores()} cores")
     first: Columns = {}

@@ -323,13 +323,15 @@ def closed_design(
     even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
     arrays = DesignVariables(**dict(zip(given, even, strict=True)))
     flat = arrays.mapped(np.ravel)
+    conditions = FlightConditions.of(mission)
     mass = np.array(flat.battery_mass_kg)
     climbing = np.arange(mass.size)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(2000):
             some = flat.mapped(itemgetter(climbing))
             assumed = mass[climbing]
-            budget = np.asarray(parametric_design(aircraft, mission, some, assumed).masses.total_kg)
+            closing = parametric_design(aircraft, conditions, some, assumed)
+            budget = np.asarray(closing.masses.total_kg)
             budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
             mass[climbing] = budget
             still = np.abs(budget - assumed) <= relative_tolerance * assumed
@@ -339,7 +341,7 @@ def closed_design(
                 break
         mass[climbing] = np.inf
         total = mass.reshape(np.shape(arrays.wingspan_m))
-        return parametric_design(aircraft, mission, arrays, total)
+        return parametric_design(aircraft, conditions, arrays, total)
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:

@@ -8,6 +8,7 @@ optimiser finds no kink. Equations and sources: docs/structure.md.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
 from typing import Annotated, Literal, NamedTuple
 
@@ -67,12 +68,12 @@ class Station(NamedTuple):
     unit of half-wing load, and of half-span for the moments.
     """
 
-    fraction: float
-    weight: float
-    lift_moment: float
-    mass_moment: float
-    lift_shear: float
-    mass_shear: float
+    fraction: Value
+    weight: Value
+    lift_moment: Value
+    mass_moment: Value
+    lift_shear: Value
+    mass_shear: Value
 
 
 def stations(count: int) -> tuple[Station, ...]:
@@ -97,7 +98,22 @@ def _station(x: float, weight: float) -> Station:
     )
 
 
-_STATIONS = stations(STATION_COUNT)
+_COLUMNS = Station(*np.array(stations(STATION_COUNT)).T)
+
+
+def _along_the_span(*values: Value) -> tuple[Station, Callable[[Value], Value]]:
+    """All stations at once in the arithmetic of some values, and the integral over them.
+
+    Stations are the first axis of arrays and the rows of symbols.
+    """
+    if all(isinstance(value, (int, float, np.number, np.ndarray)) for value in values):
+        shape = (-1, *(1 for _ in range(max(np.ndim(value) for value in values))))
+        arrays = Station(*(column.reshape(shape) for column in _COLUMNS))
+        return arrays, lambda integrand: np.tensordot(_COLUMNS.weight, integrand, 1)
+    import casadi as ca
+
+    rows = Station(*(ca.DM(column) for column in _COLUMNS))
+    return rows, lambda integrand: ca.dot(rows.weight, integrand)
 
 
 class _Wing(NamedTuple):
@@ -310,14 +326,14 @@ class RibWingStructure(Record):
     def _spar_kg(self, wing: _Wing) -> tuple[Value, Value]:
         """Caps and webs, integrated over both half-spans."""
         depth_m = self.spar_depth_fraction * self.thickness_ratio * wing.chord_m
-        cap_m2: Value = 0.0
-        web_m: Value = 0.0
-        for station in _STATIONS:
-            forces = self._forces(wing, station, depth_m)
-            caps = self._cap_area_m2(wing, forces.up, forces.down, depth_m)
-            caps = caps + self._cap_area_m2(wing, forces.down, forces.up, depth_m)
-            cap_m2 = cap_m2 + station.weight * caps
-            web_m = web_m + station.weight * self._web_thickness_m(forces.shear, depth_m)
+        station, integral = _along_the_span(
+            wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
+        )
+        forces = self._forces(wing, station, depth_m)
+        caps_m2 = self._cap_area_m2(wing, forces.up, forces.down, depth_m)
+        caps_m2 = caps_m2 + self._cap_area_m2(wing, forces.down, forces.up, depth_m)
+        cap_m2 = integral(caps_m2)
+        web_m = integral(self._web_thickness_m(forces.shear, depth_m))
         span_m = wing.wingspan_m
         caps_kg = self.cap_density_kg_per_m3 * span_m * cap_m2
         web_kg = self.laminate_density_kg_per_m3 * span_m * 2.0 * depth_m * web_m

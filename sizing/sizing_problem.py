@@ -55,10 +55,16 @@ _IPOPT_EFFORTS: dict[Effort, dict[str, Any]] = {
     },
 }
 
-_IPOPT_OPTIONS = {
+_COMMON_OPTIONS = {
     "print_time": False,
     "show_eval_warnings": False,
     "error_on_fail": False,
+    # Prices of parameters are found only where they are asked for; sizing.sensitivity.
+    "calc_lam_p": False,
+    "no_nlp_grad": True,
+}
+
+_IPOPT_OPTIONS = _COMMON_OPTIONS | {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.tol": 1e-8,
@@ -67,10 +73,7 @@ _IPOPT_OPTIONS = {
 }
 
 # Sequential quadratic programming, for the next one of a row of similar problems.
-_SQP_OPTIONS: dict[str, Any] = {
-    "print_time": False,
-    "show_eval_warnings": False,
-    "error_on_fail": False,
+_SQP_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
     "print_header": False,
     "print_iteration": False,
     "print_status": False,
