@@ -9,13 +9,14 @@ simulator's are; the sun's curvature between nodes costs less than 0.01 h of exc
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from missions.mission import Mission
-from sizing.battery import Battery, RuleChargeLimit, TableChargeLimit
+from sizing.battery import Battery, ChargeLimit, RuleChargeLimit, TableChargeLimit
 from sizing.design import thermal_shape
 from sizing.energy_balance import FloatArray
 from sizing.performance import SolarDay
@@ -60,10 +61,19 @@ def _one_scenario(
 def cycle_function(battery: Battery) -> ca.Function:
     """Deficit of the night and state of charge after the day, relative to the capacity.
 
-    Every scenario shares it, so that its derivatives are built once. Arguments: module area [m2],
-    capacity [Wh], nominal load and propulsion power [W], state of charge at dawn, and the sun as
-    :func:`sun_parameters` gives it.
+    Every scenario shares it, and every aircraft whose battery is charged alike, so that its
+    derivatives are built once. Arguments: module area [m2], capacity [Wh], nominal load and
+    propulsion power [W], state of charge at dawn, and the sun as :func:`sun_parameters` gives it.
     """
+    return _cycle_function(
+        battery.charge_limit, battery.charge_efficiency, battery.discharge_efficiency
+    )
+
+
+@lru_cache(maxsize=32)
+def _cycle_function(
+    charge_limit: ChargeLimit, charge_efficiency: float, discharge_efficiency: float
+) -> ca.Function:
     area, capacity_wh = ca.SX.sym("area"), ca.SX.sym("capacity")
     nominal_w, propulsion_w = ca.SX.sym("nominal"), ca.SX.sym("propulsion")
     dawn_soc, sun = ca.SX.sym("dawn"), ca.SX.sym("sun", SUN_PARAMETERS)
@@ -71,9 +81,9 @@ def cycle_function(battery: Battery) -> ca.Function:
     step_h, dark_h = sun[2 * NODES], sun[2 * NODES + 1]
     net = area * power - nominal_w - propulsion_w * thermal
     deficit_wh = ca.sum1(_positive_part(-net)) * step_h + dark_h * nominal_w
-    deficit = deficit_wh / (battery.discharge_efficiency * capacity_wh)
-    gains = battery.charge_efficiency * _positive_part(net) * step_h / capacity_wh
-    charged = _charged(battery, dawn_soc, gains, step_h)
+    deficit = deficit_wh / (discharge_efficiency * capacity_wh)
+    gains = charge_efficiency * _positive_part(net) * step_h / capacity_wh
+    charged = _charged(charge_limit, dawn_soc, gains, step_h)
     return ca.Function(
         "cycle",
         [area, capacity_wh, nominal_w, propulsion_w, dawn_soc, sun],
@@ -91,9 +101,8 @@ def _positive_part(net: Any) -> Any:
     return positive * positive / (2.0 * total + 1e-9)
 
 
-def _charged(battery: Battery, dawn_soc: Any, gains: Any, step_h: Any) -> Any:
+def _charged(limit: ChargeLimit, dawn_soc: Any, gains: Any, step_h: Any) -> Any:
     """State of charge that a day's surplus leads to, beyond 1 where the sun would allow it."""
-    limit = battery.charge_limit
     if isinstance(limit, RuleChargeLimit):
         step = _charge_step(_rule_clock(limit))
     elif isinstance(limit, TableChargeLimit):

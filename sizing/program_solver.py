@@ -22,7 +22,6 @@ from sizing.sizing_problem import (
     Effort,
     SizingProblem,
     SizingProblems,
-    technology_keys,
 )
 from sizing.sizing_result import SolverReport
 
@@ -267,7 +266,7 @@ class ProgramSolver:
     ) -> tuple[FloatArray, FloatArray]:
         places = problem.places()
         lower, upper = np.zeros(places["slack"].stop), np.ones(places["slack"].stop)
-        held = self._held_values() | dict(otherwise_held or {})
+        held = self._held_values(problem) | dict(otherwise_held or {})
         for i, variable in enumerate(problem.variables):
             ends = question.bounds.get(variable.name, (variable.minimum, variable.maximum))
             if variable.name in held and variable.name not in question.freed:
@@ -278,10 +277,10 @@ class ProgramSolver:
         upper[places["slack"]] = np.inf if question.elastic else 0.0
         return lower, upper
 
-    def _held_values(self) -> dict[str, float]:
+    def _held_values(self, problem: SizingProblem) -> dict[str, float]:
         """Variables that stay as aircraft and mission have them unless they are freed."""
         payload = self.mission.payload
-        technology = dict.fromkeys(technology_keys(self.aircraft), 1.0)
+        technology = dict.fromkeys(problem.technology, 1.0)
         return technology | {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
 
     def _start(
@@ -290,7 +289,7 @@ class ProgramSolver:
         closed = closed_design(self.aircraft, self.mission, variables)
         mass = float(closed.total_mass_kg)
         airframe = self.aircraft.airframe
-        guess = self._held_values() | {
+        guess = self._held_values(problem) | {
             "total_mass_kg": mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
             "lift_coefficient": getattr(
                 getattr(airframe, "aerodynamics", None), "flight_lift_coefficient", 1.0

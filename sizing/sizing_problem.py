@@ -189,6 +189,11 @@ class SizingProblem:
         """Names of the variables, in the order of the decision vector."""
         return tuple(v.name for v in self.variables)
 
+    @property
+    def technology(self) -> tuple[str, ...]:
+        """Variables that are technology, each relative to the aircraft's own value."""
+        return _technology_of(self.variables)
+
     def places(self) -> dict[str, slice]:
         """Where the parts of the decision vector are."""
         design, dawn = len(self.variables), self.slots
@@ -323,6 +328,10 @@ def technology_keys(aircraft: Aircraft) -> tuple[str, ...]:
     return tuple(key for key, value in values.items() if value)
 
 
+def _technology_of(variables: Sequence[Variable]) -> tuple[str, ...]:
+    return tuple(v.name for v in variables if v.name in TECHNOLOGY)
+
+
 def _design_function(
     aircraft: Aircraft, variables: Sequence[Variable]
 ) -> tuple[ca.Function, list[Requirement]]:
@@ -335,7 +344,7 @@ def _design_function(
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
     values = {v.name: v.from_program(x[i]) for i, v in enumerate(variables)}
     technology = aircraft
-    for key in technology_keys(aircraft):
+    for key in _technology_of(variables):
         base = parameter_value(aircraft, None, key)
         technology = replaced(technology, key.split("."), base * values[key])
     chosen = DesignVariables(
