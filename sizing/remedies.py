@@ -286,10 +286,9 @@ class _Remedies:
 
     def _required_excess(self) -> Remedy | None:
         """Largest excess time there is, where more is required."""
-        worst_h: float | None = float(np.min(self.nearest.cycle.excess_time_h))
-        if self.others_missed:
-            worst_h = self._largest_excess_h(self.mission.latitude_deg)
-        if worst_h is None or not 0.0 < worst_h < self.required_h:
+        worst_h = float(np.min(self.nearest.cycle.excess_time_h))
+        # Missing anything else means that even without a required time no design exists.
+        if self.others_missed or not 0.0 < worst_h < self.required_h:
             return None
         value = _rounded(worst_h, "at most")
         return Remedy(
@@ -388,11 +387,6 @@ class _Remedies:
 
     def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
         """Largest worst excess time over all scenarios; None if it is not enough."""
-        worst_h = self._largest_excess_h(latitude)
-        return worst_h if worst_h is not None and worst_h >= self.required_h else None
-
-    def _largest_excess_h(self, latitude: float | LatitudeRange) -> float | None:
-        """Largest worst excess time of designs that meet all else; None if there is none."""
         found = size_aircraft(
             self.aircraft,
             self._moved(latitude),
@@ -403,7 +397,8 @@ class _Remedies:
             start=self.start,
             explain=False,
         )
-        return found.objective_value
+        worst_h = found.objective_value
+        return worst_h if worst_h is not None and worst_h >= self.required_h else None
 
     def _moved(self, latitude: float | LatitudeRange) -> Mission:
         return self.mission.model_copy(update={"latitude_deg": latitude})
