@@ -29,6 +29,10 @@ _ROUNDS = 12
 # design, and asked again for less where that was too much [h].
 GOAL_CUSHION_H = 0.008
 _WASTE_H = 0.02
+# Price of a missed requirement: far above what one is worth, so that none is missed for a gain.
+_PENALTY = 300.0
+# A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
+SLACK_TOLERANCE = 1e-5
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 
 
@@ -74,6 +78,24 @@ class Agreement:
     def ask(self, starts: Sequence[DesignVariables], *, effort: Effort = "quick") -> Answer | None:
         """Answer of the program alone."""
         return self.solver.ask(self.question, self.chosen, self.slots, starts, effort=effort)
+
+    def ask_softly(
+        self,
+        start: DesignVariables,
+        *,
+        previous: Answer | None = None,
+        efforts: Sequence[Effort] = ("quick", "steady"),
+    ) -> Answer | None:
+        """Answer of the program where missing a requirement has a high price.
+
+        It says nearly as fast that nothing meets all of them as what does best. A question that is
+        elastic asks for the least miss alone.
+        """
+        filled = [self.chosen[i % len(self.chosen)] for i in range(self.slots)]
+        penalty = None if self.question.elastic else _PENALTY
+        return self.solver.ask_softly(
+            self.question, filled, penalty, held={}, start=start, previous=previous, efforts=efforts
+        )
 
     def settle(self, answer: Answer) -> Agreed | None:
         """Best design that the simulator accepts, from a first answer on."""

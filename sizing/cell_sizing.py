@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
-from sizing.agreement import GOAL_CUSHION_H
+from sizing.agreement import GOAL_CUSHION_H, SLACK_TOLERANCE
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, Masses, variables_of
 from sizing.energy_balance import FloatArray
@@ -42,7 +42,6 @@ from sizing.structure import Value
 
 # Prices of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, 300.0)
-_SLACK_TOLERANCE = 1e-5
 _ROUNDS = 6
 _WASTE_H = 0.02
 # Certification: random neighbours of every optimum, and by how much one may be better.
@@ -386,7 +385,7 @@ class _Cells:
 
 def _missed(answer: Answer) -> dict[str, float]:
     """Requirements that an answer misses, and by how much."""
-    return {name: s for name, s in answer.slack().items() if s > _SLACK_TOLERANCE}
+    return {name: s for name, s in answer.slack().items() if s > SLACK_TOLERANCE}
 
 
 def _stacked(designs: list[DesignVariables]) -> DesignVariables:

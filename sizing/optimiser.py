@@ -8,7 +8,13 @@ from functools import partial
 import numpy as np
 
 from missions.mission import Mission
-from sizing.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
+from sizing.agreement import (
+    GOAL_CUSHION_H,
+    SLACK_TOLERANCE,
+    Agreed,
+    Agreement,
+    telling_scenarios,
+)
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, DesignVariables, Masses, variables_of
 from sizing.energy_balance import FloatArray
@@ -36,8 +42,6 @@ from sizing.sizing_result import (
 
 __all__ = ["SizingResult", "SolverReport", "Violation", "size_aircraft"]
 
-# A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
-_SLACK_TOLERANCE = 1e-5
 _ACTIVE_MULTIPLIER = 1e-5
 _RESCUES = 3
 _ELASTIC_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
@@ -141,10 +145,26 @@ class _Search:
     def run(self) -> SizingResult:
         first = self._simulate_design(self.start)
         self.agreement.chosen = telling_scenarios(first, self.agreement.slots)
-        answer = self.agreement.ask([self.start])
+        answer = self.agreement.ask_softly(self.start, efforts=("quick",))
         if answer is None:
-            return self._failure(first)
-        return self._settled(answer)
+            answer = self.agreement.ask([self.start])
+            return self._failure(first) if answer is None else self._settled(answer)
+        if _missed(answer) and self.explain:
+            return self._explain_failure([answer.variables])
+        if _missed(answer):
+            answer = self._met_after_all(answer)
+        return self._given_up(first) if answer is None else self._settled(answer)
+
+    def _met_after_all(self, answer: Answer) -> Answer | None:
+        """Answer where the price of a miss was too low to keep it from being paid."""
+        agreement = self.agreement
+        strict = agreement.question
+        agreement.question = strict.elastically()
+        least = agreement.ask_softly(answer.variables, previous=answer, efforts=("quick",))
+        agreement.question = strict
+        if least is not None and _missed(least):
+            return None
+        return agreement.ask([answer.variables if least is None else least.variables])
 
     def _settled(self, answer: Answer) -> SizingResult:
         agreed = self.agreement.settle(answer)
@@ -303,12 +323,8 @@ class _Search:
     def _explain_by_slack(self, starts: list[DesignVariables]) -> SizingResult:
         agreement = self.agreement
         strict = agreement.question
-        elastic = None
         agreement.question = strict.elastically()
-        for effort in _ELASTIC_EFFORTS:
-            elastic = agreement.ask(starts, effort=effort)
-            if elastic is not None:
-                break
+        elastic = self._least_missed(starts)
         agreement.question = strict
         if elastic is None:
             answer = agreement.ask(starts)
@@ -316,16 +332,23 @@ class _Search:
             return self._given_up(nearest) if answer is None else self._last(answer)
         slack = elastic.slack()
         nearest = self._simulate(elastic)
-        if max(slack.values()) <= _SLACK_TOLERANCE or agreement.accepts(nearest):
+        if not _missed(elastic) or agreement.accepts(nearest):
             answer = agreement.ask([elastic.variables, *starts])
             return self._given_up(nearest) if answer is None else self._last(answer)
         self.held = self._active(elastic)
         violations = tuple(
             Violation(name, value, self._words(name, value, nearest))
             for name, value in slack.items()
-            if value > _SLACK_TOLERANCE
+            if value > SLACK_TOLERANCE
         )
         return self._failed("infeasible", violations, nearest)
+
+    def _least_missed(self, starts: list[DesignVariables]) -> Answer | None:
+        for effort in _ELASTIC_EFFORTS:
+            elastic = self.agreement.ask(starts, effort=effort)
+            if elastic is not None:
+                return elastic
+        return None
 
     def _given_up(self, nearest: Performance) -> SizingResult:
         return self._failed("not_converged", (), nearest)
@@ -371,6 +394,10 @@ class _Search:
             violations=violations,
             solver=self.solver.report(),
         )
+
+
+def _missed(answer: Answer) -> bool:
+    return max(answer.slack().values()) > SLACK_TOLERANCE
 
 
 def _free_bound_prices(answer: Answer) -> dict[str, float]:

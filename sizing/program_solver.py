@@ -32,8 +32,6 @@ _FIRST_MARGIN = 1e-3
 _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
 _OTHER_SLACK_WEIGHT = 100.0
 
-_COLD_EFFORTS: tuple[Effort, ...] = ("quick", "steady")
-
 _COSTS: dict[Objective, dict[str, float]] = {
     Objective.max_excess_time: {WORST_EXCESS: -1.0 / 24.0},
     Objective.min_wingspan: {"wingspan_m": 1.0},
@@ -185,6 +183,7 @@ class ProgramSolver:
         held: Mapping[str, float],
         start: DesignVariables,
         previous: Answer | None = None,
+        efforts: Sequence[Effort] = ("quick", "steady"),
     ) -> Answer | None:
         """Answer about some scenarios with requirements that may be missed at a price.
 
@@ -203,6 +202,8 @@ class ProgramSolver:
             First guess of the interior-point method.
         previous : Answer, optional
             Answer to a similar question, from which sequential quadratic programming starts.
+        efforts : sequence of Effort
+            What is tried from the first guess, one after the other.
         """
         filled = tuple(scenarios)
         problem = self.problems.of(len(filled))
@@ -223,7 +224,7 @@ class ProgramSolver:
             if found is not None:
                 return Answer(problem, question, found[0], weights, *found[1:], filled)
         cold = {"x0": np.clip(self._start(problem, question, start), lower, upper)}
-        for effort in _COLD_EFFORTS:
+        for effort in efforts:
             found = self._solve(problem, effort, limits | cold)
             if found is not None:
                 return Answer(problem, question, found[0], weights, *found[1:], filled)

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from missions.mission import LatitudeRange, Mission, Scenarios
-from sizing.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
+from sizing.agreement import GOAL_CUSHION_H, SLACK_TOLERANCE, Agreed, Agreement, telling_scenarios
 from sizing.aircraft import Aircraft
 from sizing.cell_sizing import size_cells
 from sizing.design import DesignVariables
@@ -61,8 +61,6 @@ _BOUNDS = {
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
 _SLOTS = 2
-_PENALTY = 300.0
-_SLACK_TOLERANCE = 1e-5
 _AT_ONCE = 8  # latitudes that are sized together
 _STEPS_BEYOND = 3  # where the scenarios left out ask for a little more
 _LATITUDE_STEP_DEG = 0.25
@@ -411,19 +409,11 @@ class _SoftAgreement(Agreement):
 
     def ask(self, starts: Sequence[DesignVariables], *, effort: Effort = "quick") -> Answer | None:
         """Answer of the program alone; none where it misses a requirement."""
-        filled = [self.chosen[i % len(self.chosen)] for i in range(self.slots)]
-        answer = self.solver.ask_softly(
-            self.question,
-            filled,
-            _PENALTY,
-            held={},
-            start=starts[0],
-            previous=self._fitting(self.previous),
-        )
+        answer = self.ask_softly(starts[0], previous=self._fitting(self.previous))
         if answer is None:
             return None
         self.previous = answer
-        return None if max(answer.slack().values()) > _SLACK_TOLERANCE else answer
+        return None if max(answer.slack().values()) > SLACK_TOLERANCE else answer
 
     def _fitting(self, answer: Answer | None) -> Answer | None:
         """An answer of the same program; others have other variables."""

@@ -83,6 +83,8 @@ _SQP_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
         "print_header": False,
         "print_info": False,
         "error_on_fail": False,
+        # Where the active set has not settled by then it cycles, up to the default of 1000.
+        "max_iter": 100,
     },
     "hessian_approximation": "limited-memory",
     "max_iter": 80,
