@@ -113,6 +113,11 @@ class Answer:
         index = self.problem.variable_names.index(name)
         return float(self.problem.variables[index].from_program(self.x[index]))
 
+    @property
+    def worst_excess_time_h(self) -> float:
+        """Least excess time of the scenarios in the slots [h], as the program has it."""
+        return float(self.x[self.problem.places()[WORST_EXCESS]][0])
+
     def slack(self) -> dict[str, float]:
         """By how much each requirement is missed."""
         values = self.x[self.problem.places()["slack"]]

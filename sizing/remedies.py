@@ -181,7 +181,9 @@ class _Remedies:
             return None
         least = _LEAST_RELATIVE.get(key, 1e-3)
         ends = (1.0, limit) if upwards else (least, 1.0)
-        agreed = self._settled(key, 1.0 if upwards else -1.0, ends)
+        agreed = self._settled(
+            key, 1.0 if upwards else -1.0, ends, furthest=ends[1] if upwards else ends[0]
+        )
         if agreed is None:
             return None
         found = present * agreed.answer.value(key)
@@ -194,7 +196,7 @@ class _Remedies:
         present = parameter_value(self.aircraft, self.mission, key)
         if not present or self.objective.variable == name:
             return None
-        agreed = self._settled(name, -1.0, (0.0, present))
+        agreed = self._settled(name, -1.0, (0.0, present), furthest=0.0)
         if agreed is None:
             return None
         found = agreed.answer.value(name)
@@ -223,8 +225,14 @@ class _Remedies:
         worst_h = float(np.min(agreed.simulated.cycle.excess_time_h))
         return Remedy(key, _BOUNDS[name], present, "at least", value, worst_h)
 
-    def _settled(self, name: str, cost: float, ends: tuple[float, float]) -> Agreed | None:
-        """Design that moves one variable no further than it must."""
+    def _settled(
+        self, name: str, cost: float, ends: tuple[float, float], furthest: float | None = None
+    ) -> Agreed | None:
+        """Design that moves one variable no further than it must.
+
+        Most variables cannot help at all: what the best design reaches with the variable as far as
+        it goes tells this soonest. ``furthest`` is that end, or none where the design chooses.
+        """
         question = Question(
             cost={name: cost},
             goal_h=self.required_h + GOAL_CUSHION_H,
@@ -233,7 +241,13 @@ class _Remedies:
         )
         agreement = _SoftAgreement(
             self.solver,
-            question,
+            Question(
+                cost=Question.of(Objective.max_excess_time, 0.0).cost,
+                goal_h=0.0,
+                best_excess=True,
+                freed=(name,),
+                bounds={name: ends if furthest is None else (furthest, furthest)},
+            ),
             self.required_h,
             self._simulate,
             lambda answer, _: -cost * answer.value(name),
@@ -241,8 +255,12 @@ class _Remedies:
         agreement.slots = min(_SLOTS, len(self.day.scenarios))
         agreement.chosen = telling_scenarios(self.nearest, agreement.slots)
         agreement.previous = self.previous
-        answer = agreement.ask([self.start])
+        reached = agreement.ask([self.start])
         self.previous = agreement.previous
+        if reached is None or reached.worst_excess_time_h < self.required_h:
+            return None
+        agreement.question = question
+        answer = agreement.ask([reached.variables])
         return None if answer is None else agreement.settle(answer)
 
     def _simulate(self, answer: Answer) -> Performance:
