@@ -33,6 +33,7 @@ _WASTE_H = 0.02
 _PENALTY = 300.0
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 SLACK_TOLERANCE = 1e-5
+_UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 
 
@@ -99,6 +100,7 @@ class Agreement:
 
     def settle(self, answer: Answer) -> Agreed | None:
         """Best design that the simulator accepts, from a first answer on."""
+        before: Answer | None = None
         for _ in range(_ROUNDS):
             simulated = self.simulate(answer)
             worst = simulated.worst_scenario()
@@ -106,13 +108,14 @@ class Agreement:
             accepted = self.accepts(simulated)
             if accepted:
                 self._keep(answer, simulated)
-            if worst in self.chosen and accepted and not self._wasteful(found_h):
+            wasteful = self._wasteful(found_h) and not _same(before, answer)
+            if worst in self.chosen and accepted and not wasteful:
                 break
             self._tighten(worst, found_h)
             retried = self.ask([answer.variables])
             if retried is None:
                 break
-            answer = retried
+            before, answer = answer, retried
         return self.best
 
     def accepts(self, perf: Performance) -> bool:
@@ -152,6 +155,14 @@ class Agreement:
         else:
             shifted_h = question.goal_h + self.required_h - found_h + GOAL_CUSHION_H
             self.question = replace(question, goal_h=max(shifted_h, 0.0))
+
+
+def _same(before: Answer | None, answer: Answer) -> bool:
+    """Whether another goal made no difference: another requirement decides."""
+    if before is None:
+        return False
+    then, now = (list(one.variables.chosen().values()) for one in (before, answer))
+    return bool(np.allclose(then, now, rtol=_UNCHANGED, atol=0.0))
 
 
 def telling_scenarios(perf: Performance, count: int) -> list[int]:

@@ -27,6 +27,11 @@ from sizing.sizing_result import SolverReport
 
 _FIRST_MARGIN = 1e-3
 
+# Sequential quadratic programming ends where the point is feasible and the prices balance the cost.
+# Old prices do so still where a requirement has only become easier, though it no longer binds; a
+# little off, they make the program look for its active requirements at least once.
+_NOT_QUITE = 0.999
+
 # Which requirement an infeasible sizing may miss first: the excess time, then the energy over the
 # cycle, and only as a last resort what makes the design an aircraft at all.
 _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
@@ -222,8 +227,8 @@ class ProgramSolver:
         if previous is not None:
             warm = {
                 "x0": np.clip(previous.x, lower, upper),
-                "lam_x0": previous.bound_prices,
-                "lam_g0": previous.constraint_prices,
+                "lam_x0": _NOT_QUITE * previous.bound_prices,
+                "lam_g0": _NOT_QUITE * previous.constraint_prices,
             }
             found = self._solve(problem, "next", limits | warm)
             if found is not None:

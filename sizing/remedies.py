@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.agreement import GOAL_CUSHION_H, SLACK_TOLERANCE, Agreed, Agreement, telling_scenarios
@@ -61,7 +62,7 @@ _BOUNDS = {
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
 _SLOTS = 2
-_AT_ONCE = 8  # latitudes that are sized together
+_AT_ONCE = 4  # latitudes that are sized together
 _STEPS_BEYOND = 3  # where the scenarios left out ask for a little more
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
@@ -355,23 +356,19 @@ class _Remedies:
     ) -> Remedy | None:
         """First of the places, ordered from hard to easy, at which a design stays up.
 
-        A few of them are sized at once, and then a few between the two that matter.
+        The easiest tells whether there is any. Of the others a few are sized at once, and then a
+        few between the two that matter.
         """
-        low, high = -1, len(places)
+        if not len(places) or not self._enough(as_latitude, places[-1:])[0]:
+            return None
+        low, high = -1, len(places) - 1
         while high - low > 1:
-            last = high if high < len(places) else len(places) - 1
-            some = np.unique(np.linspace(low + 1, last, _AT_ONCE).round().astype(int))
-            some = some[some < high]
-            found_h = self._best_excess_h([as_latitude(float(places[i])) for i in some])
-            enough = np.flatnonzero(found_h >= self.required_h)
-            if not len(enough):
-                if high == len(places):
-                    return None
-                low = int(some[-1])
-                continue
-            first = int(enough[0])
-            high = int(some[first])
-            low = int(some[first - 1]) if first > 0 else low
+            some = np.unique(np.linspace(low + 1, high - 1, _AT_ONCE).round().astype(int))
+            first = int(np.argmax([*self._enough(as_latitude, places[some]), True]))
+            if first > 0:
+                low = int(some[first - 1])
+            if first < len(some):
+                high = int(some[first])
         for place in places[high : high + _STEPS_BEYOND]:
             worst_h = self._confirmed_excess_h(as_latitude(float(place)))
             if worst_h is not None:
@@ -379,11 +376,14 @@ class _Remedies:
                 return Remedy(key, "deg", present, direction, float(place), worst_h)
         return None
 
-    def _best_excess_h(self, latitudes: list[float | LatitudeRange]) -> FloatArray:
-        """Largest excess time at each of some latitudes; NaN where nothing stays up.
+    def _enough(
+        self, as_latitude: Callable[[float], float | LatitudeRange], places: FloatArray
+    ) -> NDArray[np.bool_]:
+        """Whether the required excess time is reached at each of some places.
 
         Of the scenarios only those count that matter most to the nearest design.
         """
+        latitudes = [as_latitude(float(place)) for place in places]
         telling = telling_scenarios(self.nearest, min(_SLOTS, len(self.day.scenarios)))
         moved = [self._moved(latitude).scenarios() for latitude in latitudes]
         found = size_cells(
@@ -399,7 +399,7 @@ class _Remedies:
             required_excess_time_h=0.0,
             problems=self.problems,
         )
-        return found.objective_value
+        return np.asarray(found.objective_value >= self.required_h)
 
     def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
         """Largest worst excess time over all scenarios; None if it is not enough."""
