@@ -75,6 +75,7 @@ class Agreement:
         self.slots = min(FIRST_SLOTS, len(solver.day.scenarios))
         self.chosen: list[int] = []
         self.best: Agreed | None = None
+        self.cushion_h = GOAL_CUSHION_H
 
     def ask(self, starts: Sequence[DesignVariables], *, effort: Effort = "quick") -> Answer | None:
         """Answer of the program alone."""
@@ -150,10 +151,10 @@ class Agreement:
         elif found_h <= 0.0:
             # The battery runs empty over many days: the day must return more.
             self.question = replace(
-                question, margin=3.0 * question.margin, goal_h=question.goal_h + GOAL_CUSHION_H
+                question, margin=3.0 * question.margin, goal_h=question.goal_h + self.cushion_h
             )
         else:
-            shifted_h = question.goal_h + self.required_h - found_h + GOAL_CUSHION_H
+            shifted_h = question.goal_h + self.required_h - found_h + self.cushion_h
             self.question = replace(question, goal_h=max(shifted_h, 0.0))
 
 

@@ -291,9 +291,10 @@ class _Search:
                 largest, required_excess_time_h=self.required_h, solver=self.solver.report()
             )
         # The cushion must not ask for more than there is.
-        question = self.agreement.question
-        goal_h = min(question.goal_h, max(reached_h - GOAL_CUSHION_H / 4.0, 0.0))
-        self.agreement.question = replace(question, goal_h=goal_h)
+        agreement = self.agreement
+        agreement.cushion_h = min(agreement.cushion_h, (reached_h - self.required_h) / 4.0)
+        goal_h = self.required_h + agreement.cushion_h
+        agreement.question = replace(agreement.question, goal_h=goal_h)
         nearest = largest.simulated.design.variables.mapped(float)
         answer = self.agreement.ask([nearest, *starts])
         return self._given_up(largest.simulated) if answer is None else self._last(answer)
