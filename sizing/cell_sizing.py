@@ -226,7 +226,9 @@ class _Cells:
         answer = None
         for penalty in _PENALTIES:
             answer = self._softly(cell, penalty, previous)
-            if answer is None or not _missed(answer):
+            if answer is None:
+                continue
+            if not _missed(answer):
                 return answer
             # The penalty may have been too low: what must be missed at least?
             least = self._softly(cell, None, answer)

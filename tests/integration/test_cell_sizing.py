@@ -124,3 +124,21 @@ def test_ranges_and_strange_programs_are_refused(aircraft: Aircraft, mission: Mi
         size_cells(aircraft, mission, CELLS, problems=others)
     with pytest.raises(TypeError, match="measured aircraft"):
         size_cells(load_aircraft("atlantiksolar-as2").aircraft, mission, CELLS)
+
+
+def test_payload_of_cells_that_differ_much_from_their_neighbours() -> None:
+    # Wide bounds: the design runs from 4 to 21 kg of payload, and a low price on what is missed
+    # leaves the solver without an end at 48 S in January.
+    aircraft = load_aircraft("atlantiksolar-design").aircraft
+    mission = load_mission("rafz-july").mission
+    latitudes, days = np.repeat([-60.0, -48.0], 2), np.tile([5, 57], 2)
+    found = size_cells(
+        aircraft,
+        mission,
+        Scenarios(latitudes, days),
+        Objective.max_payload_mass,
+        required_excess_time_h=4.0,
+    )
+    assert (found.status == CellStatus.certified).all()
+    # More of southern summer, more light.
+    assert found.objective_value[0] > found.objective_value[2] > found.objective_value[3]
