@@ -28,7 +28,9 @@ from sizing.performance import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.sizing_problem import LINEAR_SCALES, SizingProblem, build_problem
 from sizing.sizing_result import Optimum, SizingResult
 
-_RELATIVE_STEP = 1e-4
+# Charge limited by the sun turns into charge limited by the charger within a relative change of
+# some 1e-5, and optima like to sit at such a turn: a longer step would average over both sides.
+_RELATIVE_STEP = 1e-6
 # Multipliers below this are what the solver leaves of an inactive constraint.
 LEAST_PRICE = 1e-5
 
