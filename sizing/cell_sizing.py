@@ -15,6 +15,7 @@ may not have, a second question, for the least that must be missed alone, decide
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -36,7 +37,7 @@ from sizing.performance import (
     solar_day,
 )
 from sizing.program_solver import Answer, ProgramSolver, Question
-from sizing.sizing_problem import SizingProblems
+from sizing.sizing_problem import Effort, SizingProblems
 from sizing.sizing_result import objective_value
 from sizing.structure import Value
 
@@ -223,23 +224,29 @@ class _Cells:
     def _ask(self, cell: int, previous: Answer | None) -> Answer | None:
         """Answer for a cell; what it misses whatever the design goes into ``slacks``."""
         self.slacks[cell] = {}
-        answer = None
         for penalty in _PENALTIES:
             answer = self._softly(cell, penalty, previous)
-            if answer is None:
-                continue
-            if not _missed(answer):
+            if answer is not None and not _missed(answer):
                 return answer
-            # The penalty may have been too low: what must be missed at least?
-            least = self._softly(cell, None, answer)
+            # The penalty may have been too low, or too high for the solver: what must be missed?
+            least = self._softly(cell, None, answer, efforts=("quick", "steady"))
+            nearest = least if answer is None else answer
+            if nearest is None:
+                return None
             if least is None or _missed(least):
-                break
-            previous = answer
-        if answer is not None:
-            self.slacks[cell] = _missed(answer)
-        return answer
+                self.slacks[cell] = _missed(nearest)
+                return nearest
+            previous = nearest
+        last = self._softly(cell, _PENALTIES[-1], previous, efforts=("steady",))
+        return None if last is None or _missed(last) else last
 
-    def _softly(self, cell: int, penalty: float | None, previous: Answer | None) -> Answer | None:
+    def _softly(
+        self,
+        cell: int,
+        penalty: float | None,
+        previous: Answer | None,
+        efforts: Sequence[Effort] = ("quick",),
+    ) -> Answer | None:
         question = Question.of(self.objective, float(self.goals_h[cell]))
         held = dict(zip(("payload_mass_kg", "payload_power_w"), self.payload[:, cell], strict=True))
         if penalty is None:
@@ -251,6 +258,7 @@ class _Cells:
             held={k: float(v) for k, v in held.items()},
             start=self.own,
             previous=previous,
+            efforts=efforts,
         )
 
     # --- the simulator -------------------------------------------------------------------------

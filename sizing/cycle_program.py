@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -24,8 +24,19 @@ from sizing.performance import SolarDay
 # 10 min apart on a day of 16 h.
 NODES = 97
 SUN_PARAMETERS = 2 * NODES + 2
-# Half-width of the smooth minimum of solar-limited and charger-limited charging [state of charge].
-_BLEND = 1e-5
+# Keeps an interval without any charge from dividing by zero [state of charge].
+_NOTHING = 1e-12
+
+
+class _Taken(NamedTuple):
+    """What the charger takes over an interval, and its rate at both ends [1/h]."""
+
+    charge: Any
+    first_rate: Any
+    last_rate: Any
+
+
+Charger = Callable[[Any, Any], _Taken]
 
 
 def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
@@ -80,10 +91,10 @@ def _cycle_function(
     power, thermal = sun[:NODES], sun[NODES : 2 * NODES]
     step_h, dark_h = sun[2 * NODES], sun[2 * NODES + 1]
     net = area * power - nominal_w - propulsion_w * thermal
-    deficit_wh = ca.sum1(_positive_part(-net)) * step_h + dark_h * nominal_w
+    lacking = _mean_positive(-net[:-1], -net[1:])
+    deficit_wh = ca.sum1(lacking) * step_h + dark_h * nominal_w
     deficit = deficit_wh / (discharge_efficiency * capacity_wh)
-    gains = charge_efficiency * _positive_part(net) * step_h / capacity_wh
-    charged = _charged(charge_limit, dawn_soc, gains, step_h)
+    charged = _charged(charge_limit, dawn_soc, charge_efficiency * net / capacity_wh, step_h)
     return ca.Function(
         "cycle",
         [area, capacity_wh, nominal_w, propulsion_w, dawn_soc, sun],
@@ -93,56 +104,68 @@ def _cycle_function(
     )
 
 
-def _positive_part(net: Any) -> Any:
-    """Mean positive part over each interval, as in :mod:`sizing.energy_balance`."""
-    left, right = net[:-1], net[1:]
+def _mean_positive(left: Any, right: Any) -> Any:
+    """Mean positive part of what is linear over an interval, as in :mod:`sizing.energy_balance`."""
     positive = ca.fmax(left, 0.0) + ca.fmax(right, 0.0)
     total = ca.fabs(left) + ca.fabs(right)
     return positive * positive / (2.0 * total + 1e-9)
 
 
-def _charged(limit: ChargeLimit, dawn_soc: Any, gains: Any, step_h: Any) -> Any:
-    """State of charge that a day's surplus leads to, beyond 1 where the sun would allow it."""
+def _charged(limit: ChargeLimit, dawn_soc: Any, rate: Any, step_h: Any) -> Any:
+    """State of charge that a day's surplus leads to, beyond 1 where the sun would allow it.
+
+    ``rate`` is what the sun offers at the nodes [1/h], negative where it does not carry the load.
+    """
+    gains = _mean_positive(rate[:-1], rate[1:]) * step_h
     if isinstance(limit, RuleChargeLimit):
-        step = _charge_step(_rule_clock(limit))
+        step = _charge_step(_by_rule(limit))
     elif isinstance(limit, TableChargeLimit):
-        step = _charge_step(_table_clock(limit))
+        step = _charge_step(_by_table(limit))
     else:
         return dawn_soc + ca.sum1(gains)
     soc = dawn_soc
     for k in range(NODES - 1):
-        soc = step(soc, gains[k], step_h)
+        soc = step(soc, gains[k], rate[k], rate[k + 1], step_h)
     return soc
 
 
-def _charge_step(after: Callable[[Any, Any], Any]) -> ca.Function:
-    """Charge over one interval: what the sun gives or what the charger takes, the smaller one."""
+def _charge_step(charger: Charger) -> ca.Function:
+    """Charge over one interval: at each instant what the sun gives or the charger takes, the less.
+
+    With both linear in time, sun above charger for an area ``above`` and below it for ``below``,
+    the charge is the sun's gain less ``above``, and also the charger's less ``below``. The two
+    differ where a rate is not quite linear. Weighted so that the sun alone decides where it is
+    always below, the charger where it is, and nothing has a kink in between.
+    """
     soc, gain, hours = ca.SX.sym("soc"), ca.SX.sym("gain"), ca.SX.sym("hours")
-    by_sun, by_charger = soc + gain, after(soc, hours)
-    gap = by_sun - by_charger
-    smaller = (by_sun + by_charger - ca.sqrt(gap * gap + _BLEND * _BLEND)) / 2.0
-    return ca.Function("charge", [soc, gain, hours], [smaller])
+    left, right = ca.SX.sym("left"), ca.SX.sym("right")
+    taken = charger(soc, hours)
+    above = _mean_positive(left - taken.first_rate, right - taken.last_rate) * hours
+    below = _mean_positive(taken.first_rate - left, taken.last_rate - right) * hours
+    by_sun, by_charger = gain - above, taken.charge - below
+    charge = (below * by_sun + above * by_charger) / (above + below + _NOTHING)
+    return ca.Function("charge", [soc, gain, left, right, hours], [soc + charge])
 
 
-def _rule_clock(limit: RuleChargeLimit) -> Callable[[Any, Any], Any]:
+def _by_rule(limit: RuleChargeLimit) -> Charger:
     """Follow the constant-current rule and its exponential taper, in closed form."""
     rate, start = limit.c_rate_per_h, limit.taper_start
     decay = float(-np.log(limit.relative_rate_at_full) / (1.0 - start))
     if decay == 0.0:  # no taper: the constant rate all the way
-        return lambda soc, hours: soc + rate * hours
+        return lambda soc, hours: _Taken(rate * hours, rate, rate)
     knee_h = start / rate
 
-    def after(soc: Any, hours: Any) -> Any:
-        clock = ca.fmin(soc, start) / rate
-        clock = clock + (ca.exp(decay * ca.fmax(soc - start, 0.0)) - 1.0) / (decay * rate)
-        clock = clock + hours
-        taper = ca.log(1.0 + decay * rate * ca.fmax(clock - knee_h, 0.0)) / decay
-        return rate * ca.fmin(clock, knee_h) + taper
+    def charger(soc: Any, hours: Any) -> _Taken:
+        slowed = ca.exp(decay * ca.fmax(soc - start, 0.0))
+        clock = ca.fmin(soc, start) / rate + (slowed - 1.0) / (decay * rate) + hours
+        slowed_at_end = 1.0 + decay * rate * ca.fmax(clock - knee_h, 0.0)
+        end = rate * ca.fmin(clock, knee_h) + ca.log(slowed_at_end) / decay
+        return _Taken(end - soc, rate / slowed, rate / slowed_at_end)
 
-    return after
+    return charger
 
 
-def _table_clock(limit: TableChargeLimit) -> Callable[[Any, Any], Any]:
+def _by_table(limit: TableChargeLimit) -> Charger:
     """Follow a measured charge limit: midpoint rule on the piecewise linear rate."""
     soc_knots = np.asarray(limit.state_of_charge)
     rates = np.asarray(limit.current_a) * limit.voltage_v / limit.pack_energy_wh
@@ -155,12 +178,13 @@ def _table_clock(limit: TableChargeLimit) -> Callable[[Any, Any], Any]:
             result = result + slope * run
         return result
 
-    def after(soc: Any, hours: Any) -> Any:
+    def charger(soc: Any, hours: Any) -> _Taken:
         # Three sub-steps: the measured rates fall by half within two percent of charge.
+        end = soc
         for _ in range(3):
             step_h = hours / 3.0
-            middle = soc + step_h / 2.0 * rate(soc)
-            soc = soc + step_h * rate(middle)
-        return soc
+            middle = end + step_h / 2.0 * rate(end)
+            end = end + step_h * rate(middle)
+        return _Taken(end - soc, rate(soc), rate(end))
 
-    return after
+    return charger
