@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner, Result
+from command_line import Run
 
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
@@ -42,19 +42,8 @@ def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def run(*arguments: str) -> Result:
+def invoke(*arguments: str) -> Result:
     return CliRunner().invoke(cli.cli, ["compare", *arguments])
-
-
-def main(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], *arguments: str
-) -> tuple[int, str]:
-    """Exit code and standard error of the program, for mistakes that only it words."""
-    monkeypatch.setattr(sys, "argv", ["solar-uav", "compare", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    assert isinstance(ended.value.code, int)
-    return ended.value.code, capfd.readouterr().err
 
 
 def record_of(result: Result) -> Any:
@@ -201,7 +190,7 @@ def test_markdown_has_a_row_for_each_case(designs: study.Comparison) -> None:
 
 
 def test_whole_comparison_as_json() -> None:
-    record = record_of(run(AS2, "--json"))
+    record = record_of(invoke(AS2, "--json"))
     assert record["reference"] == {"model": "FM", "correction": "report"}
     cases = {(c["model"], c["correction"]): c for c in record["cases"]}
     assert len(cases) == 11
@@ -215,7 +204,7 @@ def test_whole_comparison_as_json() -> None:
 
 
 def test_table_for_the_terminal(in_folder: Path) -> None:
-    result = run(AS2, "--models", "cam,CDM", "--corrections", "none")
+    result = invoke(AS2, "--models", "cam,CDM", "--corrections", "none")
     assert result.exit_code == 0
     assert result.stdout.index("CDM") < result.stdout.index("CAM")
     assert "judged by corrected FM" in result.stdout
@@ -224,7 +213,7 @@ def test_table_for_the_terminal(in_folder: Path) -> None:
 
 
 def test_aircraft_without_surfaces_is_compared_without_them() -> None:
-    record = record_of(run("sky-sailor", "--no-design", "--json"))
+    record = record_of(invoke("sky-sailor", "--no-design", "--json"))
     assert [(c["model"], c["correction"]) for c in record["cases"]] == [
         ("CDM", "none"),
         ("CDM", "report"),
@@ -237,17 +226,19 @@ def test_aircraft_without_surfaces_is_compared_without_them() -> None:
 
 def test_midnight_sun_has_no_end(in_folder: Path) -> None:
     place = ["--set", "mission.latitude_deg=85.0", "--set", "mission.dates={on: 06-21}"]
-    record = record_of(run(AS2, "--models", "CDM,CAM", "--corrections", "none", *place, "--json"))
+    record = record_of(
+        invoke(AS2, "--models", "CDM,CAM", "--corrections", "none", *place, "--json")
+    )
     assert {c["excess_time_h"] for c in record["cases"]} == {None}
     assert {c["status"] for c in record["cases"]} == {"always_lit"}
     assert "as solar power always exceeds the load" in record["sentence"]
-    drawn = run(AS2, "--models", "CDM", *place, "--plot", "sun.png")
+    drawn = invoke(AS2, "--models", "CDM", *place, "--plot", "sun.png")
     assert drawn.exit_code == 0
     assert (in_folder / "sun.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_folder_gets_all_files(in_folder: Path) -> None:
-    result = run(
+    result = invoke(
         DESIGN, "-m", SUMMER, "--models", "CDM,FM", "--corrections", "report", "--out", "new"
     )
     assert result.exit_code == 0, result.output
@@ -264,16 +255,16 @@ def test_folder_gets_all_files(in_folder: Path) -> None:
 
 def test_single_files_are_written_together_or_not_at_all(in_folder: Path) -> None:
     options = (AS2, "--models", "CDM", "--corrections", "none", "--csv", "c.csv")
-    assert run(*options, "--plot", "p.svg").exit_code == 0
+    assert invoke(*options, "--plot", "p.svg").exit_code == 0
     assert {p.name for p in in_folder.iterdir()} == {"c.csv", "p.svg"}
     assert len(pd.read_csv(io.BytesIO((in_folder / "c.csv").read_bytes()))) == 1
     (in_folder / "c.csv").unlink()
-    assert run(*options, "--plot", "missing/p.svg").exit_code != 0
+    assert invoke(*options, "--plot", "missing/p.svg").exit_code != 0
     assert {p.name for p in in_folder.iterdir()} == {"p.svg"}
 
 
 def test_no_design_at_all_ends_with_1() -> None:
-    result = run(
+    result = invoke(
         DESIGN,
         *("-m", SUMMER, "--models", "CDM", "--corrections", "none", "--json"),
         *("--set", "design_space.wingspan_m.maximum=2.5"),
@@ -298,7 +289,7 @@ def test_no_design_at_all_ends_with_1() -> None:
     ],
 )
 def test_wrong_options_end_with_2(arguments: list[str], said: str, in_folder: Path) -> None:
-    result = run(AS2, *arguments)
+    result = invoke(AS2, *arguments)
     assert result.exit_code == 2
     assert said in result.output
     assert not list(in_folder.iterdir())
@@ -319,20 +310,17 @@ def test_wrong_options_end_with_2(arguments: list[str], said: str, in_folder: Pa
 def test_wrong_input_is_named_with_exit_code_2(
     arguments: list[str],
     said: str,
-    in_folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    run: Run,
 ) -> None:
-    (in_folder / "bare.yaml").write_text("name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n")
-    code, error = main(monkeypatch, capfd, *arguments)
-    assert (code, "Traceback" in error) == (2, False)
-    assert said in error
+    (tmp_path / "bare.yaml").write_text("name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n")
+    outcome = run("compare", *arguments)
+    assert (outcome.code, "Traceback" in outcome.err) == (2, False)
+    assert said in outcome.err
 
 
-def test_folder_that_is_a_file_is_refused_before_any_work(
-    in_folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    (in_folder / "taken").write_text("")
-    code, error = main(monkeypatch, capfd, AS2, "--out", "taken")
-    assert code == 1
-    assert "taken is not a folder" in error
+def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "taken").write_text("")
+    outcome = run("compare", AS2, "--out", "taken")
+    assert outcome.code == 1
+    assert "taken is not a folder" in outcome.err
