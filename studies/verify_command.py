@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from studies.verification import Verification, Window
+    from studies.log_errors import Window
+    from studies.verification import Verification
 
 DEFAULT_MISSION = "rafz-28h"
 _LONGEST_FILTER = 1_000_000
@@ -27,7 +28,7 @@ class SolarWindow(click.ParamType["Window"]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> Window:
         """Read the window."""
-        from studies.verification import parse_window
+        from studies.log_errors import parse_window
 
         try:
             return parse_window(str(value))
@@ -69,12 +70,13 @@ def verify(
     from missions.flight_log import read_flight_log
     from studies import verification as study
     from studies.library import load_aircraft, load_mission
+    from studies.verification_records import to_json
 
     craft = load_aircraft(aircraft).aircraft
     where = load_mission(mission).mission
     log = read_flight_log(log_file)
     result = study.verify(log, craft, where, windows=windows, semi_window=semi_window)
-    record = study.to_json(result)
+    record = to_json(result)
     if out_dir is not None:
         write_verification(Path(out_dir), result, record)
     if as_json:
@@ -99,18 +101,19 @@ def write_verification(folder: Path, result: Verification, record: dict[str, Any
         If the folder cannot be written.
     """
     from missions.output_files import write_folder
-    from studies import verification as study
     from studies import verification_plots as figures
+    from studies.log_errors import day_masks
     from studies.plots import to_bytes
+    from studies.verification_records import samples_csv
 
     contents: dict[str, bytes] = {
-        "samples.csv": study.samples_csv(result).encode(),
+        "samples.csv": samples_csv(result).encode(),
         "verification.json": json.dumps(record, indent=2, allow_nan=False).encode(),
     }
     for number in range(len(result.windows)):
         figure = figures.window_figure(result, number)
         contents[f"window-{number + 1}.png"] = to_bytes(figure, "png")
-    for section, (date, mask) in zip(result.days, study.day_masks(result.samples), strict=True):
+    for section, (date, mask) in zip(result.days, day_masks(result.samples), strict=True):
         contents[f"day-{date}.png"] = to_bytes(figures.day_figure(result, section, mask), "png")
     write_folder(folder, contents)
 
