@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import math
-import os
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from studies.climb_checks import refuse_climb
 from studies.command_options import (
-    DEFAULT_MISSION,
     EXIT_FAILED,
+    RealRange,
+    check_image,
     console,
-    image_format,
     load,
+    mission_option,
     print_json,
     progress_bar,
     refuse_polar_night,
     require_path,
     solar_model,
     solar_options,
-    write_files,
+    write_results,
 )
 
 if TYPE_CHECKING:
@@ -41,11 +41,11 @@ _EXCESS, _POWER, _INCOME, _MARK = "#009E73", "#0072B2", "#E69F00", "#555555"
 
 @click.command()
 @click.argument("aircraft")
-@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@mission_option()
 @click.option(
     "--highest",
     "highest_m",
-    type=click.FloatRange(-500.0, _HIGHEST_M),
+    type=RealRange(-500.0, _HIGHEST_M, unit="metres"),
     default=20000.0,
     show_default=True,
     metavar="METRES",
@@ -54,7 +54,7 @@ _EXCESS, _POWER, _INCOME, _MARK = "#009E73", "#0072B2", "#E69F00", "#555555"
 @click.option(
     "--step",
     "step_m",
-    type=click.FloatRange(_LEAST_STEP_M, 10000.0),
+    type=RealRange(_LEAST_STEP_M, 10000.0, unit="metres"),
     default=250.0,
     show_default=True,
     metavar="METRES",
@@ -78,8 +78,7 @@ def ceiling(
     """Find how high AIRCRAFT (name or file) flies for ever; exit code 1 if nowhere."""
     from sizing.ceiling import highest_perpetual_altitude
 
-    image = image_format(plot_file)
-    _require_numbers(highest_m, step_m)
+    check_image(plot_file)
     craft, where = load(aircraft, mission, overrides)
     refuse_climb(where, "ceiling")
     refuse_polar_night(where.mission, where, options=False)
@@ -98,28 +97,19 @@ def ceiling(
             progress=progress,
         )
     record = to_json(found, craft.aircraft.name, where.mission.name, solar)
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    if csv_file is not None:
-        contents[csv_file] = to_csv(found).encode()
-    if plot_file is not None and image is not None:
-        from studies.plots import to_bytes
-
-        title = f"{craft.aircraft.name}, {where.mission.name}"
-        contents[plot_file] = to_bytes(ceiling_figure(found, title, solar), image)
-    write_files(contents)
+    title = f"{craft.aircraft.name}, {where.mission.name}"
+    write_results(
+        csv_file,
+        lambda: to_csv(found).encode(),
+        plot_file,
+        lambda: ceiling_figure(found, title, solar),
+    )
     if as_json:
         print_json(record)
     else:
         print_ceiling(console(), found, record, where.mission.scenarios())
     if found.highest is None:
         raise SystemExit(EXIT_FAILED)
-
-
-def _require_numbers(highest_m: float, step_m: float) -> None:
-    """Refuse NaN, which passes every range."""
-    for name, value in (("--highest", highest_m), ("--step", step_m)):
-        if math.isnan(value):
-            raise click.BadParameter("must be a number of metres", param_hint=name)
 
 
 # ---- Results

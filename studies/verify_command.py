@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from studies.command_options import console, json_option, mission_option, print_json
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -15,7 +17,6 @@ if TYPE_CHECKING:
     from studies.log_errors import Window
     from studies.verification import Verification
 
-DEFAULT_MISSION = "rafz-28h"
 _LONGEST_FILTER = 1_000_000
 
 
@@ -39,7 +40,7 @@ class SolarWindow(click.ParamType["Window"]):
 @click.command()
 @click.argument("aircraft")
 @click.argument("log_file", metavar="LOG")
-@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@mission_option("rafz-28h")
 @click.option(
     "--window",
     "windows",
@@ -55,7 +56,7 @@ class SolarWindow(click.ParamType["Window"]):
     metavar="N",
     help="Samples on either side in the moving average.  [default: 2 in windows, 800 over days]",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
+@json_option
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for samples, JSON and figures.")
 def verify(
     aircraft: str,
@@ -80,11 +81,9 @@ def verify(
     if out_dir is not None:
         write_verification(Path(out_dir), result, record)
     if as_json:
-        click.echo(json.dumps(record, indent=2, allow_nan=False))
+        print_json(record)
         return
-    from rich.console import Console
-
-    print_verification(Console(highlight=False), record)
+    print_verification(console(), record)
     if out_dir is not None:
         click.echo(f"written to {out_dir}")
 
