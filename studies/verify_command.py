@@ -68,7 +68,7 @@ def verify(
     out_dir: str | None,
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
-    from missions.flight_log import read_flight_log
+    from missions.log_files import read_flight_log
     from studies import verification as study
     from studies.library import load_aircraft, load_mission
     from studies.verification_records import to_json
