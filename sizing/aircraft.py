@@ -9,8 +9,8 @@ from pydantic_core import PydanticCustomError
 
 from sizing.aerodynamics import DragPolar
 from sizing.battery import Battery
-from sizing.polars import WingPolar
 from sizing.structure import SparStructure, Structure, Value
+from sizing.wing_polar import WingPolar
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text

@@ -19,9 +19,9 @@ from missions.mission import Mission
 from sizing.aerodynamics import DragPolar, Polar, level_flight_power_w, scaled_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
-from sizing.polars import WingPolar
 from sizing.rib_wing import RibWingStructure, StructureParts
 from sizing.structure import Value
+from sizing.wing_polar import WingPolar
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
 

@@ -5,6 +5,7 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 
 from __future__ import annotations
 
+from math import pi
 from typing import Annotated, Literal, Protocol
 
 from pydantic import Field
@@ -195,7 +196,7 @@ def root_bending_moment_nm(
     both by at most 2 % of the unrelieved moment.
     """
     newton = limit_load_factor(total_mass_kg) * GRAVITY_M_PER_S2
-    unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * 3.141592653589793)
+    unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * pi)
     relieved = unrelieved - newton * span_load_kg * wingspan_m / 8.0
     floor = minimum_fraction * unrelieved
     gap = relieved - floor

@@ -14,8 +14,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.polars import WingPolar, shipped_airfoils
+from sizing.polar_table import shipped_airfoils
 from sizing.structure import Value
+from sizing.wing_polar import WingPolar
 from solar.sun import FloatArray
 from studies.plots import CHARGE, LOAD, SUN, to_bytes
 

@@ -15,14 +15,9 @@ from pydantic import ValidationError
 
 from missions.problems import InputError
 from sizing.aerodynamics import level_flight_power_w
-from sizing.polars import (
-    COLUMNS,
-    AirfoilPolar,
-    WingPolar,
-    parse_polar_table,
-    shipped_airfoils,
-    shipped_table,
-)
+from sizing.airfoil_polar import AirfoilPolar
+from sizing.polar_table import COLUMNS, parse_polar_table, shipped_airfoils, shipped_table
+from sizing.wing_polar import WingPolar
 from studies.make_polars import default_grid, main
 from studies.power_curve import (
     AS1,
