@@ -75,7 +75,12 @@ class DesignInFlight(NamedTuple):
     def reynolds_number(self) -> Value:
         """Reynolds number of the mean chord in level flight [-]."""
         air = self.conditions
-        return air.density * self.design.airspeed_m_per_s * self.chord_m / air.dynamic_viscosity
+        return (
+            air.density_kg_per_m3
+            * self.design.airspeed_m_per_s
+            * self.chord_m
+            / air.dynamic_viscosity
+        )
 
 
 class Quantity(NamedTuple):

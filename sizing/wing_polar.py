@@ -149,10 +149,12 @@ class WingPolar(Record):
             parasitic=self.parasitic_drag_coefficient,
         )
 
-    def airspeed_m_per_s(self, *, mass_kg: Value, wing_area_m2: Value, density: Value) -> Value:
+    def airspeed_m_per_s(
+        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+    ) -> Value:
         """Airspeed of level flight [m/s]."""
         pressure = mass_kg * GRAVITY_M_PER_S2 / (wing_area_m2 * self.flight_lift_coefficient)
-        return (2.0 * pressure / density) ** 0.5
+        return (2.0 * pressure / density_kg_per_m3) ** 0.5
 
     def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
         """Stall speed [m/s] that belongs to an airspeed of level flight, at the design point."""

@@ -343,7 +343,7 @@ def test_writer_repeats_a_shipped_table(tmp_path: Path) -> None:
 
 def test_wing_polar_serves_level_flight_power_as_the_parabolic_polar_does() -> None:
     polar = _wing()
-    flight = {"mass_kg": AS2.mass_kg, "density": AS2.density}
+    flight = {"mass_kg": AS2.mass_kg, "density_kg_per_m3": AS2.density_kg_per_m3}
     power = level_flight_power_w(
         polar,
         wingspan_m=AS2.wingspan_m,
