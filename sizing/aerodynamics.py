@@ -5,15 +5,14 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 
 from __future__ import annotations
 
+from math import pi
 from typing import Literal, Protocol
 
 from pydantic import model_validator
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.structure import Value
+from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
-
-PI = 3.141592653589793
 
 
 class Polar(Protocol):
@@ -77,7 +76,7 @@ class DragPolar(Record):
             self.profile_drag_coefficient
             * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
         )
-        induced = self.lift_coefficient**2 / (PI * self.span_efficiency * aspect_ratio)
+        induced = self.lift_coefficient**2 / (pi * self.span_efficiency * aspect_ratio)
         return profile + self.parasitic_drag_coefficient + induced
 
     def airspeed_m_per_s(

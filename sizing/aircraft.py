@@ -9,7 +9,8 @@ from pydantic_core import PydanticCustomError
 
 from sizing.aerodynamics import DragPolar
 from sizing.battery import Battery
-from sizing.structure import SparStructure, Structure, Value
+from sizing.smooth import Value
+from sizing.structure import SparStructure, Structure
 from sizing.wing_polar import WingPolar
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell

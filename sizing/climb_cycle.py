@@ -32,7 +32,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.climb_levels import ClimbLimits, FlightLevels, flight_levels
 from sizing.climb_march import Balance, Flows, March, Strategy, periodic_state
-from sizing.cycle import Cycle, EnergyAccount, Status, equal_power
+from sizing.cycle import Cycle, EnergyAccount, equal_power, excess_and_status
 from sizing.energy_balance import BoolArray, FloatArray, Store
 from sizing.performance import UNCORRECTED_CAM, Performance, SolarModel, performance, solar_day
 
@@ -263,14 +263,13 @@ class _Record:
         capacity, levels = march.store.energy_max_wh, march.levels
         floor_w = levels.solar_power_w[0].T
         equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
-        lit = equal.always_above
-        starved = sums.unserved_wh > 1e-9 * capacity
-        dark = np.isnan(equal.morning_h) & ~lit
-        excess = np.where(starved | dark, -sums.missing_h, self._reserve_h(equal.morning_h))
-        excess = np.where(lit & ~starved, np.inf, excess)
-        status = np.where(excess > 0.0, Status.perpetual, Status.limited)
-        status = np.where(lit & ~starved, Status.always_lit, status)
-        status = np.where(~np.any(floor_w > 0.0, axis=0), Status.never_lit, status)
+        excess, status = excess_and_status(
+            equal,
+            starved=sums.unserved_wh > 1e-9 * capacity,
+            sunlit=np.any(floor_w > 0.0, axis=0),
+            missing_h=sums.missing_h,
+            reserve_h=self._reserve_h(equal.morning_h),
+        )
         lowest = self.energy.min(axis=0) / capacity
         first_full, last_full = self._full_h()
         account = self._account()

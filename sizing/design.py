@@ -20,7 +20,7 @@ from sizing.aerodynamics import DragPolar, Polar, level_flight_power_w, scaled_p
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
 from sizing.rib_wing import RibWingStructure, StructureParts
-from sizing.structure import Value
+from sizing.smooth import Value
 from sizing.structure_inputs import StructureInputs
 from sizing.wing_polar import WingPolar
 from solar.modules import STC_IRRADIANCE_W_PER_M2

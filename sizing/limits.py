@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import Design, FlightConditions, flown_at
-from sizing.structure import Value
+from sizing.smooth import Value
 
 
 class DesignInFlight(NamedTuple):

@@ -102,19 +102,24 @@ def _draw_income(axes: Axes, comparison: Comparison, position: Any) -> None:
     axes.set_xlabel("solar energy of a day [Wh]\n(bars: RMS error of the model)")
 
 
+def _note(axes: Axes, y: float, text: str, colour: str) -> None:
+    """Words in place of a number that a case does not have."""
+    axes.annotate(
+        text,
+        (0.02, y),
+        xycoords=("axes fraction", "data"),
+        va="center",
+        fontsize="small",
+        color=colour,
+    )
+
+
 def _draw_excess(axes: Axes, comparison: Comparison, position: Any) -> None:
     for y, case in zip(position, comparison.cases, strict=True):
         p = case.prediction
         colour, marker, _ = _LOOKS[case.solar.correction]
         if not np.isfinite(p.excess_time_h):
-            axes.annotate(
-                "no night",
-                (0.02, y),
-                xycoords=("axes fraction", "data"),
-                va="center",
-                fontsize="small",
-                color=colour,
-            )
+            _note(axes, y, "no night", colour)
             continue
         # The band may reach over the cliff at zero, or to where there is no end.
         ends = [
@@ -170,14 +175,7 @@ def _draw_designs(axes: Axes, comparison: Comparison, position: Any) -> None:
         colour, marker, _ = _LOOKS[case.solar.correction]
         value = _objective_value(case, comparison)
         if value is None or case.built.judged is None:
-            axes.annotate(
-                "no design",
-                (0.02, y),
-                xycoords=("axes fraction", "data"),
-                va="center",
-                fontsize="small",
-                color=colour,
-            )
+            _note(axes, y, "no design", colour)
             continue
         axes.plot([value], [y], color=colour, marker=marker)
         judged = case.built.judged

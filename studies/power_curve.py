@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.polar_table import shipped_airfoils
-from sizing.structure import Value
+from sizing.smooth import Value
 from sizing.wing_polar import WingPolar
 from solar.sun import FloatArray
 from studies.plots import CHARGE, LOAD, SUN, to_bytes
