@@ -119,6 +119,7 @@ def compare(
     wanted = _wanted(models, corrections, craft, where)
     from sizing.objectives import Objective
     from studies import comparison as study
+    from studies.comparison_records import to_json
     from studies.comparison_sentence import sentence
 
     with progress_bar("models") as progress:
@@ -131,7 +132,7 @@ def compare(
             designs=not no_design,
             progress=progress,
         )
-    record = study.to_json(found, sentence(found))
+    record = to_json(found, sentence(found))
     if out_dir is not None:
         from missions.output_files import write_folder
 
@@ -182,7 +183,7 @@ def _folder_contents(found: Comparison, record: dict[str, Any]) -> dict[str, byt
 
 
 def _csv(record: dict[str, Any]) -> bytes:
-    from studies.comparison import case_table
+    from studies.comparison_records import case_table
 
     return csv_bytes(case_table(record))
 

@@ -19,6 +19,7 @@ from sizing.performance import SolarModel, performance, performance_of_designs
 from studies import cli
 from studies import comparison as study
 from studies.comparison_plots import comparison_figure, spans
+from studies.comparison_records import to_json
 from studies.comparison_sentence import fate, sentence
 from studies.comparison_tables import markdown
 from studies.library import load_aircraft, load_mission
@@ -155,7 +156,7 @@ def test_sentence_where_nothing_is_feasible() -> None:
         f"Sized with uncorrected CDM, no design of {DESIGN} meets the requirements (sized with "
         "corrected FM: no design)."
     )
-    assert study.to_json(none, "")["cases"][0]["design"]["judged"] is None
+    assert to_json(none, "")["cases"][0]["design"]["judged"] is None
     assert "no design" in str([t.get_text() for t in comparison_figure(none).axes[3].texts])
 
 
@@ -180,7 +181,7 @@ def test_season_over_the_years_end_is_drawn_in_two_parts() -> None:
 
 def test_markdown_has_a_row_for_each_case(designs: study.Comparison) -> None:
     told = sentence(designs)
-    text = markdown(study.to_json(designs, told))
+    text = markdown(to_json(designs, told))
     assert text.count("\n| C") == 2
     assert text.count("\n| FM |") == 1
     assert text.rstrip().endswith(told)
