@@ -94,6 +94,7 @@ def test_designs_are_those_of_single_sizings_judged_by_the_reference(
         )
         flight = judged.endurances()[worst]
         expected = np.inf if flight is None else float(flight.endurance_h)
+        # The longest flight is found to within seconds, of some hours.
         assert built.judged.endurance_h == pytest.approx(expected, rel=1e-3)
 
 

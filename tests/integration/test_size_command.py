@@ -46,9 +46,8 @@ def test_sizing_as_json(run: Run) -> None:
     assert sum(record["masses_kg"].values()) == pytest.approx(record["total_mass_kg"], rel=1e-6)
     assert record["solver"].keys() >= {"iterations", "time_s"}
     assert record["active_constraints"]
-    assert record["objective"]["value"] == pytest.approx(
-        record["simulated"]["excess_time_h"], abs=0.05
-    )
+    # The simulator has the last word on what the program found.
+    assert record["objective"]["value"] == record["simulated"]["excess_time_h"]
 
 
 @pytest.mark.parametrize(
@@ -58,6 +57,7 @@ def test_objectives(run: Run, objective: str, key: str) -> None:
     options = ("--required-excess-time", "3", "--objective", objective, "--json")
     record = run("size", DESIGN, "-m", "rafz-july", *options).json()
     assert record["objective"]["value"] == pytest.approx(record[key])
+    # Active: the program aims a small cushion above it.
     assert record["simulated"]["excess_time_h"] == pytest.approx(3.0, abs=0.1)
 
 
@@ -88,6 +88,7 @@ def test_sized_aircraft_flies_as_the_sizing_says(sized: tuple[Outcome, Path], ru
     assert run("validate", aircraft).code == 0
     flown = run("analyse", aircraft, "-m", "rafz-july", "--json").json()
     assert flown["total_mass_kg"] == pytest.approx(record["total_mass_kg"], rel=1e-6)
+    # The mass is closed anew for the file; an optimum sized again stays to three digits.
     assert flown["excess_time_h"] == pytest.approx(record["simulated"]["excess_time_h"], abs=1e-3)
     assert run("size", aircraft, "-m", "rafz-july", "--json").json()["wingspan_m"] == (
         pytest.approx(record["wingspan_m"], rel=1e-3)

@@ -309,6 +309,7 @@ def ulog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def check_ulog(log: FlightLog) -> None:
+    # Satellite times are microseconds; a millisecond is far below the step.
     assert log.time_s == pytest.approx(EPOCH_S + 0.5 * np.arange(24), abs=1e-3)
     assert log.latitude_deg == pytest.approx(47.6)
     assert log.longitude_deg == pytest.approx(8.53)
