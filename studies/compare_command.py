@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, RESIZE_NAMES
 from studies.climb_checks import refuse_climb
 from studies.command_options import (
     EXIT_FAILED,
@@ -79,7 +79,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
 )
 @click.option(
     "--objective",
-    type=click.Choice(OBJECTIVE_NAMES),
+    type=click.Choice(RESIZE_NAMES),
     default=DEFAULT_OBJECTIVE,
     show_default=True,
     help="What a parametric aircraft is sized for with every model.",

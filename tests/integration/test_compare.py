@@ -326,3 +326,27 @@ def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path: Path, run: R
     outcome = run("compare", AS2, "--out", "taken")
     assert outcome.code == 1
     assert "taken is not a folder" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("objective", "name", "unit"),
+    [("max_payload_mass", "payload_mass_kg", "kg"), ("max_payload_power", "payload_power_w", "W")],
+)
+def test_payload_is_compared_in_table_sentence_and_figure(
+    run: Run, tmp_path: Path, objective: str, name: str, unit: str
+) -> None:
+    options = ["--models", "CAM", "--corrections", "none", "--objective", objective]
+    options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c"]
+    outcome = run("compare", DESIGN, *options)
+    assert (outcome.code, outcome.err) == (0, "")
+    record = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    built = record["cases"][0]["design"][name]
+    assert built > 0.0
+    assert f"[{unit}]" in outcome.out
+    assert f"a payload of {built:.{1 if unit == 'W' else 2}f} {unit}" in record["sentence"]
+
+
+def test_a_season_is_no_objective_of_a_comparison(run: Run) -> None:
+    outcome = run("compare", DESIGN, "--objective", "longest_season")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "'longest_season' is not one of" in outcome.err

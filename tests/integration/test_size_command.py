@@ -210,3 +210,11 @@ def test_folder_of_results_is_written_whole_or_not_at_all(run: Run, tmp_path: Pa
     (tmp_path / "design" / "masses.csv").mkdir(parents=True)
     assert run("size", DESIGN, "-m", "rafz-july", "--out", "design").code == 1
     assert files(tmp_path / "design") == {"masses.csv"}
+
+
+@pytest.mark.parametrize("objective", ["max_payload_mass", "max_payload_power"])
+def test_sensitivities_of_a_payload_are_drawn(run: Run, tmp_path: Path, objective: str) -> None:
+    options = ("--objective", objective, "--required-excess-time", "1", "--sensitivities")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *options, "--out", "design")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(tmp_path / "design") == SIZED_FILES | {"sensitivities.csv", "sensitivities.png"}
