@@ -5,15 +5,14 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 
 from __future__ import annotations
 
+from math import pi
 from typing import Literal, Protocol
 
 from pydantic import model_validator
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.structure import Value
+from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
-
-PI = 3.141592653589793
 
 
 class Polar(Protocol):
@@ -29,7 +28,9 @@ class Polar(Protocol):
         """Lift coefficient at the stall [-]."""
         ...
 
-    def airspeed_m_per_s(self, *, mass_kg: Value, wing_area_m2: Value, density: Value) -> Value:
+    def airspeed_m_per_s(
+        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+    ) -> Value:
         """Airspeed of level flight [m/s]."""
         ...
 
@@ -75,13 +76,15 @@ class DragPolar(Record):
             self.profile_drag_coefficient
             * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
         )
-        induced = self.lift_coefficient**2 / (PI * self.span_efficiency * aspect_ratio)
+        induced = self.lift_coefficient**2 / (pi * self.span_efficiency * aspect_ratio)
         return profile + self.parasitic_drag_coefficient + induced
 
-    def airspeed_m_per_s(self, *, mass_kg: Value, wing_area_m2: Value, density: Value) -> Value:
+    def airspeed_m_per_s(
+        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+    ) -> Value:
         """Airspeed of level flight [m/s]."""
         weight = mass_kg * GRAVITY_M_PER_S2
-        return (2.0 * weight / (density * wing_area_m2 * self.lift_coefficient)) ** 0.5
+        return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
 
     def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
         """Stall speed [m/s] that belongs to an airspeed of level flight."""
@@ -94,15 +97,23 @@ def level_flight_power_w(
     mass_kg: Value,
     wingspan_m: Value,
     aspect_ratio: Value,
-    density: Value,
+    density_kg_per_m3: Value,
     dynamic_viscosity: Value,
 ) -> Value:
     """Aerodynamic power of level flight, drag times airspeed [W]."""
     area = wingspan_m**2 / aspect_ratio
     chord = wingspan_m / aspect_ratio
-    airspeed = polar.airspeed_m_per_s(mass_kg=mass_kg, wing_area_m2=area, density=density)
-    reynolds = density * airspeed * chord / dynamic_viscosity
-    drag = 0.5 * density * airspeed**2 * area * polar.drag_coefficient(aspect_ratio, reynolds)
+    airspeed = polar.airspeed_m_per_s(
+        mass_kg=mass_kg, wing_area_m2=area, density_kg_per_m3=density_kg_per_m3
+    )
+    reynolds = density_kg_per_m3 * airspeed * chord / dynamic_viscosity
+    drag = (
+        0.5
+        * density_kg_per_m3
+        * airspeed**2
+        * area
+        * polar.drag_coefficient(aspect_ratio, reynolds)
+    )
     return drag * airspeed
 
 

@@ -141,13 +141,22 @@ def flight_at_altitude(
 ) -> AltitudeFlight:
     """Worst scenario of a mission flown at another altitude."""
     there = mission.at_altitude(altitude_m)
-    density = float(there.air_state().density_kg_per_m3)
+    density_kg_per_m3 = float(there.air_state().density_kg_per_m3)
     nan = float("nan")
     try:
         result = performance(aircraft, there, solar)
     except ImpossibleDesignError:
         return AltitudeFlight(
-            altitude_m, _HOPELESS_H, nan, nan, nan, nan, nan, density, nan, worst_scenario=0
+            altitude_m,
+            _HOPELESS_H,
+            nan,
+            nan,
+            nan,
+            nan,
+            nan,
+            density_kg_per_m3,
+            nan,
+            worst_scenario=0,
         )
     worst, cycle, design = result.worst_scenario(), result.cycle, result.design
     airspeed = design.airspeed_m_per_s
@@ -159,7 +168,7 @@ def flight_at_altitude(
         solar_energy_wh=float(cycle.account.solar_wh[worst]),
         load_energy_wh=float(cycle.account.load_wh[worst]),
         airspeed_m_per_s=nan if airspeed is None else float(airspeed),
-        density_kg_per_m3=density,
+        density_kg_per_m3=density_kg_per_m3,
         module_temperature_c=there.module_temperature_c(),
         worst_scenario=worst,
     )

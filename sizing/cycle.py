@@ -76,7 +76,7 @@ class EnergyAccount:
 class Cycle:
     """Metrics of a batch of converged cycles; times are solar hours, undefined ones are NaN."""
 
-    status: FloatArray
+    status: IntArray
     excess_time_h: FloatArray
     minimum_state_of_charge: FloatArray
     charge_margin_h: FloatArray
@@ -293,16 +293,16 @@ def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory
     first_full, last_full = _full_charge_h(balance, run)
     # A last digit of unserved energy may be left by the fixed point's tolerance.
     starved = unserved > 1e-9 * store.energy_max_wh
-    lit = equal.always_above
     with np.errstate(divide="ignore", invalid="ignore"):
         left_over = _dawn_wh(balance, run, equal) * store.discharge_efficiency
         surplus_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
-    dark = np.isnan(equal.morning_h) & ~lit
-    excess = np.where(starved | dark, -missing_h, surplus_h)
-    excess = np.where(lit & ~starved, np.inf, excess)
-    status = np.where(excess > 0.0, Status.perpetual, Status.limited)
-    status = np.where(lit & ~starved, Status.always_lit, status)
-    status = np.where(account.solar_wh > 0.0, status, Status.never_lit)
+    excess, status = excess_and_status(
+        equal,
+        starved=starved,
+        sunlit=account.solar_wh > 0.0,
+        missing_h=missing_h,
+        reserve_h=surplus_h,
+    )
     lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
     state = np.maximum(lowest, 0.0) / store.energy_max_wh
     nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
@@ -319,6 +319,34 @@ def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory
         time_h=cells.time_h,
         energy_wh=nodes.T,
     )
+
+
+def excess_and_status(
+    equal: EqualPower,
+    *,
+    starved: BoolArray,
+    sunlit: BoolArray,
+    missing_h: FloatArray,
+    reserve_h: FloatArray,
+) -> tuple[FloatArray, IntArray]:
+    """Excess time [h] and status of days that repeat themselves.
+
+    Parameters
+    ----------
+    equal : EqualPower
+        When solar power equals the nominal load.
+    starved, sunlit : ndarray of bool
+        Whether energy is missing, and whether there is any solar power.
+    missing_h, reserve_h : ndarray
+        Time without energy, and how long the stores would last from the morning's equal power [h].
+    """
+    lit = equal.always_above
+    dark = np.isnan(equal.morning_h) & ~lit
+    excess_h = np.where(starved | dark, -missing_h, reserve_h)
+    excess_h = np.where(lit & ~starved, np.inf, excess_h)
+    status = np.where(excess_h > 0.0, Status.perpetual, Status.limited)
+    status = np.where(lit & ~starved, Status.always_lit, status)
+    return excess_h, np.where(sunlit, status, Status.never_lit)
 
 
 def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:

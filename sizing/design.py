@@ -19,9 +19,10 @@ from missions.mission import Mission
 from sizing.aerodynamics import DragPolar, Polar, level_flight_power_w, scaled_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
-from sizing.polars import WingPolar
 from sizing.rib_wing import RibWingStructure, StructureParts
-from sizing.structure import Value
+from sizing.smooth import Value
+from sizing.structure_inputs import StructureInputs
+from sizing.wing_polar import WingPolar
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
 
@@ -102,7 +103,7 @@ class Design(NamedTuple):
 class FlightConditions(NamedTuple):
     """What the design needs to know of a mission; numbers or symbols."""
 
-    density: Value
+    density_kg_per_m3: Value
     dynamic_viscosity: Value
     payload_mass_kg: Value
     payload_power_w: Value
@@ -115,7 +116,7 @@ class FlightConditions(NamedTuple):
         """Conditions of a mission."""
         air = mission.air_state()
         return cls(
-            density=float(air.density_kg_per_m3),
+            density_kg_per_m3=float(air.density_kg_per_m3),
             dynamic_viscosity=float(air.dynamic_viscosity_pa_s),
             payload_mass_kg=mission.payload.mass_kg,
             payload_power_w=mission.payload.power_w,
@@ -174,14 +175,14 @@ def parametric_design(
         mass_kg=total_mass_kg,
         wingspan_m=variables.wingspan_m,
         aspect_ratio=variables.aspect_ratio,
-        density=air.density,
+        density_kg_per_m3=air.density_kg_per_m3,
         dynamic_viscosity=air.dynamic_viscosity,
     )
     electric_w = shaft_w / airframe.propulsion.efficiency
     airspeed = aerodynamics.airspeed_m_per_s(
         mass_kg=total_mass_kg,
         wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
-        density=air.density,
+        density_kg_per_m3=air.density_kg_per_m3,
     )
     return Design(
         variables=variables,
@@ -227,12 +228,14 @@ def _masses(
     propulsion = airframe.propulsion
     return Masses(
         structure=airframe.structure.mass_kg(
-            wingspan_m=variables.wingspan_m,
-            aspect_ratio=variables.aspect_ratio,
-            total_mass_kg=total_mass_kg,
-            span_load_kg=span_load_kg(aircraft, airframe, variables),
-            airspeed_m_per_s=airspeed_m_per_s,
-            density=air.density,
+            StructureInputs(
+                wingspan_m=variables.wingspan_m,
+                aspect_ratio=variables.aspect_ratio,
+                total_mass_kg=total_mass_kg,
+                span_load_kg=span_load_kg(aircraft, airframe, variables),
+                airspeed_m_per_s=airspeed_m_per_s,
+                density_kg_per_m3=air.density_kg_per_m3,
+            )
         ),
         propulsion=propulsion.mass_kg_per_w
         * propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2),
@@ -261,12 +264,14 @@ def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> Str
     if not isinstance(airframe.structure, RibWingStructure):
         return None
     return airframe.structure.breakdown(
-        wingspan_m=design.variables.wingspan_m,
-        aspect_ratio=design.variables.aspect_ratio,
-        total_mass_kg=design.total_mass_kg,
-        span_load_kg=span_load_kg(aircraft, airframe, design.variables),
-        airspeed_m_per_s=design.airspeed_m_per_s,
-        density=FlightConditions.of(mission).density,
+        StructureInputs(
+            wingspan_m=design.variables.wingspan_m,
+            aspect_ratio=design.variables.aspect_ratio,
+            total_mass_kg=design.total_mass_kg,
+            span_load_kg=span_load_kg(aircraft, airframe, design.variables),
+            airspeed_m_per_s=design.airspeed_m_per_s,
+            density_kg_per_m3=FlightConditions.of(mission).density_kg_per_m3,
+        )
     )
 
 
@@ -279,7 +284,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
     total_kg = airframe.mass_without_battery_kg + battery_kg + mission.payload.mass_kg
     flight = airframe.level_flight
     mass_ratio = total_kg / flight.mass_kg
-    density_ratio = air.density / flight.density_kg_per_m3
+    density_ratio = air.density_kg_per_m3 / flight.density_kg_per_m3
     airspeed = flight.airspeed_m_per_s
     if airspeed is not None:
         airspeed = airspeed * (mass_ratio / density_ratio) ** 0.5

@@ -7,11 +7,12 @@ every altitude for the same equivalent airspeed. Arithmetic only, for floats, ar
 
 from __future__ import annotations
 
+from math import pi
+
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
 
-SEA_LEVEL_DENSITY = 1.225  # [kg/m3], standard day
-_PI = 3.141592653589793
+SEA_LEVEL_DENSITY_KG_PER_M3 = 1.225  # [kg/m3], standard day
 
 
 def limit_load_factor(total_mass_kg: Value) -> Value:
@@ -24,7 +25,7 @@ def lift_curve_slope(aspect_ratio: Value) -> Value:
 
     Prandtl's lifting line with elliptic lift (Anderson, Fundamentals of Aerodynamics, chapter 5).
     """
-    return 2.0 * _PI * aspect_ratio / (aspect_ratio + 2.0)
+    return 2.0 * pi * aspect_ratio / (aspect_ratio + 2.0)
 
 
 def gust_alleviation_factor(mass_ratio: Value) -> Value:
@@ -33,12 +34,12 @@ def gust_alleviation_factor(mass_ratio: Value) -> Value:
 
 
 def gust_mass_ratio(
-    *, total_mass_kg: Value, wing_area_m2: Value, aspect_ratio: Value, density: Value
+    *, total_mass_kg: Value, wing_area_m2: Value, aspect_ratio: Value, density_kg_per_m3: Value
 ) -> Value:
     """Aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)``, with the mean chord c = b/AR."""
     chord_m = (wing_area_m2 / aspect_ratio) ** 0.5
     slope = lift_curve_slope(aspect_ratio)
-    return 2.0 * total_mass_kg / (density * wing_area_m2 * chord_m * slope)
+    return 2.0 * total_mass_kg / (density_kg_per_m3 * wing_area_m2 * chord_m * slope)
 
 
 def gust_load_increment(
@@ -47,7 +48,7 @@ def gust_load_increment(
     total_mass_kg: Value,
     wing_area_m2: Value,
     aspect_ratio: Value,
-    density: Value,
+    density_kg_per_m3: Value,
 ) -> Value:
     """Load factor that a sharp-edged gust adds or takes away [-], CS 23.341.
 
@@ -59,15 +60,15 @@ def gust_load_increment(
         Gust velocity U times airspeed V, both equivalent [m2/s2].
     total_mass_kg, wing_area_m2, aspect_ratio
         Mass [kg], wing area [m2] and aspect ratio [-].
-    density
+    density_kg_per_m3
         Of the air [kg/m3]: it alone sets the mass ratio.
     """
     ratio = gust_mass_ratio(
         total_mass_kg=total_mass_kg,
         wing_area_m2=wing_area_m2,
         aspect_ratio=aspect_ratio,
-        density=density,
+        density_kg_per_m3=density_kg_per_m3,
     )
     pressure = total_mass_kg * GRAVITY_M_PER_S2 / wing_area_m2
-    rate = SEA_LEVEL_DENSITY * lift_curve_slope(aspect_ratio) * gust_times_airspeed
+    rate = SEA_LEVEL_DENSITY_KG_PER_M3 * lift_curve_slope(aspect_ratio) * gust_times_airspeed
     return gust_alleviation_factor(ratio) * rate / (2.0 * pressure)

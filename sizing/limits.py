@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import Design, FlightConditions, flown_at
-from sizing.structure import Value
+from sizing.smooth import Value
 
 
 class DesignInFlight(NamedTuple):
@@ -75,7 +75,12 @@ class DesignInFlight(NamedTuple):
     def reynolds_number(self) -> Value:
         """Reynolds number of the mean chord in level flight [-]."""
         air = self.conditions
-        return air.density * self.design.airspeed_m_per_s * self.chord_m / air.dynamic_viscosity
+        return (
+            air.density_kg_per_m3
+            * self.design.airspeed_m_per_s
+            * self.chord_m
+            / air.dynamic_viscosity
+        )
 
 
 class Quantity(NamedTuple):

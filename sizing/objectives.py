@@ -32,6 +32,11 @@ class Objective(StrEnum):
         return _SPECIFICATIONS[self].unit
 
     @property
+    def label(self) -> str:
+        """Quantity in words, for axes and tables."""
+        return _SPECIFICATIONS[self].label
+
+    @property
     def maximised(self) -> bool:
         """Whether more is better."""
         return _SPECIFICATIONS[self].maximised
@@ -49,16 +54,19 @@ class Objective(StrEnum):
 
 class _Specification(NamedTuple):
     variable: str
+    label: str
     unit: str
     maximised: bool
 
 
 _SPECIFICATIONS = {
-    Objective.max_excess_time: _Specification("worst_excess_time_h", "h", True),
-    Objective.min_wingspan: _Specification("wingspan_m", "m", False),
-    Objective.min_mass: _Specification("total_mass_kg", "kg", False),
-    Objective.max_payload_mass: _Specification("payload_mass_kg", "kg", True),
-    Objective.max_payload_power: _Specification("payload_power_w", "W", True),
-    Objective.longest_season: _Specification("season_days", "days", True),
-    Objective.widest_latitude_band: _Specification("latitude_band_deg", "deg", True),
+    Objective.max_excess_time: _Specification("worst_excess_time_h", "excess time", "h", True),
+    Objective.min_wingspan: _Specification("wingspan_m", "wingspan", "m", False),
+    Objective.min_mass: _Specification("total_mass_kg", "total mass", "kg", False),
+    Objective.max_payload_mass: _Specification("payload_mass_kg", "payload mass", "kg", True),
+    Objective.max_payload_power: _Specification("payload_power_w", "payload power", "W", True),
+    Objective.longest_season: _Specification("season_days", "season", "days", True),
+    Objective.widest_latitude_band: _Specification(
+        "latitude_band_deg", "latitude band", "deg", True
+    ),
 }

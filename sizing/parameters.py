@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from missions.mission import Mission
-from sizing.structure import Value
+from sizing.smooth import Value
 
 MISSION_PREFIX = "mission."
 

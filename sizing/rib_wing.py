@@ -16,8 +16,9 @@ import numpy as np
 from pydantic import Field, Strict
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.flight_loads import SEA_LEVEL_DENSITY, gust_load_increment, limit_load_factor
+from sizing.flight_loads import SEA_LEVEL_DENSITY_KG_PER_M3, gust_load_increment, limit_load_factor
 from sizing.smooth import Value, smooth_absolute, smooth_maximum, smooth_minimum
+from sizing.structure_inputs import StructureInputs
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 
 # Points of the Gauss-Legendre rule along the half-span; see docs/structure.md for its error.
@@ -193,52 +194,16 @@ class RibWingStructure(Record):
     pod_kg_per_m2: NonNegativeReal = 0.4
     joint_fraction: NonNegativeReal = 0.15
 
-    def mass_kg(
-        self,
-        *,
-        wingspan_m: Value,
-        aspect_ratio: Value,
-        total_mass_kg: Value,
-        span_load_kg: Value,
-        airspeed_m_per_s: Value,
-        density: Value,
-    ) -> Value:
-        """Structural mass [kg]; parameters as for :meth:`breakdown`."""
-        return self.breakdown(
-            wingspan_m=wingspan_m,
-            aspect_ratio=aspect_ratio,
-            total_mass_kg=total_mass_kg,
-            span_load_kg=span_load_kg,
-            airspeed_m_per_s=airspeed_m_per_s,
-            density=density,
-        ).total_kg
+    def mass_kg(self, inputs: StructureInputs) -> Value:
+        """Structural mass [kg]."""
+        return self.breakdown(inputs).total_kg
 
-    def breakdown(
-        self,
-        *,
-        wingspan_m: Value,
-        aspect_ratio: Value,
-        total_mass_kg: Value,
-        span_load_kg: Value,
-        airspeed_m_per_s: Value,
-        density: Value,
-    ) -> StructureParts:
-        """Masses of the parts.
-
-        Parameters
-        ----------
-        wingspan_m, aspect_ratio
-            Span [m] and aspect ratio [-] of the wing.
-        total_mass_kg
-            Take-off mass [kg].
-        span_load_kg
-            Battery and modules spread evenly along the span, which relieve the spar [kg].
-        airspeed_m_per_s, density
-            True airspeed of level flight [m/s], taken as cruise, and air density [kg/m3].
-        """
-        chord_m = wingspan_m / aspect_ratio
-        area_m2 = wingspan_m * chord_m
-        equivalent_airspeed = airspeed_m_per_s * (density / SEA_LEVEL_DENSITY) ** 0.5
+    def breakdown(self, inputs: StructureInputs) -> StructureParts:
+        """Masses of the parts."""
+        chord_m = inputs.wingspan_m / inputs.aspect_ratio
+        area_m2 = inputs.wingspan_m * chord_m
+        relative_density = inputs.density_kg_per_m3 / SEA_LEVEL_DENSITY_KG_PER_M3
+        equivalent_airspeed = inputs.airspeed_m_per_s * relative_density**0.5
         sheet_m = smooth_maximum(
             self.minimum_sheet_thickness_m, self.sheet_thickness_ratio * chord_m
         )
@@ -246,20 +211,20 @@ class RibWingStructure(Record):
         ribs = self._ribs_kg(area_m2, sheet_m)
         edges = self._edges_kg(area_m2, chord_m, sheet_m)
         # The wing's own shell relieves the spar; the spar itself is left out, on the safe side.
-        spread = span_load_kg + covering + ribs + edges
+        spread = inputs.span_load_kg + covering + ribs + edges
         wing = _Wing(
-            wingspan_m=wingspan_m,
+            wingspan_m=inputs.wingspan_m,
             chord_m=chord_m,
             wing_area_m2=area_m2,
-            total_mass_kg=total_mass_kg,
+            total_mass_kg=inputs.total_mass_kg,
             # No more than the aircraft weighs: an assumed mass may be below that of its own wing.
-            relief_kg=smooth_minimum(spread, total_mass_kg),
+            relief_kg=smooth_minimum(spread, inputs.total_mass_kg),
             factors=self.load_factors(
-                total_mass_kg=total_mass_kg,
+                total_mass_kg=inputs.total_mass_kg,
                 wing_area_m2=area_m2,
-                aspect_ratio=aspect_ratio,
+                aspect_ratio=inputs.aspect_ratio,
                 equivalent_airspeed_m_per_s=equivalent_airspeed,
-                density=density,
+                density_kg_per_m3=inputs.density_kg_per_m3,
             ),
         )
         caps, web = self._spar_kg(wing)
@@ -284,7 +249,7 @@ class RibWingStructure(Record):
         wing_area_m2: Value,
         aspect_ratio: Value,
         equivalent_airspeed_m_per_s: Value,
-        density: Value,
+        density_kg_per_m3: Value,
     ) -> LoadFactors:
         """Limit load factors: the larger of manoeuvre and gust, upwards and downwards.
 
@@ -296,7 +261,7 @@ class RibWingStructure(Record):
             total_mass_kg=total_mass_kg,
             wing_area_m2=wing_area_m2,
             aspect_ratio=aspect_ratio,
-            density=density,
+            density_kg_per_m3=density_kg_per_m3,
         )
         pull_up = limit_load_factor(total_mass_kg)
         return LoadFactors(
@@ -401,7 +366,7 @@ class RibWingStructure(Record):
         diameter_m = self.boom_diameter_chords * chord_m
         dive = self.dive_speed_ratio * equivalent_airspeed
         tail_m2 = self.horizontal_tail_ratio / self.fuselage_chords * area_m2
-        tail_n = self.tail_lift_coefficient * 0.5 * SEA_LEVEL_DENSITY * dive**2 * tail_m2
+        tail_n = self.tail_lift_coefficient * 0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * dive**2 * tail_m2
         moment = self.safety_factor * tail_n * length_m
         strength = 4.0 * moment / (pi * diameter_m**2 * self.laminate_strength_pa)
         critical = _TUBE_KNOCKDOWN * 2.0 * self.laminate_modulus_pa / diameter_m

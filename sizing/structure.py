@@ -5,6 +5,7 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 
 from __future__ import annotations
 
+from math import pi
 from typing import Annotated, Literal, Protocol
 
 from pydantic import Field
@@ -13,6 +14,7 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.flight_loads import limit_load_factor
 from sizing.rib_wing import RibWingStructure
 from sizing.smooth import Value, smooth_absolute
+from sizing.structure_inputs import StructureInputs
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
 
 __all__ = [
@@ -21,6 +23,7 @@ __all__ = [
     "RibWingStructure",
     "SparStructure",
     "Structure",
+    "StructureInputs",
     "StructureModel",
     "Value",
     "limit_load_factor",
@@ -31,29 +34,8 @@ __all__ = [
 class StructureModel(Protocol):
     """What the mass budget asks of a model of the structure."""
 
-    def mass_kg(
-        self,
-        *,
-        wingspan_m: Value,
-        aspect_ratio: Value,
-        total_mass_kg: Value,
-        span_load_kg: Value,
-        airspeed_m_per_s: Value,
-        density: Value,
-    ) -> Value:
-        """Structural mass [kg].
-
-        Parameters
-        ----------
-        wingspan_m, aspect_ratio
-            Span [m] and aspect ratio [-] of the wing.
-        total_mass_kg
-            Take-off mass [kg].
-        span_load_kg
-            Mass distributed along the span, which relieves the spar [kg].
-        airspeed_m_per_s, density
-            True airspeed of level flight [m/s] and density of the air [kg/m3].
-        """
+    def mass_kg(self, inputs: StructureInputs) -> Value:
+        """Structural mass [kg]."""
         ...
 
 
@@ -64,21 +46,12 @@ class _PowerLaw(Record):
     span_exponent: Real
     aspect_ratio_exponent: Real
 
-    def mass_kg(
-        self,
-        *,
-        wingspan_m: Value,
-        aspect_ratio: Value,
-        total_mass_kg: Value,
-        span_load_kg: Value,
-        airspeed_m_per_s: Value,
-        density: Value,
-    ) -> Value:
+    def mass_kg(self, inputs: StructureInputs) -> Value:
         """Structural mass [kg]; the masses it carries and how it flies play no part."""
         return (
             self.coefficient_kg
-            * wingspan_m**self.span_exponent
-            * aspect_ratio**self.aspect_ratio_exponent
+            * inputs.wingspan_m**self.span_exponent
+            * inputs.aspect_ratio**self.aspect_ratio_exponent
         )
 
 
@@ -147,35 +120,27 @@ class SparStructure(Record):
     horizontal_tail_ratio: PositiveReal = 0.35
     vertical_tail_ratio: PositiveReal = 0.045
 
-    def mass_kg(
-        self,
-        *,
-        wingspan_m: Value,
-        aspect_ratio: Value,
-        total_mass_kg: Value,
-        span_load_kg: Value,
-        airspeed_m_per_s: Value,
-        density: Value,
-    ) -> Value:
-        """Structural mass [kg], see :class:`StructureModel`; airspeed and air play no part."""
-        chord_m = wingspan_m / aspect_ratio
-        area_m2 = wingspan_m * chord_m
+    def mass_kg(self, inputs: StructureInputs) -> Value:
+        """Structural mass [kg]; airspeed and air play no part."""
+        chord_m = inputs.wingspan_m / inputs.aspect_ratio
+        area_m2 = inputs.wingspan_m * chord_m
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
         shell_kg = area_m2 * (self.shell_kg_per_m2 + tail_ratio * self.tail_shell_kg_per_m2)
         boom_kg = self.boom_kg_per_m * self.fuselage_chords * chord_m
-        web_kg = self.spar_web_kg_per_m * wingspan_m
-        caps_kg = self._spar_caps_kg(wingspan_m, chord_m, total_mass_kg, span_load_kg)
+        web_kg = self.spar_web_kg_per_m * inputs.wingspan_m
+        caps_kg = self._spar_caps_kg(inputs, chord_m)
         return self.calibration * (shell_kg + boom_kg + web_kg + caps_kg)
 
-    def _spar_caps_kg(
-        self, wingspan_m: Value, chord_m: Value, total_mass_kg: Value, span_load_kg: Value
-    ) -> Value:
+    def _spar_caps_kg(self, inputs: StructureInputs, chord_m: Value) -> Value:
         moment = root_bending_moment_nm(
-            wingspan_m, total_mass_kg, span_load_kg, self.minimum_moment_fraction
+            inputs.wingspan_m,
+            inputs.total_mass_kg,
+            inputs.span_load_kg,
+            self.minimum_moment_fraction,
         )
         depth_m = self.spar_depth_fraction * self.thickness_ratio * chord_m
         cap_area_m2 = self.safety_factor * moment / (depth_m * self.allowable_stress_pa)
-        volume_m3 = 2.0 * cap_area_m2 * wingspan_m * self.cap_volume_factor
+        volume_m3 = 2.0 * cap_area_m2 * inputs.wingspan_m * self.cap_volume_factor
         return self.spar_density_kg_per_m3 * volume_m3
 
 
@@ -195,7 +160,7 @@ def root_bending_moment_nm(
     both by at most 2 % of the unrelieved moment.
     """
     newton = limit_load_factor(total_mass_kg) * GRAVITY_M_PER_S2
-    unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * 3.141592653589793)
+    unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * pi)
     relieved = unrelieved - newton * span_load_kg * wingspan_m / 8.0
     floor = minimum_fraction * unrelieved
     gap = relieved - floor

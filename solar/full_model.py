@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.attitude import direction_cosines
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, cos_angle_of_incidence
 from solar.modules import SolarCell
@@ -22,23 +21,6 @@ from solar.sun import FloatArray
 
 _ITERATIONS = 60
 _TOLERANCE = 1e-12
-
-
-@dataclass(frozen=True)
-class Attitudes:
-    """Attitudes over time, or those of one closed orbit with their shares of its time.
-
-    Roll, pitch and yaw are Euler angles 3-2-1 [rad]; ``weights`` add up to one along the last axis.
-    """
-
-    roll_rad: FloatArray
-    pitch_rad: FloatArray
-    yaw_rad: FloatArray
-    weights: FloatArray
-
-    def to_ned(self) -> FloatArray:
-        """Rotations from body axes to North-East-Down, shape ``(..., 3, 3)``."""
-        return direction_cosines(self.roll_rad, self.pitch_rad, self.yaw_rad)
 
 
 @dataclass(frozen=True)
@@ -80,7 +62,7 @@ def verification_model(
     sun_vector : array_like, shape (..., 3)
         Unit vector to the sun, North-East-Down.
     to_ned : array_like, shape (..., 3, 3)
-        Rotation from body axes to North-East-Down, see :meth:`Attitudes.to_ned`.
+        Rotation from body axes to North-East-Down, see :func:`solar.attitude.direction_cosines`.
     geometry : ModuleGeometry
         Module surfaces; the central wing's mean normal is used.
     cell : SolarCell

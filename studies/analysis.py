@@ -12,7 +12,7 @@ from missions.dates import date_code, date_label
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.calendar_run import CalendarRun, calendar_run
-from sizing.climb_cycle import STEPS_PER_NODE, ClimbPerformance, climb_performance
+from sizing.climb_cycle import ClimbPerformance, climb_performance
 from sizing.cycle import Status
 from sizing.endurance import Endurance
 from sizing.performance import Performance, SolarModel, performance, solar_day
@@ -207,7 +207,8 @@ def trajectory_table(analysis: Analysis) -> pd.DataFrame:
         }
     )
     if analysis.climb is not None:
-        table["altitude_m"] = analysis.climb.climb.altitude_m[:, ::STEPS_PER_NODE].ravel()
+        flown = analysis.climb.climb
+        table["altitude_m"] = flown.altitude_m[:, flown.nodes].ravel()
     return table
 
 

@@ -38,7 +38,7 @@ def require_climber(craft: LoadedAircraft, where: LoadedMission) -> None:
     if where.mission.climb is None:
         return
     from missions.configfile import located_error
-    from sizing.climb_cycle import ClimbLimitError, climb_limits
+    from sizing.climb_levels import ClimbLimitError, climb_limits
     from sizing.design import design_of
 
     try:

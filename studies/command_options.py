@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,13 +12,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES
+from studies import formats
 
 if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
     from missions.mission import Mission
     from sizing.performance import SolarModel
     from studies.library import LoadedAircraft, LoadedMission
 
-DEFAULT_MISSION = "rafz-july"
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 _MAXIMUM_GRID = 2000
@@ -54,17 +58,52 @@ class Grid(click.ParamType["list[float]"]):
         return [first + i * step for i in range(count)]
 
 
+class RealRange(click.FloatRange):
+    """Numbers of a range; unlike click's own it refuses NaN, which passes every comparison."""
+
+    def __init__(self, lowest: float, highest: float, *, unit: str) -> None:
+        super().__init__(lowest, highest)
+        self.unit = unit
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read the number and check its range."""
+        number = float(super().convert(value, param, ctx))
+        if math.isnan(number):
+            self.fail(f"must be a number of {self.unit}", param, ctx)
+        return number
+
+
+def mission_option(default: str | None = "rafz-july") -> Callable[[Command], Command]:
+    """Option ``--mission``, required without a default."""
+    if default is None:
+        return click.option("--mission", "-m", required=True, help="Name or file.")
+    return click.option("--mission", "-m", default=default, show_default=True, help="Name or file.")
+
+
+set_option = click.option(
+    "--set",
+    "overrides",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
+    "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
+required_time_option = click.option(
+    "--required-excess-time",
+    "required_h",
+    type=RealRange(0.0, 1000.0, unit="hours"),
+    metavar="HOURS",
+    help="Excess time that every scenario must have, instead of the mission's.",
+)
+
+
 def solar_options(command: Command) -> Command:
     """Options of the solar power model, shared by all studies."""
     for option in (
-        click.option(
-            "--set",
-            "overrides",
-            metavar="KEY=VALUE",
-            multiple=True,
-            help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
-            "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
-        ),
+        set_option,
         click.option(
             "--correction",
             type=click.Choice(CORRECTION_NAMES),
@@ -79,7 +118,7 @@ def solar_options(command: Command) -> Command:
             show_default=True,
             help="Solar power model.",
         ),
-        click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables."),
+        json_option,
     ):
         command = option(command)
     return command
@@ -167,11 +206,33 @@ def solar_model(model: str, correction: str) -> SolarModel:
     return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
 
 
-def write_files(contents: dict[str | os.PathLike[str], bytes]) -> None:
-    """Write all files of a command, or none."""
+def write_results(
+    data_file: str | None,
+    data: Callable[[], bytes],
+    plot_file: str | None,
+    draw: Callable[[], Figure],
+) -> None:
+    """Make and write those of both files that were asked for; if one cannot be, neither is."""
     from missions.output_files import write_files_atomically
 
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    if data_file is not None:
+        contents[data_file] = data()
+    if plot_file is not None:
+        contents[plot_file] = figure_bytes(draw(), plot_file)
     write_files_atomically(contents)
+
+
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """Table as CSV without its index."""
+    return str(table.to_csv(index=False)).encode()
+
+
+def figure_bytes(figure: Figure, path: str) -> bytes:
+    """Figure in the format that its file name asks for."""
+    from studies.plots import to_bytes
+
+    return to_bytes(figure, image_format(path))
 
 
 def require_parametric(craft: LoadedAircraft, asked: str) -> None:
@@ -186,15 +247,17 @@ def require_parametric(craft: LoadedAircraft, asked: str) -> None:
     raise located_error(craft.document, ("airframe", "kind"), message)
 
 
-def image_format(path: str | None) -> str | None:
-    """Format that a figure's file name asks for; others are refused."""
-    if path is None:
-        return None
-    from studies.formats import IMAGE_FORMATS, image_format
+def check_image(path: str | None) -> None:
+    """Refuse a figure's file name before any work if it asks for a format that is not drawn."""
+    if path is not None:
+        image_format(path)
 
-    found = image_format(path)
+
+def image_format(path: str) -> str:
+    """Format that a figure's file name asks for; others are refused."""
+    found = formats.image_format(path)
     if found is None:
-        allowed = ", ".join(f".{f}" for f in IMAGE_FORMATS)
+        allowed = ", ".join(f".{name}" for name in formats.IMAGE_FORMATS)
         raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
     return found
 

@@ -3,33 +3,39 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, RESIZE_NAMES
 from studies.climb_checks import refuse_climb
 from studies.command_options import (
     EXIT_FAILED,
+    check_image,
     console,
-    image_format,
+    csv_bytes,
+    figure_bytes,
+    json_option,
     load,
+    mission_option,
     print_json,
     progress_bar,
     refuse_polar_night,
     require_path_for,
-    write_files,
+    required_time_option,
+    set_option,
+    write_results,
 )
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from sizing.performance import SolarModel
     from studies.comparison import Comparison
     from studies.library import LoadedAircraft, LoadedMission
 
-DEFAULT_MISSION = "rafz-july"
 DEFAULT_OBJECTIVE = "min_wingspan"
 
 
@@ -58,7 +64,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
 
 @click.command()
 @click.argument("aircraft")
-@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@mission_option()
 @click.option(
     "--models",
     type=Names(MODEL_NAMES),
@@ -73,28 +79,15 @@ class Names(click.ParamType["tuple[str, ...]"]):
 )
 @click.option(
     "--objective",
-    type=click.Choice(OBJECTIVE_NAMES),
+    type=click.Choice(RESIZE_NAMES),
     default=DEFAULT_OBJECTIVE,
     show_default=True,
     help="What a parametric aircraft is sized for with every model.",
 )
-@click.option(
-    "--required-excess-time",
-    "required_h",
-    type=click.FloatRange(0.0, 1000.0),
-    metavar="HOURS",
-    help="Excess time that every scenario must have, instead of the mission's.",
-)
+@required_time_option
 @click.option("--no-design", is_flag=True, help="Compare predictions only, size nothing.")
-@click.option(
-    "--set",
-    "overrides",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="Override a key of the aircraft file, or of the mission with the prefix 'mission.'. "
-    "May be repeated.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the table.")
+@set_option
+@json_option
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for table, JSON and figure.")
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the figure (png, svg, pdf).")
@@ -115,9 +108,7 @@ def compare(
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
     if out_dir is not None and (csv_file is not None or plot_file is not None):
         raise click.UsageError("give --out, or --csv and --plot, not both")
-    if required_h is not None and required_h != required_h:
-        raise click.BadParameter("must be a number of hours", param_hint="--required-excess-time")
-    image = image_format(plot_file)
+    check_image(plot_file)
     if out_dir is not None:
         from missions.output_files import check_writable_folder
 
@@ -128,6 +119,7 @@ def compare(
     wanted = _wanted(models, corrections, craft, where)
     from sizing.objectives import Objective
     from studies import comparison as study
+    from studies.comparison_records import to_json
     from studies.comparison_sentence import sentence
 
     with progress_bar("models") as progress:
@@ -140,13 +132,13 @@ def compare(
             designs=not no_design,
             progress=progress,
         )
-    record = study.to_json(found, sentence(found))
+    record = to_json(found, sentence(found))
     if out_dir is not None:
         from missions.output_files import write_folder
 
         write_folder(Path(out_dir), _folder_contents(found, record))
     else:
-        write_files(_file_contents(found, record, csv_file, plot_file, image))
+        write_results(csv_file, lambda: _csv(record), plot_file, lambda: _figure(found))
     if as_json:
         print_json(record)
     else:
@@ -186,34 +178,17 @@ def _folder_contents(found: Comparison, record: dict[str, Any]) -> dict[str, byt
     return {
         "comparison.json": json.dumps(record, indent=2, allow_nan=False).encode(),
         "comparison.csv": _csv(record),
-        "comparison.png": _figure(found, "png"),
+        "comparison.png": figure_bytes(_figure(found), "comparison.png"),
     }
 
 
-def _file_contents(
-    found: Comparison,
-    record: dict[str, Any],
-    csv_file: str | None,
-    plot_file: str | None,
-    image: str | None,
-) -> dict[str | os.PathLike[str], bytes]:
-    """Files of ``--csv`` and ``--plot``, each with its content."""
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    if csv_file is not None:
-        contents[csv_file] = _csv(record)
-    if plot_file is not None and image is not None:
-        contents[plot_file] = _figure(found, image)
-    return contents
-
-
 def _csv(record: dict[str, Any]) -> bytes:
-    from studies.comparison import case_table
+    from studies.comparison_records import case_table
 
-    return str(case_table(record).to_csv(index=False)).encode()
+    return csv_bytes(case_table(record))
 
 
-def _figure(found: Comparison, image: str) -> bytes:
+def _figure(found: Comparison) -> Figure:
     from studies.comparison_plots import comparison_figure
-    from studies.plots import to_bytes
 
-    return to_bytes(comparison_figure(found), image)
+    return comparison_figure(found)

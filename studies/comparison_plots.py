@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from missions.dates import MONTH_NAMES
+from sizing.objectives import Objective
 from studies.comparison import Case, Comparison
 from studies.season import Season
 from studies.solar_models import model_label
@@ -22,11 +23,6 @@ _LOOKS = {
     "loiter": ("#009E73", "D", "corrected for the loiter"),
 }
 _MONTH_STARTS = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
-_OBJECTIVES = {
-    "max_excess_time": "promised excess time [h]",
-    "min_wingspan": "wingspan [m]",
-    "min_mass": "total mass [kg]",
-}
 
 
 def comparison_figure(comparison: Comparison) -> Figure:
@@ -102,19 +98,24 @@ def _draw_income(axes: Axes, comparison: Comparison, position: Any) -> None:
     axes.set_xlabel("solar energy of a day [Wh]\n(bars: RMS error of the model)")
 
 
+def _note(axes: Axes, y: float, text: str, colour: str) -> None:
+    """Words in place of a number that a case does not have."""
+    axes.annotate(
+        text,
+        (0.02, y),
+        xycoords=("axes fraction", "data"),
+        va="center",
+        fontsize="small",
+        color=colour,
+    )
+
+
 def _draw_excess(axes: Axes, comparison: Comparison, position: Any) -> None:
     for y, case in zip(position, comparison.cases, strict=True):
         p = case.prediction
         colour, marker, _ = _LOOKS[case.solar.correction]
         if not np.isfinite(p.excess_time_h):
-            axes.annotate(
-                "no night",
-                (0.02, y),
-                xycoords=("axes fraction", "data"),
-                va="center",
-                fontsize="small",
-                color=colour,
-            )
+            _note(axes, y, "no night", colour)
             continue
         # The band may reach over the cliff at zero, or to where there is no end.
         ends = [
@@ -170,14 +171,7 @@ def _draw_designs(axes: Axes, comparison: Comparison, position: Any) -> None:
         colour, marker, _ = _LOOKS[case.solar.correction]
         value = _objective_value(case, comparison)
         if value is None or case.built.judged is None:
-            axes.annotate(
-                "no design",
-                (0.02, y),
-                xycoords=("axes fraction", "data"),
-                va="center",
-                fontsize="small",
-                color=colour,
-            )
+            _note(axes, y, "no design", colour)
             continue
         axes.plot([value], [y], color=colour, marker=marker)
         judged = case.built.judged
@@ -188,7 +182,9 @@ def _draw_designs(axes: Axes, comparison: Comparison, position: Any) -> None:
         axes.axvline(truth, color="black", linestyle=":", linewidth=1)
     axes.margins(x=0.15)
     required = comparison.required_excess_time_h
-    label = _OBJECTIVES[comparison.objective.value]
+    objective = comparison.objective
+    promised = "promised " if objective is Objective.max_excess_time else ""
+    label = f"{promised}{objective.label} [{objective.unit}]"
     axes.set_xlabel(f"design: {label},\n{required:g} h of excess time required")
 
 

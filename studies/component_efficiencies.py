@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,9 +13,8 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.performance import day_axis_h
 from solar._version import __version__
-
-if TYPE_CHECKING:
-    from sizing.energy_balance import FloatArray
+from solar.full_model import ModulePower
+from solar.sun import FloatArray
 
 _LABELS = {
     "incidence_efficiency": ("angle of incidence", "#D55E00"),
@@ -56,44 +55,42 @@ def component_efficiencies(
         shading=aircraft.modules.shading,
     )
 
-    def mean(values: FloatArray) -> FloatArray:
-        return np.tensordot(values, orbit.weights, axes=([1], [0]))
-
-    aoi_deg = np.degrees(np.arccos(np.clip(power.cos_aoi_by_surface, -1.0, 1.0)))
-    time_only = {
-        "specific_power": (mean(power.specific_power_w_per_m2), "W m-2", "specific power"),
-        "irradiance": (mean(power.irradiance_w_per_m2), "W m-2", "irradiance on the modules"),
-        "module_temperature": (mean(power.module_temperature_c), "degC", "module temperature"),
-        "module_efficiency": (mean(power.module_efficiency), "1", "module efficiency"),
-        "mppt_efficiency": (mean(power.mppt_efficiency), "1", "power tracker efficiency"),
-        "temperature_efficiency": (mean(power.temperature_efficiency), "1", "eps_T"),
-    }
-    by_surface = {
-        "aoi": (mean(aoi_deg), "degree", "angle of incidence"),
-        "incidence_efficiency": (mean(power.incidence_efficiency_by_surface), "1", "eps_gamma"),
-        "low_light_efficiency": (mean(power.low_light_efficiency_by_surface), "1", "eps_I"),
-    }
-    attributes = {
-        "aircraft": aircraft.name,
-        "mission": mission.name,
-        "scenario": scenarios.label(scenario),
-        "model": "FM",
-        "version": __version__,
-    }
     return xr.Dataset(
-        {
-            **{k: ("time", v, {"units": u, "long_name": n}) for k, (v, u, n) in time_only.items()},
-            **{
-                k: (("time", "surface"), v, {"units": u, "long_name": n})
-                for k, (v, u, n) in by_surface.items()
-            },
-        },
+        _variables(power, orbit.weights),
         coords={
             "time": ("time", time_h[lit], {"units": "h", "long_name": "solar time"}),
             "surface": [s.name for s in geometry.surfaces],
         },
-        attrs=attributes,
+        attrs={
+            "aircraft": aircraft.name,
+            "mission": mission.name,
+            "scenario": scenarios.label(scenario),
+            "model": "FM",
+            "version": __version__,
+        },
     )
+
+
+def _variables(power: ModulePower, weights: FloatArray) -> dict[str, Any]:
+    """Variables of the data set: means over the attitudes, the second axis, with CF attributes."""
+    aoi_deg = np.degrees(np.arccos(np.clip(power.cos_aoi_by_surface, -1.0, 1.0)))
+    found = {
+        "specific_power": (power.specific_power_w_per_m2, "W m-2", "specific power"),
+        "irradiance": (power.irradiance_w_per_m2, "W m-2", "irradiance on the modules"),
+        "module_temperature": (power.module_temperature_c, "degC", "module temperature"),
+        "module_efficiency": (power.module_efficiency, "1", "module efficiency"),
+        "mppt_efficiency": (power.mppt_efficiency, "1", "power tracker efficiency"),
+        "temperature_efficiency": (power.temperature_efficiency, "1", "eps_T"),
+        "aoi": (aoi_deg, "degree", "angle of incidence"),
+        "incidence_efficiency": (power.incidence_efficiency_by_surface, "1", "eps_gamma"),
+        "low_light_efficiency": (power.low_light_efficiency_by_surface, "1", "eps_I"),
+    }
+    result = {}
+    for name, (values, units, long_name) in found.items():
+        mean = np.tensordot(values, weights, axes=([1], [0]))
+        dimensions = ("time", "surface")[: mean.ndim]
+        result[name] = (dimensions, mean, {"units": units, "long_name": long_name})
+    return result
 
 
 def figure(data: xr.Dataset) -> Figure:

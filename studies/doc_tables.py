@@ -16,6 +16,7 @@ from studies import (
     altitude_tables,
     clear_sky_comparison,
     comparison,
+    comparison_records,
     comparison_sentence,
     comparison_tables,
     found_designs,
@@ -59,7 +60,7 @@ def _comparison(aircraft: str, mission: str, required_h: float) -> str:
         required_excess_time_h=required_h,
     )
     return comparison_tables.markdown(
-        comparison.to_json(found, comparison_sentence.sentence(found))
+        comparison_records.to_json(found, comparison_sentence.sentence(found))
     )
 
 

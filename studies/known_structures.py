@@ -9,6 +9,7 @@ from sizing.aircraft import ParametricAirframe
 from sizing.rib_wing import RibWingStructure, StructureParts
 from sizing.smooth import Value
 from sizing.structure import StructureModel
+from sizing.structure_inputs import StructureInputs
 from studies.library import load_aircraft
 
 
@@ -21,7 +22,7 @@ class StructureCase(NamedTuple):
     total_mass_kg: Value
     span_load_kg: Value
     lift_coefficient: float
-    density: float
+    density_kg_per_m3: float
     published_kg: float | None = None
 
     @property
@@ -33,23 +34,24 @@ class StructureCase(NamedTuple):
 
     def mass_kg(self, model: StructureModel) -> Value:
         """Structural mass [kg] by a model."""
-        return model.mass_kg(**self._inputs())
+        return model.mass_kg(self.inputs())
 
     def parts(self, model: RibWingStructure) -> StructureParts:
         """Masses of the structure's parts [kg]."""
-        return model.breakdown(**self._inputs())
+        return model.breakdown(self.inputs())
 
-    def _inputs(self) -> dict[str, Value]:
+    def inputs(self) -> StructureInputs:
+        """What the structure is sized from, in level flight at the lift coefficient."""
         area_m2 = self.wingspan_m**2 / self.aspect_ratio
         pressure = self.total_mass_kg * GRAVITY_M_PER_S2 / (area_m2 * self.lift_coefficient)
-        return {
-            "wingspan_m": self.wingspan_m,
-            "aspect_ratio": self.aspect_ratio,
-            "total_mass_kg": self.total_mass_kg,
-            "span_load_kg": self.span_load_kg,
-            "airspeed_m_per_s": (2.0 * pressure / self.density) ** 0.5,
-            "density": self.density,
-        }
+        return StructureInputs(
+            wingspan_m=self.wingspan_m,
+            aspect_ratio=self.aspect_ratio,
+            total_mass_kg=self.total_mass_kg,
+            span_load_kg=self.span_load_kg,
+            airspeed_m_per_s=(2.0 * pressure / self.density_kg_per_m3) ** 0.5,
+            density_kg_per_m3=self.density_kg_per_m3,
+        )
 
 
 # Published: span, aspect ratio, mass, battery and module area with their mass per area, structure

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sizing.polar_table import COLUMNS
 from solar.sun import FloatArray
 
-COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
 # Of NeuralFoil's eight networks, from xxsmall to xxxlarge.
 MODEL_SIZE = "xlarge"
 CRITICAL_EXPONENT = 9.0  # e^N transition: clean, low-turbulence air

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,28 +9,27 @@ import click
 from solar.names import RESIZE_NAMES
 from studies.climb_checks import refuse_climb
 from studies.command_options import (
-    DEFAULT_MISSION,
     Grid,
+    check_image,
     console,
-    image_format,
     load,
+    mission_option,
     print_json,
     require_parametric,
     require_path,
     solar_model,
     solar_options,
-    write_files,
+    write_results,
 )
 from studies.long_work import WorkOptions, completed, work_options
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 @click.command(name="map")
 @click.argument("aircraft")
-@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@mission_option()
 @click.option("--latitudes", type=Grid(-90.0, 90.0), default="-70:70:2", show_default=True)
 @click.option("--days", type=Grid(1.0, 365.0), default="1:365:4", show_default=True)
 @click.option("--endurance", is_flag=True, help="Also the longest flight of each cell (slow).")
@@ -70,7 +68,7 @@ def map_(
     if objective is not None and endurance:
         raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
-    image = image_format(plot_file)
+    check_image(plot_file)
     craft, where = load(aircraft, mission, overrides)
     refuse_climb(where, "map")
     require_path(model, correction, craft, where)
@@ -102,27 +100,13 @@ def map_(
         else:
             data = map_jobs.sized_map_dataset(job, outcome, *axes)
             figure = map_jobs.sized_map_figure
-        _write(data, out_file, plot_file, image, figure)
+        write_results(
+            out_file, lambda: feasibility_map.to_netcdf_bytes(data), plot_file, lambda: figure(data)
+        )
     if objective is None:
         _print_seasons(data, as_json)
     else:
         _print_designs(data, as_json)
-
-
-def _write(
-    data: xr.Dataset, out_file: str | None, plot_file: str | None, image: str | None, draw: Any
-) -> None:
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    if out_file is not None:
-        from studies.feasibility_map import to_netcdf_bytes
-
-        contents[out_file] = to_netcdf_bytes(data)
-    if plot_file is not None and image is not None:
-        from studies.plots import to_bytes
-
-        figure: Figure = draw(data)
-        contents[plot_file] = to_bytes(figure, image)
-    write_files(contents)
 
 
 def _print_seasons(data: xr.Dataset, as_json: bool) -> None:

@@ -14,8 +14,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.polars import WingPolar, shipped_airfoils
-from sizing.structure import Value
+from sizing.polar_table import shipped_airfoils
+from sizing.smooth import Value
+from sizing.wing_polar import WingPolar
 from solar.sun import FloatArray
 from studies.plots import CHARGE, LOAD, SUN, to_bytes
 
@@ -33,7 +34,7 @@ class PowerCase:
     mass_kg: float
     wingspan_m: float
     aspect_ratio: float
-    density: float
+    density_kg_per_m3: float
     propulsion_efficiency: float
     constant_power_w: float
     dynamic_viscosity: float = 1.789e-5
@@ -45,13 +46,13 @@ class PowerCase:
 
     def lift_coefficient(self, airspeed_m_per_s: Value) -> Value:
         """Lift coefficient of level flight [-]."""
-        pressure = 0.5 * self.density * airspeed_m_per_s**2
+        pressure = 0.5 * self.density_kg_per_m3 * airspeed_m_per_s**2
         return self.mass_kg * GRAVITY_M_PER_S2 / (pressure * self.wing_area_m2)
 
     def reynolds(self, airspeed_m_per_s: Value) -> Value:
         """Reynolds number of the mean chord [-]."""
         chord_m = self.wingspan_m / self.aspect_ratio
-        return self.density * airspeed_m_per_s * chord_m / self.dynamic_viscosity
+        return self.density_kg_per_m3 * airspeed_m_per_s * chord_m / self.dynamic_viscosity
 
     def design_reynolds(self) -> float:
         """Reynolds number at a lift coefficient of 1, as :class:`WingPolar` asks for it."""
@@ -61,7 +62,7 @@ class PowerCase:
         """Electric power of level flight [W]."""
         v = airspeed_m_per_s
         drag = polar.drag_at(self.lift_coefficient(v), self.aspect_ratio, self.reynolds(v))
-        power = 0.5 * self.density * v**3 * self.wing_area_m2 * drag
+        power = 0.5 * self.density_kg_per_m3 * v**3 * self.wing_area_m2 * drag
         return power / self.propulsion_efficiency + self.constant_power_w
 
 
@@ -140,7 +141,7 @@ def check_level_flight() -> list[LevelFlightCheck]:
 def _level_flight(airfoil: str) -> LevelFlightCheck:
     polar = wing_polar(airfoil, AS2)
     speed = polar.airspeed_m_per_s(
-        mass_kg=AS2.mass_kg, wing_area_m2=AS2.wing_area_m2, density=AS2.density
+        mass_kg=AS2.mass_kg, wing_area_m2=AS2.wing_area_m2, density_kg_per_m3=AS2.density_kg_per_m3
     )
     power = AS2.electric_power_w(polar, speed)
     lift = polar.flight_lift_coefficient
@@ -174,13 +175,17 @@ def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure
     residual_axes.set(xlabel="airspeed [m/s]", ylabel="model − flight [W]")
     for each in (axes, residual_axes):
         each.grid(alpha=0.3)
-    figure.suptitle(f"{case.name}, {case.mass_kg:g} kg, level flight at {case.density:g} kg/m³")
+    figure.suptitle(
+        f"{case.name}, {case.mass_kg:g} kg, level flight at {case.density_kg_per_m3:g} kg/m³"
+    )
     return figure
 
 
 def _stall_speed(polar: WingPolar, case: PowerCase) -> float:
     flight_speed = polar.airspeed_m_per_s(
-        mass_kg=case.mass_kg, wing_area_m2=case.wing_area_m2, density=case.density
+        mass_kg=case.mass_kg,
+        wing_area_m2=case.wing_area_m2,
+        density_kg_per_m3=case.density_kg_per_m3,
     )
     return float(polar.stall_speed_m_per_s(flight_speed))
 

@@ -12,6 +12,7 @@ from missions.yaml_document import parse_yaml
 from sizing.aircraft import Aircraft
 from studies import plots, sizing_study
 from studies.analysis import analyse
+from studies.command_options import csv_bytes
 from studies.library import LoadedAircraft
 from studies.sizing_study import SizingStudy
 
@@ -39,17 +40,13 @@ def write_sizing(
     contents: dict[str, bytes] = {
         "aircraft.yaml": text.encode(),
         "result.json": json.dumps(record, indent=2, allow_nan=False).encode(),
-        "scenarios.csv": _csv(sizing_study.scenario_table(result.simulated)),
-        "masses.csv": _csv(sizing_study.mass_table(result.design)),
+        "scenarios.csv": csv_bytes(sizing_study.scenario_table(result.simulated)),
+        "masses.csv": csv_bytes(sizing_study.mass_table(result.design)),
         "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
         "masses.png": plots.to_bytes(masses, "png"),
     }
     if worth:
-        contents["sensitivities.csv"] = _csv(sizing_study.sensitivity_table(worth))
+        contents["sensitivities.csv"] = csv_bytes(sizing_study.sensitivity_table(worth))
         tornado = plots.tornado_figure(worth, result.objective, sized.name, result.simulated.solar)
         contents["sensitivities.png"] = plots.to_bytes(tornado, "png")
     write_folder(folder, contents)
-
-
-def _csv(table: Any) -> bytes:
-    return str(table.to_csv(index=False)).encode()

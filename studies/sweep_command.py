@@ -12,20 +12,21 @@ import click
 from solar.names import RESIZE_NAMES
 from studies.climb_checks import refuse_climb
 from studies.command_options import (
-    DEFAULT_MISSION,
+    check_image,
     console,
-    image_format,
+    figure_bytes,
     load,
+    mission_option,
     print_json,
     require_path,
     solar_model,
     solar_options,
-    write_files,
 )
 from studies.long_work import WorkOptions, completed, work_options
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from studies.sweep_axes import Axis
 
@@ -53,7 +54,7 @@ class Varied(click.ParamType["Axis"]):
 
 @click.command()
 @click.argument("aircraft")
-@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@mission_option()
 @click.option(
     "--vary",
     "axes",
@@ -125,11 +126,12 @@ def sweep(
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     if pareto is not None and plot_file is None:
         raise click.UsageError("--pareto needs --plot")
-    image = image_format(plot_file)
+    check_image(plot_file)
     file_format = _file_format(out_file)
     craft, where = load(aircraft, mission, overrides)
     refuse_climb(where, "sweep")
     require_path(model, correction, craft, where)
+    from missions.output_files import write_files_atomically
     from sizing.objectives import Objective
     from studies import sweep as study
     from studies.chunk_store import check_target
@@ -156,13 +158,13 @@ def sweep(
 
             contents[out_file] = to_file(data, file_format)
         trouble = None
-        if plot_file is not None and image is not None:
+        if plot_file is not None:
             try:
-                contents[plot_file] = _figure(data, pareto, image)
+                contents[plot_file] = figure_bytes(_figure(data, pareto), plot_file)
             except ValueError as error:
                 # The points are worth keeping even where there is nothing to draw.
                 trouble = str(error)
-        write_files(contents)
+        write_files_atomically(contents)
     if as_json:
         print_json(_record(data))
     else:
@@ -187,11 +189,10 @@ def _file_format(path: str | None) -> str | None:
     return found
 
 
-def _figure(data: xr.Dataset, pareto: tuple[str, str] | None, image: str) -> bytes:
-    from studies.plots import to_bytes
+def _figure(data: xr.Dataset, pareto: tuple[str, str] | None) -> Figure:
     from studies.sweep_plots import figure_of, pareto_figure
 
-    return to_bytes(figure_of(data) if pareto is None else pareto_figure(data, *pareto), image)
+    return figure_of(data) if pareto is None else pareto_figure(data, *pareto)
 
 
 def _record(data: xr.Dataset) -> dict[str, Any]:

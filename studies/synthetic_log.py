@@ -22,7 +22,7 @@ from solar.attitude import direction_cosines
 from solar.clearsky import Irradiance, clear_sky
 from solar.full_model import full_model
 from solar.sun import FloatArray
-from studies.verification import ShadedArea, day_of_year
+from studies.log_samples import ShadedArea, day_of_year
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,7 +41,7 @@ _CENTRES_DEG: dict[Side, float] = {"front": 0.0, "right": 90.0, "rear": 180.0, "
 
 
 class Fault(NamedTuple):
-    """A fault put into a log: kind as in :mod:`studies.verification`, and period [s UTC]."""
+    """A fault put into a log: kind as in :mod:`studies.anomaly_scene`, and period [s UTC]."""
 
     kind: str
     start_s: float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 from missions.flight_log import BoolArray, IntArray
 from solar.names import ModelName
 from solar.sun import FloatArray
-from studies.verification import Detail, Samples, Section, Verification, moving_average
+from studies.log_errors import Section, moving_average
+from studies.log_samples import Detail, Samples
+from studies.verification import Verification
 
 # Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
 COLOURS: dict[ModelName, str] = {
@@ -91,9 +93,7 @@ def _view(result: Verification, mask: BoolArray, semi_window: int, *, attitude: 
         yaw = heading[chosen] % 360.0  # not averaged: across north the mean would point south
     detail = None
     if samples.detail is not None:
-        columns = [getattr(samples.detail, f.name) for f in fields(Detail)]
-        smooth = (None if v is None else shown(v) for v in columns)
-        detail = Detail(*smooth)  # type: ignore[arg-type]  # only the last two may be None
+        detail = samples.detail.mapped(lambda _, values: shown(values))
     shaded = None if samples.detail is None else samples.detail.shaded_m2
     volts = log.mppt_voltage_v
     return _View(

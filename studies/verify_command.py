@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from studies.command_options import console, json_option, mission_option, print_json
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from studies.verification import Verification, Window
+    from studies.log_errors import Window
+    from studies.verification import Verification
 
-DEFAULT_MISSION = "rafz-28h"
 _LONGEST_FILTER = 1_000_000
 
 
@@ -27,7 +29,7 @@ class SolarWindow(click.ParamType["Window"]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> Window:
         """Read the window."""
-        from studies.verification import parse_window
+        from studies.log_errors import parse_window
 
         try:
             return parse_window(str(value))
@@ -38,7 +40,7 @@ class SolarWindow(click.ParamType["Window"]):
 @click.command()
 @click.argument("aircraft")
 @click.argument("log_file", metavar="LOG")
-@click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
+@mission_option("rafz-28h")
 @click.option(
     "--window",
     "windows",
@@ -54,7 +56,7 @@ class SolarWindow(click.ParamType["Window"]):
     metavar="N",
     help="Samples on either side in the moving average.  [default: 2 in windows, 800 over days]",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
+@json_option
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for samples, JSON and figures.")
 def verify(
     aircraft: str,
@@ -66,23 +68,22 @@ def verify(
     out_dir: str | None,
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
-    from missions.flight_log import read_flight_log
+    from missions.log_files import read_flight_log
     from studies import verification as study
     from studies.library import load_aircraft, load_mission
+    from studies.verification_records import to_json
 
     craft = load_aircraft(aircraft).aircraft
     where = load_mission(mission).mission
     log = read_flight_log(log_file)
     result = study.verify(log, craft, where, windows=windows, semi_window=semi_window)
-    record = study.to_json(result)
+    record = to_json(result)
     if out_dir is not None:
         write_verification(Path(out_dir), result, record)
     if as_json:
-        click.echo(json.dumps(record, indent=2, allow_nan=False))
+        print_json(record)
         return
-    from rich.console import Console
-
-    print_verification(Console(highlight=False), record)
+    print_verification(console(), record)
     if out_dir is not None:
         click.echo(f"written to {out_dir}")
 
@@ -99,18 +100,19 @@ def write_verification(folder: Path, result: Verification, record: dict[str, Any
         If the folder cannot be written.
     """
     from missions.output_files import write_folder
-    from studies import verification as study
     from studies import verification_plots as figures
+    from studies.log_errors import day_masks
     from studies.plots import to_bytes
+    from studies.verification_records import samples_csv
 
     contents: dict[str, bytes] = {
-        "samples.csv": study.samples_csv(result).encode(),
+        "samples.csv": samples_csv(result).encode(),
         "verification.json": json.dumps(record, indent=2, allow_nan=False).encode(),
     }
     for number in range(len(result.windows)):
         figure = figures.window_figure(result, number)
         contents[f"window-{number + 1}.png"] = to_bytes(figure, "png")
-    for section, (date, mask) in zip(result.days, study.day_masks(result.samples), strict=True):
+    for section, (date, mask) in zip(result.days, day_masks(result.samples), strict=True):
         contents[f"day-{date}.png"] = to_bytes(figures.day_figure(result, section, mask), "png")
     write_folder(folder, contents)
 

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import io
-import json
-import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import pandas as pd
 import pytest
-
-from studies import cli
+from command_line import Run
 
 AS2 = "atlantiksolar-as2"
 CLIMB = """\
@@ -23,42 +18,6 @@ altitude_m: 536
 climb:
   ceiling_m: 3536
 """
-
-
-class Outcome(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-    def json(self) -> Any:
-        """Standard output as strict JSON: NaN and Infinity are refused."""
-
-        def refuse(constant: str) -> None:
-            raise AssertionError(f"{constant} is not JSON")
-
-        return json.loads(self.out, parse_constant=refuse)
-
-
-Run = Callable[..., Outcome]
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
-    """Run the command in an empty folder; nothing but an exit may leave it."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-
-    def call(*arguments: str) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["solar-uav", *arguments])
-        capfd.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capfd.readouterr()
-        code = ended.value.code
-        assert code is None or isinstance(code, int)
-        return Outcome(code or 0, out, err)
-
-    return call
 
 
 @pytest.fixture
@@ -183,6 +142,7 @@ def test_analyse_uses_the_climb(run: Run, climb: str, tmp_path: Path) -> None:
     assert band["excess_time_low_h"] < record["excess_time_h"] < band["excess_time_high_h"]
     assert record["scenarios"][0]["climb"] == said
     table = pd.read_csv(tmp_path / "c.csv")
+    # Ceiling and floor of the mission, as far as a metre shows.
     assert table["altitude_m"].max() == pytest.approx(3536.0, abs=1.0)
     assert table["altitude_m"].iloc[0] == pytest.approx(536.0, abs=1.0)
     assert (tmp_path / "c.png").read_bytes().startswith(b"\x89PNG")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner, Result
+from command_line import Run
 
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
@@ -19,6 +19,7 @@ from sizing.performance import SolarModel, performance, performance_of_designs
 from studies import cli
 from studies import comparison as study
 from studies.comparison_plots import comparison_figure, spans
+from studies.comparison_records import to_json
 from studies.comparison_sentence import fate, sentence
 from studies.comparison_tables import markdown
 from studies.library import load_aircraft, load_mission
@@ -42,19 +43,8 @@ def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def run(*arguments: str) -> Result:
+def invoke(*arguments: str) -> Result:
     return CliRunner().invoke(cli.cli, ["compare", *arguments])
-
-
-def main(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], *arguments: str
-) -> tuple[int, str]:
-    """Exit code and standard error of the program, for mistakes that only it words."""
-    monkeypatch.setattr(sys, "argv", ["solar-uav", "compare", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    assert isinstance(ended.value.code, int)
-    return ended.value.code, capfd.readouterr().err
 
 
 def record_of(result: Result) -> Any:
@@ -104,6 +94,7 @@ def test_designs_are_those_of_single_sizings_judged_by_the_reference(
         )
         flight = judged.endurances()[worst]
         expected = np.inf if flight is None else float(flight.endurance_h)
+        # The longest flight is found to within seconds, of some hours.
         assert built.judged.endurance_h == pytest.approx(expected, rel=1e-3)
 
 
@@ -166,7 +157,7 @@ def test_sentence_where_nothing_is_feasible() -> None:
         f"Sized with uncorrected CDM, no design of {DESIGN} meets the requirements (sized with "
         "corrected FM: no design)."
     )
-    assert study.to_json(none, "")["cases"][0]["design"]["judged"] is None
+    assert to_json(none, "")["cases"][0]["design"]["judged"] is None
     assert "no design" in str([t.get_text() for t in comparison_figure(none).axes[3].texts])
 
 
@@ -191,7 +182,7 @@ def test_season_over_the_years_end_is_drawn_in_two_parts() -> None:
 
 def test_markdown_has_a_row_for_each_case(designs: study.Comparison) -> None:
     told = sentence(designs)
-    text = markdown(study.to_json(designs, told))
+    text = markdown(to_json(designs, told))
     assert text.count("\n| C") == 2
     assert text.count("\n| FM |") == 1
     assert text.rstrip().endswith(told)
@@ -201,7 +192,7 @@ def test_markdown_has_a_row_for_each_case(designs: study.Comparison) -> None:
 
 
 def test_whole_comparison_as_json() -> None:
-    record = record_of(run(AS2, "--json"))
+    record = record_of(invoke(AS2, "--json"))
     assert record["reference"] == {"model": "FM", "correction": "report"}
     cases = {(c["model"], c["correction"]): c for c in record["cases"]}
     assert len(cases) == 11
@@ -215,7 +206,7 @@ def test_whole_comparison_as_json() -> None:
 
 
 def test_table_for_the_terminal(in_folder: Path) -> None:
-    result = run(AS2, "--models", "cam,CDM", "--corrections", "none")
+    result = invoke(AS2, "--models", "cam,CDM", "--corrections", "none")
     assert result.exit_code == 0
     assert result.stdout.index("CDM") < result.stdout.index("CAM")
     assert "judged by corrected FM" in result.stdout
@@ -224,7 +215,7 @@ def test_table_for_the_terminal(in_folder: Path) -> None:
 
 
 def test_aircraft_without_surfaces_is_compared_without_them() -> None:
-    record = record_of(run("sky-sailor", "--no-design", "--json"))
+    record = record_of(invoke("sky-sailor", "--no-design", "--json"))
     assert [(c["model"], c["correction"]) for c in record["cases"]] == [
         ("CDM", "none"),
         ("CDM", "report"),
@@ -237,17 +228,19 @@ def test_aircraft_without_surfaces_is_compared_without_them() -> None:
 
 def test_midnight_sun_has_no_end(in_folder: Path) -> None:
     place = ["--set", "mission.latitude_deg=85.0", "--set", "mission.dates={on: 06-21}"]
-    record = record_of(run(AS2, "--models", "CDM,CAM", "--corrections", "none", *place, "--json"))
+    record = record_of(
+        invoke(AS2, "--models", "CDM,CAM", "--corrections", "none", *place, "--json")
+    )
     assert {c["excess_time_h"] for c in record["cases"]} == {None}
     assert {c["status"] for c in record["cases"]} == {"always_lit"}
     assert "as solar power always exceeds the load" in record["sentence"]
-    drawn = run(AS2, "--models", "CDM", *place, "--plot", "sun.png")
+    drawn = invoke(AS2, "--models", "CDM", *place, "--plot", "sun.png")
     assert drawn.exit_code == 0
     assert (in_folder / "sun.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_folder_gets_all_files(in_folder: Path) -> None:
-    result = run(
+    result = invoke(
         DESIGN, "-m", SUMMER, "--models", "CDM,FM", "--corrections", "report", "--out", "new"
     )
     assert result.exit_code == 0, result.output
@@ -264,16 +257,16 @@ def test_folder_gets_all_files(in_folder: Path) -> None:
 
 def test_single_files_are_written_together_or_not_at_all(in_folder: Path) -> None:
     options = (AS2, "--models", "CDM", "--corrections", "none", "--csv", "c.csv")
-    assert run(*options, "--plot", "p.svg").exit_code == 0
+    assert invoke(*options, "--plot", "p.svg").exit_code == 0
     assert {p.name for p in in_folder.iterdir()} == {"c.csv", "p.svg"}
     assert len(pd.read_csv(io.BytesIO((in_folder / "c.csv").read_bytes()))) == 1
     (in_folder / "c.csv").unlink()
-    assert run(*options, "--plot", "missing/p.svg").exit_code != 0
+    assert invoke(*options, "--plot", "missing/p.svg").exit_code != 0
     assert {p.name for p in in_folder.iterdir()} == {"p.svg"}
 
 
 def test_no_design_at_all_ends_with_1() -> None:
-    result = run(
+    result = invoke(
         DESIGN,
         *("-m", SUMMER, "--models", "CDM", "--corrections", "none", "--json"),
         *("--set", "design_space.wingspan_m.maximum=2.5"),
@@ -298,7 +291,7 @@ def test_no_design_at_all_ends_with_1() -> None:
     ],
 )
 def test_wrong_options_end_with_2(arguments: list[str], said: str, in_folder: Path) -> None:
-    result = run(AS2, *arguments)
+    result = invoke(AS2, *arguments)
     assert result.exit_code == 2
     assert said in result.output
     assert not list(in_folder.iterdir())
@@ -319,20 +312,41 @@ def test_wrong_options_end_with_2(arguments: list[str], said: str, in_folder: Pa
 def test_wrong_input_is_named_with_exit_code_2(
     arguments: list[str],
     said: str,
-    in_folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    run: Run,
 ) -> None:
-    (in_folder / "bare.yaml").write_text("name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n")
-    code, error = main(monkeypatch, capfd, *arguments)
-    assert (code, "Traceback" in error) == (2, False)
-    assert said in error
+    (tmp_path / "bare.yaml").write_text("name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n")
+    outcome = run("compare", *arguments)
+    assert (outcome.code, "Traceback" in outcome.err) == (2, False)
+    assert said in outcome.err
 
 
-def test_folder_that_is_a_file_is_refused_before_any_work(
-    in_folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "taken").write_text("")
+    outcome = run("compare", AS2, "--out", "taken")
+    assert outcome.code == 1
+    assert "taken is not a folder" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("objective", "name", "unit"),
+    [("max_payload_mass", "payload_mass_kg", "kg"), ("max_payload_power", "payload_power_w", "W")],
+)
+def test_payload_is_compared_in_table_sentence_and_figure(
+    run: Run, tmp_path: Path, objective: str, name: str, unit: str
 ) -> None:
-    (in_folder / "taken").write_text("")
-    code, error = main(monkeypatch, capfd, AS2, "--out", "taken")
-    assert code == 1
-    assert "taken is not a folder" in error
+    options = ["--models", "CAM", "--corrections", "none", "--objective", objective]
+    options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c"]
+    outcome = run("compare", DESIGN, *options)
+    assert (outcome.code, outcome.err) == (0, "")
+    record = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    built = record["cases"][0]["design"][name]
+    assert built > 0.0
+    assert f"[{unit}]" in outcome.out
+    assert f"a payload of {built:.{1 if unit == 'W' else 2}f} {unit}" in record["sentence"]
+
+
+def test_a_season_is_no_objective_of_a_comparison(run: Run) -> None:
+    outcome = run("compare", DESIGN, "--objective", "longest_season")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "'longest_season' is not one of" in outcome.err

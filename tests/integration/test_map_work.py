@@ -38,7 +38,7 @@ SMALL = ["atlantiksolar-as2", "--latitudes", "40:50:2", "--days", "1:361:40"]
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
     monkeypatch.chdir(tmp_path)
     return lambda *arguments: CliRunner().invoke(cli, ["map", *arguments])
 
@@ -73,17 +73,19 @@ def test_map_of_chunks_is_that_of_the_function() -> None:
     assert alone.attrs == whole.attrs
 
 
-def test_command_is_the_same_with_processes_and_leaves_no_parts(run: Any, tmp_path: Path) -> None:
+def test_command_is_the_same_with_processes_and_leaves_no_parts(
+    invoke: Any, tmp_path: Path
+) -> None:
     for name, options in (("one.nc", ["--workers", "1"]), ("two.nc", ["--workers", "2"])):
-        answer = run(*SMALL, "--out", name, *options)
+        answer = invoke(*SMALL, "--out", name, *options)
         assert answer.exit_code == 0, answer.output
     one, two = (xr.load_dataset(tmp_path / n, engine="h5netcdf") for n in ("one.nc", "two.nc"))
     xr.testing.assert_identical(one, two)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["one.nc", "two.nc"]
 
 
-def test_kept_parts_are_used_again(run: Any, tmp_path: Path, monkeypatch: Any) -> None:
-    assert run(*SMALL, "--out", "map.nc", "--keep-parts").exit_code == 0
+def test_kept_parts_are_used_again(invoke: Any, tmp_path: Path, monkeypatch: Any) -> None:
+    assert invoke(*SMALL, "--out", "map.nc", "--keep-parts").exit_code == 0
     assert list((tmp_path / "map.nc.parts").glob("*.part"))
 
     def refuse(*arguments: Any) -> None:
@@ -92,14 +94,14 @@ def test_kept_parts_are_used_again(run: Any, tmp_path: Path, monkeypatch: Any) -
     monkeypatch.setattr(feasibility_map, "map_block", refuse)
     first = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     # Another file, the same work.
-    answer = run(*SMALL, "--out", "again.nc", "--work", "map.nc.parts")
+    answer = invoke(*SMALL, "--out", "again.nc", "--work", "map.nc.parts")
     assert answer.exit_code == 0, answer.output
     xr.testing.assert_identical(first, xr.load_dataset(tmp_path / "again.nc", engine="h5netcdf"))
     assert not (tmp_path / "map.nc.parts").exists()
 
 
 def test_cells_that_fail_have_a_flag_and_are_tried_again(
-    run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    invoke: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     block = feasibility_map.map_block
 
@@ -109,7 +111,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
         return block(aircraft, mission, latitudes, days, *rest)
 
     monkeypatch.setattr(feasibility_map, "map_block", failing)
-    answer = run(*SMALL, "--out", "map.nc", "--workers", "1", "--json")
+    answer = invoke(*SMALL, "--out", "map.nc", "--workers", "1", "--json")
     assert answer.exit_code == 0, answer.output
     assert "1 of 60 cells failed; the first: FloatingPointError: not today" in answer.stderr
     json.loads(answer.stdout)
@@ -128,20 +130,20 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
     assert data.attrs["failed_cells"] == "latitude 44, day 81: FloatingPointError: not today"
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
-    assert run(*SMALL, "--out", "map.nc").exit_code == 0
+    assert invoke(*SMALL, "--out", "map.nc").exit_code == 0
     again = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     assert "failed_cells" not in again.attrs
     assert sorted(p.name for p in tmp_path.iterdir()) == ["map.nc"]
 
 
 def test_where_every_cell_fails_there_is_no_file(
-    run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    invoke: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def failing(*arguments: Any) -> None:
         raise FloatingPointError("never")
 
     monkeypatch.setattr(feasibility_map, "map_block", failing)
-    answer = run(*SMALL, "--out", "map.nc", "--workers", "1")
+    answer = invoke(*SMALL, "--out", "map.nc", "--workers", "1")
     assert answer.exit_code == 1
     assert "60 of 60 cells failed" in answer.stderr
     assert not (tmp_path / "map.nc").exists()
@@ -202,17 +204,17 @@ def test_a_stopped_command_says_how_to_go_on(
     ],
 )
 def test_what_cannot_work_is_refused_at_once(
-    run: Any, tmp_path: Path, options: list[str], code: int, words: str
+    invoke: Any, tmp_path: Path, options: list[str], code: int, words: str
 ) -> None:
     (tmp_path / "file").touch()
-    answer = run(*SMALL, *options)
+    answer = invoke(*SMALL, *options)
     text = answer.output if answer.exception is None else f"{answer.output}{answer.exception}"
     assert words in text
     assert answer.exit_code == code
 
 
-def test_a_measured_aircraft_cannot_be_sized(run: Any) -> None:
-    answer = run(*SMALL, "--resize", "min_mass")
+def test_a_measured_aircraft_cannot_be_sized(invoke: Any) -> None:
+    answer = invoke(*SMALL, "--resize", "min_mass")
     assert isinstance(answer.exception, InputError)
     assert "parametric" in str(answer.exception)
 
@@ -265,9 +267,9 @@ def test_sized_map_follows_cf_and_survives_its_file(sized: xr.Dataset, tmp_path:
     xr.testing.assert_equal(again, sized)
 
 
-def test_table_counts_the_certified_designs(run: Any) -> None:
+def test_table_counts_the_certified_designs(invoke: Any) -> None:
     asked = ["atlantiksolar-design", "--resize", "min_wingspan", "--workers", "1"]
-    answer = run(*asked, "--latitudes", "0:75:75", "--days", "172:355:183")
+    answer = invoke(*asked, "--latitudes", "0:75:75", "--days", "172:355:183")
     assert answer.exit_code == 0, answer.output
     rows = {row.split()[1]: row.split() for row in answer.output.splitlines() if "N" in row[:12]}
     # Latitude, days with a design, without one, unknown: certified is a design.

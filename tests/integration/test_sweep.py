@@ -329,14 +329,14 @@ def test_points_without_a_design_are_not_drawn_over() -> None:
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
     monkeypatch.chdir(tmp_path)
     return lambda *arguments: CliRunner().invoke(cli, ["sweep", *arguments])
 
 
-def test_command_writes_files_that_hold_everything(run: Any, tmp_path: Path) -> None:
+def test_command_writes_files_that_hold_everything(invoke: Any, tmp_path: Path) -> None:
     vary = ["--vary", "wingspan_m=4:6:1", "--vary", "battery_mass_kg=2,3"]
-    answer = run("atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png")
+    answer = invoke("atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png")
     assert answer.exit_code == 0, answer.output
     assert sorted(p.name for p in tmp_path.iterdir()) == ["s.nc", "s.png"]
     data = xr.open_dataset(tmp_path / "s.nc", engine="h5netcdf")
@@ -346,7 +346,7 @@ def test_command_writes_files_that_hold_everything(run: Any, tmp_path: Path) -> 
     assert json.loads(data.attrs["vary"])["battery.mass_kg"] == [2.0, 3.0]
     assert data.attrs["source"].startswith("solar-uav ")
     assert data["status"].attrs["flag_meanings"].split()[1:3] == ["limited", "perpetual"]
-    answer = run("atlantiksolar-design", *vary, "--out", "s.csv", "--json")
+    answer = invoke("atlantiksolar-design", *vary, "--out", "s.csv", "--json")
     assert answer.exit_code == 0, answer.output
     table = pd.read_csv(tmp_path / "s.csv", comment="#")
     record = json.loads(answer.stdout)
@@ -359,12 +359,12 @@ def test_command_writes_files_that_hold_everything(run: Any, tmp_path: Path) -> 
         }
 
 
-def test_command_draws_a_front(run: Any, tmp_path: Path) -> None:
+def test_command_draws_a_front(invoke: Any, tmp_path: Path) -> None:
     vary = ["--vary", "battery_mass_kg=2:4:0.5", "--plot", "s.png"]
-    answer = run("atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
+    answer = invoke("atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
     assert answer.exit_code == 0, answer.output
     assert (tmp_path / "s.png").exists()
-    answer = run("atlantiksolar-design", *vary, "--pareto", "mass", "excess_time")
+    answer = invoke("atlantiksolar-design", *vary, "--pareto", "mass", "excess_time")
     assert answer.exit_code == 1
     assert "'mass' is not one of" in answer.output
 
@@ -381,17 +381,17 @@ def test_command_draws_a_front(run: Any, tmp_path: Path) -> None:
         ([], "--vary"),
     ],
 )
-def test_command_names_mistakes(run: Any, arguments: list[str], words: str) -> None:
-    answer = run("atlantiksolar-design", *arguments)
+def test_command_names_mistakes(invoke: Any, arguments: list[str], words: str) -> None:
+    answer = invoke("atlantiksolar-design", *arguments)
     assert answer.exit_code == 2
     assert words in answer.output
     assert "Traceback" not in answer.output
 
 
-def test_parquet_holds_table_and_configuration(run: Any, tmp_path: Path) -> None:
+def test_parquet_holds_table_and_configuration(invoke: Any, tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     vary = ["--vary", "battery_mass_kg=2,3", "--out", "s.parquet"]
-    answer = run("atlantiksolar-design", *vary)
+    answer = invoke("atlantiksolar-design", *vary)
     assert answer.exit_code == 0, answer.output
     table = pd.read_parquet(tmp_path / "s.parquet")
     assert table["battery_mass_kg"].tolist() == [2.0, 3.0]
@@ -399,9 +399,9 @@ def test_parquet_holds_table_and_configuration(run: Any, tmp_path: Path) -> None
 
 
 def test_parquet_without_its_package_is_refused_at_once(
-    run: Any, monkeypatch: pytest.MonkeyPatch
+    invoke: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    answer = run("atlantiksolar-design", "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")
+    answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")
     assert answer.exit_code == 2
     assert "solar-uav-sizing[parquet]" in answer.output

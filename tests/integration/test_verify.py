@@ -22,10 +22,10 @@ from solar.geometry import ModuleGeometry, ModuleOutline
 from solar.power import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area
 from solar.sun import FloatArray
-from studies import verification as study
 from studies.library import load_aircraft, load_mission
+from studies.log_errors import Window, day_masks, moving_average, parse_window
 from studies.synthetic_log import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
-from studies.verification import Verification, Window, moving_average, parse_window, verify
+from studies.verification import Verification, verify
 from studies.verify_command import verify as command
 
 MORNING_S = START_UTC_S + 18.3 * 3600.0  # just before sunrise on 1 July
@@ -435,7 +435,7 @@ def test_figures_show_shade_and_exclusion(log_file: Path) -> None:
         start_utc_s=MORNING_S, duration_h=6.0, rate_hz=0.2, faults=Faults(battery_full=(4.0, 5.0))
     )
     result = verified(log, shading=shade, windows=[Window(5.0, 6.0)])
-    ((_, mask),) = study.day_masks(result.samples)
+    ((_, mask),) = day_masks(result.samples)
     day = plots.day_figure(result, result.days[0], mask)
     labels = [axes.get_ylabel() for axes in day.axes]
     assert labels[0] == "solar power [W]"
@@ -451,7 +451,7 @@ def test_figures_without_attitude() -> None:
 
     log = made(start_utc_s=MORNING_S, duration_h=2.0, rate_hz=0.2)
     result = without(log, *ATTITUDE, "mppt_voltage_v")
-    ((_, mask),) = study.day_masks(result.samples)
+    ((_, mask),) = day_masks(result.samples)
     assert len(plots.day_figure(result, result.days[0], mask).axes) == 1
 
 

@@ -95,6 +95,7 @@ def test_measured_power_grows_with_thinner_air_alone() -> None:
     low = flight_at_altitude(AS2, mission(), UNCORRECTED_CAM, 536.0)
     high = flight_at_altitude(AS2, mission(), UNCORRECTED_CAM, 12000.0)
     ratio = float(ambiance.Atmosphere(536.0).density[0] / ambiance.Atmosphere(12000.0).density[0])
+    # The gas constants of the two implementations agree to five digits.
     assert high.propulsion_power_w / low.propulsion_power_w == pytest.approx(ratio**0.5, rel=1e-5)
     assert high.airspeed_m_per_s / low.airspeed_m_per_s == pytest.approx(ratio**0.5, rel=1e-5)
 
@@ -149,8 +150,9 @@ def test_warm_air_stays_as_much_warmer_aloft(air: dict[str, float]) -> None:
     offset = float(warm.air_state().temperature_k - standard)
     there = warm.at_altitude(15000.0)
     expected = ambiance.Atmosphere(15000.0).temperature[0] + offset
-    assert float(there.air_state().temperature_k) == pytest.approx(expected, abs=1e-3)
-    assert there.module_temperature_c() == pytest.approx(expected - 273.15, abs=1e-3)
+    # The same gradients of the standard: rounding.
+    assert float(there.air_state().temperature_k) == pytest.approx(expected, abs=1e-9)
+    assert there.module_temperature_c() == pytest.approx(expected - 273.15, abs=1e-9)
     assert float(there.air_state().pressure_pa) == pytest.approx(
         float(mission(altitude_m=15000.0).air_state().pressure_pa)
     )
@@ -218,6 +220,7 @@ def test_worst_scenario_sets_the_ceiling() -> None:
     alone = highest_perpetual_altitude(AS2, mission(dates={"on": "05-01"}), step_m=1000.0)
     assert both.highest is not None
     assert alone.highest is not None
+    # Each search ends within a decimetre.
     assert both.highest.altitude_m == pytest.approx(alone.highest.altitude_m, abs=0.2)
     assert both.highest.worst_scenario == 0
 
@@ -273,6 +276,7 @@ def test_jump_of_the_excess_time_is_found_on_its_feasible_side(
     found = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
     assert found.highest is not None
     assert found.highest.altitude_m <= 8123.4
+    # The search ends within a decimetre and steps back by another.
     assert found.highest.altitude_m == pytest.approx(8123.4, abs=0.5)
 
 

@@ -13,12 +13,8 @@ from hypothesis import strategies as st
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.climb_cycle import (
-    ClimbLimitError,
-    ClimbPerformance,
-    climb_limits,
-    climb_performance,
-)
+from sizing.climb_cycle import ClimbPerformance, climb_performance
+from sizing.climb_levels import ClimbLimitError, climb_limits
 from sizing.cycle import Status
 from sizing.design import design_of
 from sizing.performance import SolarModel, performance
@@ -89,6 +85,7 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> Non
         ),
     )
     ours, theirs = result.performance.cycle, result.constant.cycle
+    # The two march with other steps: 4 s.
     assert ours.excess_time_h == pytest.approx(theirs.excess_time_h, abs=1e-3)
     assert ours.account.load_wh == pytest.approx(theirs.account.load_wh, rel=1e-9)
 
@@ -309,10 +306,10 @@ def test_cycle_agrees_with_plain_marching(ceiling_m: float) -> None:
 
 
 def test_finer_steps_of_the_day_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sizing import climb_cycle
+    from sizing import climb_march
 
     coarse = climb_performance(AS2, mission(4000.0))
-    monkeypatch.setattr(climb_cycle, "STEPS_PER_NODE", 25)
+    monkeypatch.setattr(climb_march, "STEPS_PER_NODE", 25)
     fine = climb_performance(AS2, mission(4000.0))
     # Three digits, as everywhere; 1 min against 12 s.
     assert coarse.performance.cycle.excess_time_h[0] == pytest.approx(
@@ -322,12 +319,13 @@ def test_finer_steps_of_the_day_change_nothing(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_finer_levels_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sizing import climb_cycle
+    from sizing import climb_levels
 
     coarse = flown(AS2, 6536.0).performance.cycle.excess_time_h[0]
-    monkeypatch.setattr(climb_cycle, "_LEVEL_SPACING_M", 50.0)
-    monkeypatch.setattr(climb_cycle, "_MAXIMUM_LEVELS", 500)
+    monkeypatch.setattr(climb_levels, "_LEVEL_SPACING_M", 50.0)
+    monkeypatch.setattr(climb_levels, "_MAXIMUM_LEVELS", 500)
     fine = climb_performance(AS2, mission(6536.0)).performance.cycle.excess_time_h[0]
+    # Three digits, as everywhere; 500 m against 50 m.
     assert coarse == pytest.approx(fine, rel=1e-3)
 
 

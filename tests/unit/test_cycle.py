@@ -269,6 +269,7 @@ def test_square_day_by_hand() -> None:
     assert float(cycle.full_charge_h) == pytest.approx(6.0 + charging_h, abs=1e-5)
     assert float(cycle.charge_margin_h) == pytest.approx(12.0 - charging_h, abs=1e-5)
     a = cycle.account
+    # Energies: the edges' 2e-5 Wh, with room.
     assert float(a.curtailed_wh) == pytest.approx(150.0 * (12.0 - charging_h), abs=1e-3)
     assert float(a.charge_loss_wh) == pytest.approx(0.05 * 150.0 * charging_h, abs=1e-3)
     assert float(a.discharge_loss_wh) == pytest.approx(600.0 / 0.97 * 0.03, abs=1e-3)

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from missions.flight_log import FlightLog, read_csv, read_flight_log, read_ulog
+from missions.flight_log import FlightLog
+from missions.log_files import read_csv, read_flight_log
 from missions.problems import InputError
+from missions.px4_ulog import read_ulog
 
 HEADER = (
     "time_utc,latitude_deg,longitude_deg,altitude_m,roll_deg,pitch_deg,yaw_deg,solar_power_w,"
@@ -307,6 +309,7 @@ def ulog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def check_ulog(log: FlightLog) -> None:
+    # Satellite times are microseconds; a millisecond is far below the step.
     assert log.time_s == pytest.approx(EPOCH_S + 0.5 * np.arange(24), abs=1e-3)
     assert log.latitude_deg == pytest.approx(47.6)
     assert log.longitude_deg == pytest.approx(8.53)

@@ -15,14 +15,9 @@ from pydantic import ValidationError
 
 from missions.problems import InputError
 from sizing.aerodynamics import level_flight_power_w
-from sizing.polars import (
-    COLUMNS,
-    AirfoilPolar,
-    WingPolar,
-    parse_polar_table,
-    shipped_airfoils,
-    shipped_table,
-)
+from sizing.airfoil_polar import AirfoilPolar
+from sizing.polar_table import COLUMNS, parse_polar_table, shipped_airfoils, shipped_table
+from sizing.wing_polar import WingPolar
 from studies.make_polars import default_grid, main
 from studies.power_curve import (
     AS1,
@@ -348,7 +343,7 @@ def test_writer_repeats_a_shipped_table(tmp_path: Path) -> None:
 
 def test_wing_polar_serves_level_flight_power_as_the_parabolic_polar_does() -> None:
     polar = _wing()
-    flight = {"mass_kg": AS2.mass_kg, "density": AS2.density}
+    flight = {"mass_kg": AS2.mass_kg, "density_kg_per_m3": AS2.density_kg_per_m3}
     power = level_flight_power_w(
         polar,
         wingspan_m=AS2.wingspan_m,

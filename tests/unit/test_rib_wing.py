@@ -22,6 +22,7 @@ from sizing.flight_loads import (
 )
 from sizing.rib_wing import RibWingStructure, StructureParts, stations
 from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
+from sizing.structure_inputs import StructureInputs
 
 G = 9.80665
 RIB_WING = RibWingStructure(model="rib_wing")
@@ -43,12 +44,14 @@ def parts(
 ) -> StructureParts:
     """Parts of an aircraft in level flight at a lift coefficient of one."""
     return model.breakdown(
-        wingspan_m=b,
-        aspect_ratio=ar,
-        total_mass_kg=m,
-        span_load_kg=share * m,
-        airspeed_m_per_s=airspeed(m, b, ar),
-        density=1.1,
+        StructureInputs(
+            wingspan_m=b,
+            aspect_ratio=ar,
+            total_mass_kg=m,
+            span_load_kg=share * m,
+            airspeed_m_per_s=airspeed(m, b, ar),
+            density_kg_per_m3=1.1,
+        )
     )
 
 
@@ -97,14 +100,20 @@ def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(
     mass: float, area: float, aspect: float, speed: float
 ) -> None:
     # CS/FAR 23.341 in customary units: K U V a / (498 W/S), U in ft/s, V in knots, W/S in lb/ft2.
-    ratio = gust_mass_ratio(total_mass_kg=mass, wing_area_m2=area, aspect_ratio=aspect, density=1.1)
+    ratio = gust_mass_ratio(
+        total_mass_kg=mass, wing_area_m2=area, aspect_ratio=aspect, density_kg_per_m3=1.1
+    )
     alleviation = 0.88 * ratio / (5.3 + ratio)
     loading_lb_ft2 = mass / 0.45359237 / (area / 0.3048**2)
     gust_ft_s, knots = 15.25 / 0.3048, speed / 0.514444
     slope = 2.0 * np.pi * aspect / (aspect + 2.0)
     wanted = alleviation * gust_ft_s * knots * slope / (498.0 * loading_lb_ft2)
     found = gust_load_increment(
-        15.25 * speed, total_mass_kg=mass, wing_area_m2=area, aspect_ratio=aspect, density=1.1
+        15.25 * speed,
+        total_mass_kg=mass,
+        wing_area_m2=area,
+        aspect_ratio=aspect,
+        density_kg_per_m3=1.1,
     )
     # 498 is rounded to three digits.
     assert found == pytest.approx(wanted, rel=2e-3)
@@ -125,7 +134,11 @@ def test_gust_load_of_atlantiksolar_by_hand() -> None:
     # / (2 x 39.33) = 4.21.
     area = 5.65**2 / 18.5
     found = gust_load_increment(
-        15.25 * 8.02, total_mass_kg=6.92, wing_area_m2=area, aspect_ratio=18.5, density=1.1
+        15.25 * 8.02,
+        total_mass_kg=6.92,
+        wing_area_m2=area,
+        aspect_ratio=18.5,
+        density_kg_per_m3=1.1,
     )
     assert found == pytest.approx(4.21, abs=0.01)  # to the digits worked out
 
@@ -137,7 +150,7 @@ def test_larger_of_manoeuvre_and_gust_governs(mass: float, span: float, aspect: 
         "total_mass_kg": mass,
         "wing_area_m2": area,
         "aspect_ratio": aspect,
-        "density": 1.1,
+        "density_kg_per_m3": 1.1,
     }
     cruise = gust_load_increment(15.25 * speed, **case)
     dive = gust_load_increment(7.6 * 1.5 * speed, **case)
@@ -276,12 +289,14 @@ def test_wing_without_load_weighs_its_gauges(span: float, aspect: float) -> None
     # Nearly massless: every wall of spar and boom is at its minimum gauge. Unloaded sections leave
     # 1 % for the last of the strength.
     found = RIB_WING.breakdown(
-        wingspan_m=span,
-        aspect_ratio=aspect,
-        total_mass_kg=1e-12,
-        span_load_kg=0.0,
-        airspeed_m_per_s=1e-9,
-        density=1.1,
+        StructureInputs(
+            wingspan_m=span,
+            aspect_ratio=aspect,
+            total_mass_kg=1e-12,
+            span_load_kg=0.0,
+            airspeed_m_per_s=1e-9,
+            density_kg_per_m3=1.1,
+        )
     )
     c = span / aspect
     assert found.boom == pytest.approx(1550 * np.pi * 0.1 * c * 0.5e-3 * 4 * c, rel=1e-2)
@@ -299,12 +314,14 @@ def test_heavier_with_mass_and_span(
     def kg(b: float, m: float) -> float:
         return float(
             RIB_WING.mass_kg(
-                wingspan_m=b,
-                aspect_ratio=aspect,
-                total_mass_kg=m,
-                span_load_kg=share * mass,  # what is carried along the span stays
-                airspeed_m_per_s=airspeed(m, b, aspect),
-                density=1.1,
+                StructureInputs(
+                    wingspan_m=b,
+                    aspect_ratio=aspect,
+                    total_mass_kg=m,
+                    span_load_kg=share * mass,  # what is carried along the span stays
+                    airspeed_m_per_s=airspeed(m, b, aspect),
+                    density_kg_per_m3=1.1,
+                )
             )
         )
 
@@ -369,12 +386,14 @@ def test_altitude_changes_the_gust_alone(
         speed = airspeed(mass, span, aspect, density=rho)
         return float(
             calm.mass_kg(
-                wingspan_m=span,
-                aspect_ratio=aspect,
-                total_mass_kg=mass,
-                span_load_kg=share * mass,
-                airspeed_m_per_s=speed,
-                density=rho,
+                StructureInputs(
+                    wingspan_m=span,
+                    aspect_ratio=aspect,
+                    total_mass_kg=mass,
+                    span_load_kg=share * mass,
+                    airspeed_m_per_s=speed,
+                    density_kg_per_m3=rho,
+                )
             )
         )
 
@@ -404,12 +423,14 @@ def symbolic_log_mass(kind: Any, deflection: float | None = None) -> tuple[Any, 
     x = kind.sym("x", 4)
     b, ar, m, load = (ca.exp(x[i]) for i in range(4))
     mass = model.mass_kg(
-        wingspan_m=b,
-        aspect_ratio=ar,
-        total_mass_kg=m,
-        span_load_kg=load,
-        airspeed_m_per_s=airspeed(m, b, ar),
-        density=1.1,
+        StructureInputs(
+            wingspan_m=b,
+            aspect_ratio=ar,
+            total_mass_kg=m,
+            span_load_kg=load,
+            airspeed_m_per_s=airspeed(m, b, ar),
+            density_kg_per_m3=1.1,
+        )
     )
     return x, ca.log(mass)
 

@@ -20,6 +20,7 @@ from sizing.structure import (
     limit_load_factor,
     root_bending_moment_nm,
 )
+from sizing.structure_inputs import StructureInputs
 
 G = 9.80665
 SPAR = SparStructure()
@@ -29,9 +30,9 @@ POLAR = DragPolar(
     profile_drag_coefficient=0.012,
     reference_reynolds=158000.0,
 )
-AIR: dict[str, float] = {"density": 1.1, "dynamic_viscosity": 1.8e-5}
+AIR: dict[str, float] = {"density_kg_per_m3": 1.1, "dynamic_viscosity": 1.8e-5}
 # What the simpler models of the structure ignore.
-FLIGHT: dict[str, float] = {"airspeed_m_per_s": 9.0, "density": 1.1}
+FLIGHT: dict[str, float] = {"airspeed_m_per_s": 9.0, "density_kg_per_m3": 1.1}
 
 spans = st.floats(1.0, 30.0)
 aspects = st.floats(6.0, 35.0)
@@ -40,7 +41,9 @@ growths = st.floats(1.01, 2.0)
 
 
 def spar_mass(b: Any, ar: Any, m: Any, load: Any = 0.0) -> Any:
-    return SPAR.mass_kg(wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=load, **FLIGHT)
+    return SPAR.mass_kg(
+        StructureInputs(wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=load, **FLIGHT)
+    )
 
 
 # ---- structure
@@ -89,11 +92,17 @@ def test_root_moment_never_falls_below_its_floor() -> None:
 def test_power_law_is_noths() -> None:
     law = PowerLawStructure()
     wing = {"wingspan_m": 3.2, "aspect_ratio": 13.2}
-    found = law.mass_kg(**wing, total_mass_kg=1.0, span_load_kg=0.0, **FLIGHT)
+    found = law.mass_kg(StructureInputs(**wing, total_mass_kg=1.0, span_load_kg=0.0, **FLIGHT))
     # Noth (2008): weight 0.44 b^3.1 AR^-0.25 in newton, by hand 8.50 N at b = 3.2 m, AR = 13.2.
     assert found * 9.81 == pytest.approx(0.44 * 36.81 * 0.5246, rel=1e-3)
     other = law.mass_kg(
-        **wing, total_mass_kg=50.0, span_load_kg=9.0, airspeed_m_per_s=20.0, density=0.4
+        StructureInputs(
+            **wing,
+            total_mass_kg=50.0,
+            span_load_kg=9.0,
+            airspeed_m_per_s=20.0,
+            density_kg_per_m3=0.4,
+        )
     )
     assert other == found
 
@@ -110,7 +119,9 @@ def test_power_law_is_noths() -> None:
 @given(span=spans, aspect=aspects)
 def test_power_laws_are_those_published(law: Any, newton: Any, span: float, aspect: float) -> None:
     found = law.mass_kg(
-        wingspan_m=span, aspect_ratio=aspect, total_mass_kg=1.0, span_load_kg=0.0, **FLIGHT
+        StructureInputs(
+            wingspan_m=span, aspect_ratio=aspect, total_mass_kg=1.0, span_load_kg=0.0, **FLIGHT
+        )
     )
     # The same law in other variables: rounding.
     assert found * 9.81 == pytest.approx(newton(span**2 / aspect, aspect), rel=1e-9)
@@ -123,7 +134,9 @@ def test_structures_grow_with_span_and_mass(
     law = PowerLawStructure()
     here, wider = (
         law.mass_kg(
-            wingspan_m=b, aspect_ratio=aspect, total_mass_kg=mass, span_load_kg=0.0, **FLIGHT
+            StructureInputs(
+                wingspan_m=b, aspect_ratio=aspect, total_mass_kg=mass, span_load_kg=0.0, **FLIGHT
+            )
         )
         for b in (span, span * growth)
     )
@@ -151,7 +164,7 @@ def test_spar_structure_adds_up_by_hand() -> None:
     # The same sum: rounding.
     assert spar_mass(b, ar, m, 3.7) == pytest.approx(shell + boom + web + caps, rel=1e-12)
     doubled = SparStructure(calibration=2.0).mass_kg(
-        wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=3.7, **FLIGHT
+        StructureInputs(wingspan_m=b, aspect_ratio=ar, total_mass_kg=m, span_load_kg=3.7, **FLIGHT)
     )
     assert doubled == pytest.approx(2.0 * spar_mass(b, ar, m, 3.7), rel=1e-12)
 
@@ -162,7 +175,7 @@ def test_spar_structure_adds_up_by_hand() -> None:
 @given(span=spans, aspect=aspects, mass=masses, density=st.floats(0.05, 1.4))
 def test_lift_equals_weight(span: float, aspect: float, mass: float, density: float) -> None:
     area = span**2 / aspect
-    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density=density)
+    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=density)
     # Definition of the lift coefficient; rounding.
     assert 0.5 * density * v**2 * area * 1.0 == pytest.approx(mass * G, rel=1e-12)
     stall = POLAR.stall_speed_m_per_s(v)
@@ -172,7 +185,7 @@ def test_lift_equals_weight(span: float, aspect: float, mass: float, density: fl
 @given(span=spans, aspect=aspects, mass=masses)
 def test_power_is_sink_rate_times_weight(span: float, aspect: float, mass: float) -> None:
     area = span**2 / aspect
-    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density=1.1)
+    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=1.1)
     reynolds = 1.1 * v * span / aspect / 1.8e-5
     cd = 0.012 * (158000.0 / reynolds) ** 0.35 + 0.006 + 1.0 / (np.pi * 0.9 * aspect)
     found = level_flight_power_w(POLAR, mass_kg=mass, wingspan_m=span, aspect_ratio=aspect, **AIR)
@@ -191,7 +204,7 @@ def test_power_grows_with_mass_and_falls_with_density(
                 mass_kg=m,
                 wingspan_m=span,
                 aspect_ratio=aspect,
-                density=rho,
+                density_kg_per_m3=rho,
                 dynamic_viscosity=1.8e-5,
             )
         )
@@ -204,8 +217,8 @@ def test_constant_polar_scales_as_measured_power_does() -> None:
     # Without Reynolds dependence the parabolic polar obeys m^1.5 rho^-0.5 exactly.
     polar = POLAR.model_copy(update={"reynolds_exponent": 0.0})
     shape = {"wingspan_m": 5.0, "aspect_ratio": 15.0, "dynamic_viscosity": 1.8e-5}
-    here = level_flight_power_w(polar, mass_kg=6.0, density=1.1, **shape)
-    there = level_flight_power_w(polar, mass_kg=9.0, density=0.8, **shape)
+    here = level_flight_power_w(polar, mass_kg=6.0, density_kg_per_m3=1.1, **shape)
+    there = level_flight_power_w(polar, mass_kg=9.0, density_kg_per_m3=0.8, **shape)
     assert there == pytest.approx(
         scaled_power_w(here, mass_ratio=1.5, density_ratio=0.8 / 1.1), rel=1e-12
     )

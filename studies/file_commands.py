@@ -1,0 +1,71 @@
+"""Commands about files: ``solar-uav list``, ``init`` and ``validate``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from studies.command_options import EXIT_BAD_INPUT, print_json
+
+
+@click.command(name="list")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def list_(as_json: bool) -> None:
+    """List the aircraft and missions that ship with the package."""
+    from studies.library import find_document, shipped_names
+
+    shipped = {
+        kind: {
+            name: str(find_document(kind, name).data.get("description", ""))
+            for name in shipped_names(kind)
+        }
+        for kind in ("aircraft", "mission")
+    }
+    if as_json:
+        print_json(shipped)
+        return
+    for kind, entries in shipped.items():
+        click.secho(kind if kind == "aircraft" else "missions", bold=True)
+        for name, description in entries.items():
+            click.echo(f"  {name:24} {description}")
+
+
+@click.command()
+@click.argument("name")
+def init(name: str) -> None:
+    """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
+    from studies.starters import write_starters
+
+    for path in write_starters(name, Path.cwd()):
+        click.echo(f"wrote {path.name}")
+    click.echo(f"try: solar-uav size {name}.yaml --mission {name}-mission.yaml")
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True)
+def validate(files: tuple[str, ...]) -> None:
+    """Check aircraft and mission FILES and say everything that is wrong with them."""
+    from missions.configfile import validate as check
+    from missions.mission import Mission
+    from missions.problems import InputError
+    from missions.yaml_document import read_yaml
+    from sizing.aircraft import Aircraft
+    from studies.library import document_kind
+
+    wrong = False
+    for file in files:
+        try:
+            document = read_yaml(file)
+            kind = document_kind(document)
+            if kind == "aircraft":
+                check(document, Aircraft)
+            else:
+                check(document, Mission)
+            click.echo(f"{file}: valid {kind}")
+        except InputError as error:
+            click.echo(str(error), err=True)
+            wrong = True
+    if wrong:
+        sys.exit(EXIT_BAD_INPUT)

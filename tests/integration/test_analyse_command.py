@@ -1,0 +1,194 @@
+"""Tests of ``solar-uav analyse``: results, tables and files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from command_line import FIELD, Run, files
+
+AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+
+ANALYSE_KEYS = {
+    "excess_time_h",
+    "charge_margin_h",
+    "endurance_h",
+    "minimum_state_of_charge",
+    "status",
+    "sunrise_h",
+    "sunset_h",
+    "equal_power_morning_h",
+    "equal_power_evening_h",
+    "full_charge_h",
+    "power_out_w",
+    "solar_energy_wh",
+    "model",
+    "correction",
+    "latitude_deg",
+    "day_of_year",
+}
+
+
+def test_analysis_as_json(run: Run) -> None:
+    outcome = run("analyse", AS2, "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    record = outcome.json()
+    assert record.keys() >= ANALYSE_KEYS
+    assert record["status"] == "perpetual"
+    assert (record["model"], record["correction"]) == ("CAM", "none")
+    assert (record["latitude_deg"], record["day_of_year"]) == (47.6, 196)
+    assert record["endurance_h"] is None
+    assert 5.0 < record["excess_time_h"] < 8.0
+    assert 0.3 < record["minimum_state_of_charge"] < 0.45
+    assert (
+        record["sunrise_h"]
+        < record["equal_power_morning_h"]
+        < record["full_charge_h"]
+        < record["equal_power_evening_h"]
+        < record["sunset_h"]
+    )
+    (scenario,) = record["scenarios"]
+    assert {key: record[key] for key in scenario} == scenario
+
+
+def test_limited_flight_has_an_endurance_and_no_full_charge(run: Run) -> None:
+    record = run("analyse", AS2, "--date", "12-21", "--json").json()
+    assert record["status"] == "limited"
+    assert record["excess_time_h"] < 0.0
+    assert record["endurance_h"] > 10.0
+    assert record["minimum_state_of_charge"] == 0.0
+    assert record["full_charge_h"] is None
+
+
+def test_midnight_sun_leaves_undefined_numbers_null(run: Run) -> None:
+    record = run("analyse", AS2, "--latitude", "85", "--date", "06-21", "--json").json()
+    assert record["status"] == "always_lit"
+    undefined = ("excess_time_h", "endurance_h", "equal_power_morning_h", "equal_power_evening_h")
+    assert [record[key] for key in undefined] == [None] * 4
+
+
+def test_top_level_is_the_worst_of_many_scenarios(run: Run) -> None:
+    record = run("analyse", AS2, "-m", "central-europe-summer", "--json").json()
+    assert len(record["scenarios"]) == 9
+    assert record["excess_time_h"] == min(s["excess_time_h"] for s in record["scenarios"])
+
+
+def test_analysis_as_table(run: Run) -> None:
+    outcome = run("analyse", AS2, "-m", "central-europe-summer")
+    assert (outcome.code, outcome.err) == (0, "")
+    for words in ("worst scenario", "perpetual", "excess time", "CAM, correction: none"):
+        assert words in outcome.out
+
+
+def test_place_and_day_can_be_chosen(run: Run) -> None:
+    by_date = run("analyse", AS2, "--latitude", "-30.5", "--date", "12-21", "--json").json()
+    by_day = run("analyse", AS2, "--latitude", "-30.5", "--day-of-year", "355", "--json").json()
+    assert by_date == by_day
+    assert (by_day["latitude_deg"], by_day["day_of_year"]) == (-30.5, 355)
+
+
+def test_model_and_correction_can_be_chosen(run: Run) -> None:
+    cdm = run("analyse", AS2, "--model", "CDM", "--json").json()
+    corrected = run("analyse", AS2, "--correction", "report", "--json").json()
+    plain = run("analyse", AS2, "--json").json()
+    assert cdm["solar_energy_wh"] > plain["solar_energy_wh"] > corrected["solar_energy_wh"]
+    assert (cdm["model"], corrected["correction"]) == ("CDM", "report")
+
+
+@pytest.mark.parametrize(
+    ("override", "key", "larger"),
+    [
+        ("power.avionics_w=12", "power_out_w", True),
+        ("aircraft.power.avionics_w=12", "power_out_w", True),
+        ("battery.mass_kg=2", "total_mass_kg", False),
+        ("battery={mass_kg: 2, specific_energy_wh_per_kg: 251}", "total_mass_kg", False),
+        ("battery.charge_limit.current_a.12=0.1", "charge_margin_h", False),
+        ("mission.clearness=0.7", "solar_energy_wh", False),
+        ("mission.payload.power_w=3", "power_out_w", True),
+        ("mission.dates={on: 06-21}", "solar_energy_wh", True),
+    ],
+)
+def test_overrides_change_the_result(run: Run, override: str, key: str, larger: bool) -> None:
+    before = run("analyse", AS2, "--json").json()
+    outcome = run("analyse", AS2, "--set", override, "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert (outcome.json()[key] > before[key]) is larger
+
+
+def test_launch_is_replayed_unless_place_or_day_are_moved(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "field.yaml").write_text(FIELD)
+    flight = run("analyse", AS2, "-m", "field.yaml", "--json").json()["flight"]
+    assert flight["launch"] == "07-14 09:30"
+    assert flight["duration_h"] == pytest.approx(30.0)
+    moved = run("analyse", AS2, "-m", "field.yaml", "--date", "07-16", "--json").json()
+    assert "flight" not in moved
+
+
+def test_trajectory_as_csv(run: Run, tmp_path: Path) -> None:
+    assert run("analyse", AS2, "--csv", "cycle.csv").code == 0
+    table = pd.read_csv(tmp_path / "cycle.csv")
+    columns = "latitude_deg day_of_year time_solar_h solar_power_w load_w energy_wh state_of_charge"
+    assert list(table) == columns.split()
+    assert (table["time_solar_h"].iloc[0], table["time_solar_h"].iloc[-1]) == (0.0, 24.0)
+    assert table["time_solar_h"].is_monotonic_increasing
+    assert table["state_of_charge"].between(0.0, 1.0).all()
+    assert not table.isna().any(axis=None)
+
+
+@pytest.mark.parametrize(
+    ("name", "signature"),
+    [("a.png", b"\x89PNG\r\n\x1a\n"), ("a.PDF", b"%PDF-"), ("a.svg", b"<?xml")],
+)
+def test_figures(run: Run, tmp_path: Path, name: str, signature: bytes) -> None:
+    outcome = run("analyse", AS2, "--plot", name)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert (tmp_path / name).read_bytes().startswith(signature)
+    assert files(tmp_path) == {name}
+
+
+def test_figure_of_a_replayed_flight(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "field.yaml").write_text(FIELD)
+    assert run("analyse", AS2, "-m", "field.yaml", "--plot", "flight.png").code == 0
+    assert (tmp_path / "flight.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("aircraft", [AS2, DESIGN])
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ["battery.mass_kg=1e-6"],
+        ["battery.specific_energy_wh_per_kg=1e9"],
+        ["modules.area_m2=0", "power.avionics_w=0"],
+        ["modules.area_m2=0", "airframe.wingspan_m=1e-3"],
+        ["mission.payload.mass_kg=1e6"],
+        ["mission.turbulence={all_day: 5, thermal: 5}"],
+        ["mission.altitude_m=32000"],
+        ["mission.clearness=1e-3"],
+        [
+            "battery.charge_limit={kind: table, state_of_charge: [0, 1], current_a: [1, 1], "
+            "voltage_v: 25, pack_energy_wh: 732}"
+        ],
+    ],
+)
+def test_extreme_values_end_in_valid_json(run: Run, aircraft: str, overrides: list[str]) -> None:
+    options = [part for override in overrides for part in ("--set", override)]
+    outcome = run("analyse", aircraft, *options, "--json")
+    assert outcome.code in (0, 1)
+    assert outcome.err == "" or outcome.code == 1
+    if outcome.code == 0:
+        assert outcome.json().keys() >= ANALYSE_KEYS
+
+
+def test_no_file_is_written_if_one_cannot_be(run: Run, tmp_path: Path) -> None:
+    assert run("analyse", AS2, "--csv", "a.csv", "--plot", "no/a.png").code == 1
+    assert files(tmp_path) == set()
+
+
+def test_every_shipped_aircraft_flies_every_shipped_mission(run: Run) -> None:
+    shipped = run("list", "--json").json()
+    for aircraft in shipped["aircraft"]:
+        for mission in shipped["mission"]:
+            outcome = run("analyse", aircraft, "-m", mission, "--json")
+            assert (outcome.code, outcome.err) == (0, "")
+            assert outcome.json().keys() >= ANALYSE_KEYS

@@ -1,0 +1,220 @@
+"""Tests of ``solar-uav size``: results, files and exit codes."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from command_line import Outcome, Run, files
+
+DESIGN = "atlantiksolar-design"
+
+SIZE_KEYS = {
+    "wingspan_m",
+    "battery_mass_kg",
+    "module_area_m2",
+    "aspect_ratio",
+    "total_mass_kg",
+    "masses_kg",
+    "power_out_w",
+    "objective",
+    "worst_scenario",
+    "active_constraints",
+    "status",
+    "simulated",
+    "solver",
+}
+SIZED_FILES = {
+    "aircraft.yaml",
+    "result.json",
+    "scenarios.csv",
+    "masses.csv",
+    "cycle.png",
+    "masses.png",
+}
+
+
+def test_sizing_as_json(run: Run) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    record = outcome.json()
+    assert record.keys() >= SIZE_KEYS
+    assert record["status"] == "optimal"
+    assert sum(record["masses_kg"].values()) == pytest.approx(record["total_mass_kg"], rel=1e-6)
+    assert record["solver"].keys() >= {"iterations", "time_s"}
+    assert record["active_constraints"]
+    # The simulator has the last word on what the program found.
+    assert record["objective"]["value"] == record["simulated"]["excess_time_h"]
+
+
+@pytest.mark.parametrize(
+    ("objective", "key"), [("min_wingspan", "wingspan_m"), ("min_mass", "total_mass_kg")]
+)
+def test_objectives(run: Run, objective: str, key: str) -> None:
+    options = ("--required-excess-time", "3", "--objective", objective, "--json")
+    record = run("size", DESIGN, "-m", "rafz-july", *options).json()
+    assert record["objective"]["value"] == pytest.approx(record[key])
+    # Active: the program aims a small cushion above it.
+    assert record["simulated"]["excess_time_h"] == pytest.approx(3.0, abs=0.1)
+
+
+def test_overrides_change_the_sizing(run: Run) -> None:
+    common = ("size", DESIGN, "-m", "rafz-july", "--json")
+    before = run(*common).json()
+    denser = run(*common, "--set", "battery.specific_energy_wh_per_kg=400").json()
+    loaded = run(*common, "--set", "mission.payload.mass_kg=1").json()
+    assert denser["objective"]["value"] > before["objective"]["value"]
+    assert loaded["objective"]["value"] < before["objective"]["value"]
+    assert loaded["masses_kg"]["payload"] == 1.0
+
+
+@pytest.fixture
+def sized(run: Run, tmp_path: Path) -> tuple[Outcome, Path]:
+    folder = tmp_path / "new" / "design"
+    return run("size", DESIGN, "-m", "rafz-july", "--json", "--out", str(folder)), folder
+
+
+def test_sized_aircraft_flies_as_the_sizing_says(sized: tuple[Outcome, Path], run: Run) -> None:
+    outcome, folder = sized
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(folder) == SIZED_FILES
+    assert files(folder.parent) == {"design"}
+    record = outcome.json()
+    assert json.loads((folder / "result.json").read_text()) == record
+    aircraft = str(folder / "aircraft.yaml")
+    assert run("validate", aircraft).code == 0
+    flown = run("analyse", aircraft, "-m", "rafz-july", "--json").json()
+    assert flown["total_mass_kg"] == pytest.approx(record["total_mass_kg"], rel=1e-6)
+    # The mass is closed anew for the file; an optimum sized again stays to three digits.
+    assert flown["excess_time_h"] == pytest.approx(record["simulated"]["excess_time_h"], abs=1e-3)
+    assert run("size", aircraft, "-m", "rafz-july", "--json").json()["wingspan_m"] == (
+        pytest.approx(record["wingspan_m"], rel=1e-3)
+    )
+
+
+def test_tables_and_figures_of_a_sizing(sized: tuple[Outcome, Path]) -> None:
+    outcome, folder = sized
+    masses = pd.read_csv(folder / "masses.csv")
+    assert list(masses) == ["item", "mass_kg"]
+    assert masses["mass_kg"].sum() == pytest.approx(outcome.json()["total_mass_kg"], rel=1e-6)
+    scenarios = pd.read_csv(folder / "scenarios.csv")
+    assert {"latitude_deg", "day_of_year", "excess_time_h"} <= set(scenarios)
+    assert scenarios["excess_time_h"].min() == pytest.approx(
+        outcome.json()["simulated"]["excess_time_h"], rel=1e-9
+    )
+    for figure in ("cycle.png", "masses.png"):
+        assert (folder / figure).read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: Path) -> None:
+    # At the pole in June the sun stays at 23 degrees: the battery is never needed.
+    place = ("--set", "mission.latitude_deg=90", "--set", "mission.dates={on: 06-21}")
+    asked = ("size", DESIGN, "-m", "rafz-july", *place, "--sensitivities", "--certify")
+    outcome = run(*asked, "--json", "--out", "pole")
+    assert (outcome.code, outcome.err) == (0, "")
+    record = outcome.json()
+    assert record["status"] == "optimal"
+    assert record["objective"]["value"] is None
+    assert record["sensitivities"] == []
+    assert record["certificate"]["certified"]
+    assert record["certificate"]["advantage"] == 0.0
+    assert files(tmp_path / "pole") == SIZED_FILES
+    text = run(*asked)
+    assert (text.code, text.err) == (0, "")
+    assert "no end" in text.out
+    assert re.search(r"\b(inf|nan)\b", text.out) is None
+
+
+def test_existing_folder_keeps_other_files(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "design"
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine")
+    (folder / "masses.csv").write_text("old")
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--out", "design")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert "written to design" in outcome.out
+    assert files(folder) == SIZED_FILES | {"notes.txt"}
+    assert (folder / "masses.csv").read_text() != "old"
+
+
+@pytest.mark.parametrize("name", ["file", "file/design"])
+def test_folder_that_cannot_be_written(run: Run, tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_text("old")
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--out", name)
+    assert outcome.code == 1
+    assert f"cannot write to {name}: " in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert files(tmp_path) == {"file"}
+
+
+@pytest.mark.parametrize(
+    ("override", "requirement"),
+    [
+        ("mission.payload.mass_kg=1e6", "mass_budget"),
+        ("modules.efficiency_stc=0.01", "energy_balance"),
+        ("design_space.maximum_wing_loading_kg_per_m2=0.001", "wing_loading_kg_per_m2_maximum"),
+    ],
+)
+def test_infeasible_sizing_says_why_and_writes_nothing(
+    run: Run, tmp_path: Path, override: str, requirement: str
+) -> None:
+    options = ("--out", "design", "--set", override, "--json")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *options)
+    assert (outcome.code, outcome.err) == (1, "")
+    assert files(tmp_path) == set()
+    record = outcome.json()
+    assert record.keys() >= SIZE_KEYS
+    assert record["status"] == "infeasible"
+    assert record["wingspan_m"] is None
+    assert requirement in [v["requirement"] for v in record["violated_requirements"]]
+
+
+def test_infeasible_sizing_as_text(run: Run) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", "mission.payload.mass_kg=1e6")
+    assert (outcome.code, outcome.err) == (1, "")
+    assert "infeasible" in outcome.out
+    assert "  mass_budget: " in outcome.out
+
+
+def test_excess_time_out_of_reach_is_explained(run: Run) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--required-excess-time", "500")
+    assert outcome.code == 1
+    assert "excess_time: " in outcome.out
+
+
+def test_constant_charge_rate_can_be_sized(run: Run) -> None:
+    constant = "battery.charge_limit={kind: rule, taper_start: 0, relative_rate_at_full: 1}"
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", constant, "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "override",
+    [
+        "mission.required_excess_time_h=1e5",
+        "design_space.maximum_total_mass_kg=1e-3",
+        "battery.discharge_efficiency=1e-300",
+    ],
+)
+def test_hopeless_sizing_ends_quietly(run: Run, override: str) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", override, "--json")
+    assert outcome.code in (1, 2)
+    assert "WARNING" not in outcome.err
+    assert "RuntimeWarning" not in outcome.err
+
+
+def test_folder_of_results_is_written_whole_or_not_at_all(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "design" / "masses.csv").mkdir(parents=True)
+    assert run("size", DESIGN, "-m", "rafz-july", "--out", "design").code == 1
+    assert files(tmp_path / "design") == {"masses.csv"}
+
+
+@pytest.mark.parametrize("objective", ["max_payload_mass", "max_payload_power"])
+def test_sensitivities_of_a_payload_are_drawn(run: Run, tmp_path: Path, objective: str) -> None:
+    options = ("--objective", objective, "--required-excess-time", "1", "--sensitivities")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *options, "--out", "design")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(tmp_path / "design") == SIZED_FILES | {"sensitivities.csv", "sensitivities.png"}

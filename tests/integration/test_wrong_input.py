@@ -1,0 +1,290 @@
+"""Mistakes in files and options: messages and exit codes of the command line."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+from command_line import BIRD, FIELD, Run, edited, files
+
+AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+
+
+# ---- wrong files ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        # unknown, missing and duplicate keys
+        ("  mass_kg: 2.918", "  mass_kgs: 2.918", ":15:3: battery.mass_kgs: unknown key; did you mean 'mass_kg'?"),  # noqa: E501
+        ("  mass_kg: 2.918", "  mas_kg: 2.918", ":14:1: battery.mass_kg: required key is missing"),
+        ("power:\n", "colour: red\npower:\n", ":23:1: colour: unknown key; allowed keys: name, description, airframe, modules, battery, power, design_space"),  # noqa: E501
+        ("  mass_kg: 2.918", "  mass_kg: 2.918\n  mass_kg: 3", ":16:3: battery.mass_kg: duplicate key (first at line 15)"),  # noqa: E501
+        ("kind: measured", "kind: masured", ":3:9: airframe.kind: must be one of 'measured', 'parametric' (got 'masured')"),  # noqa: E501
+        ("  kind: measured\n", "", ":2:1: airframe.kind: required key is missing; it must be one of 'measured', 'parametric'"),  # noqa: E501
+        # wrong types
+        ("avionics_w: 6.0", "avionics_w: six", ":24:15: power.avionics_w: must be a number (got 'six')"),  # noqa: E501
+        ("avionics_w: 6.0", "avionics_w: 6 W", "(got '6 W'); write the plain number; the unit is in the key"),  # noqa: E501
+        ("avionics_w: 6.0", "avionics_w: true", ":24:15: power.avionics_w: must be a number (got true)"),  # noqa: E501
+        ("avionics_w: 6.0", "avionics_w:", "power.avionics_w: must be a number (got null)"),
+        ("avionics_w: 6.0", "avionics_w: [6]", "power.avionics_w: must be a number (got a list of 1)"),  # noqa: E501
+        ("name: bird", "name: 12", ":1:7: name: must be text (got 12); put it in quotes"),
+        ("name: bird", 'name: ""', ":1:7: name: must not be empty"),
+        # wrong numbers
+        ("avionics_w: 6.0", "avionics_w: -6", ":24:15: power.avionics_w: must be at least 0 (got -6)"),  # noqa: E501
+        ("avionics_w: 6.0", "avionics_w: .nan", ":24:15: power.avionics_w: must be a finite number (got .nan)"),  # noqa: E501
+        ("avionics_w: 6.0", "avionics_w: .inf", ":24:15: power.avionics_w: must be a finite number (got .inf)"),  # noqa: E501
+        ("avionics_w: 6.0", "avionics_w: 1e999", "power.avionics_w: must be a finite number"),
+        ("avionics_w: 6.0", "avionics_w: " + 5000 * "9", "power.avionics_w: must be a finite number"),  # noqa: E501
+        ("  mass_kg: 2.918", "  mass_kg: 0", ":15:12: battery.mass_kg: must be greater than 0 (got 0)"),  # noqa: E501
+        ("efficiency_stc: 0.237", "efficiency_stc: 23.7", ":13:19: modules.efficiency_stc: must be at most 1 (got 23.7)"),  # noqa: E501
+        ("area_m2: 1.35", "area_m2: 13.5", ":12:12: modules.area_m2: must not exceed the wing area of 1.73 m2 (got 13.5)"),  # noqa: E501
+        ("[10, 5, 1]", "[10, 5]", "battery.charge_limit: state_of_charge and current_a must have the same length"),  # noqa: E501
+        ("[0.8, 0.9, 1.0]", "[0.9, 0.8, 1.0]", "battery.charge_limit: state_of_charge must increase strictly"),  # noqa: E501
+        # what YAML allows and a description must not hold
+        ("name: bird", "name: !!python/object/apply:os.getcwd []", ":1:7: name: explicit tags (!!python/object/apply:os.getcwd) are not allowed"),  # noqa: E501
+        ("power:\n", "<<: {a: 1}\npower:\n", ":23:1: merge keys (<<) are not allowed"),
+        ("name: bird", "? [a]\n: b", "a key must be text (got a list)"),
+        ("name: bird", "--- {}\n---\nname: bird", "only one document (---) is allowed per file"),
+        ("name: bird", "name: " + 60 * "[" + 60 * "]", "nested too deeply (at most 40 levels)"),
+        ("name: bird", "name: [", "is not valid YAML"),
+        ("  avionics_w", "\tavionics_w", ":24:1: is not valid YAML"),
+        ("name: bird", "name: bi\0rd", ":1:9: character U+0000 is not allowed"),
+    ],
+)  # fmt: skip
+def test_wrong_aircraft(run: Run, tmp_path: Path, old: str, new: str, said: str) -> None:
+    (tmp_path / "bird.yaml").write_text(edited(BIRD, old, new))
+    outcome = run("analyse", "bird.yaml", "--json")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert any("bird.yaml" in line and said in line for line in outcome.err.splitlines())
+    assert all(line.startswith("bird.yaml") for line in outcome.err.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("on: 07-15", "on: 02-29", ":5:7: dates.on: month 02 has days 01 to 28 (got '02-29')"),
+        ("on: 07-15", "on: 13-01", ":5:7: dates.on: the month must be 01 to 12 (got '13-01')"),
+        ("on: 07-15", "on: 2015-07-15", "dates.on: must be a date MM-DD, for instance 07-15"),
+        ("on: 07-15", "on: 715", "dates.on: must be a date MM-DD, for instance 07-15 (got 715)"),
+        ("dates:\n  on: 07-15", "dates: {}", ":4:1: dates: empty date range: give"),
+        ("on: 07-15", "from: 07-15", ":4:1: dates: empty date range: give"),
+        ("on: 07-15", "on: 07-15\n  to: 07-20", ":4:1: dates: give either"),
+        ("on: 07-15", "from: 07-15\n  to: 08-01\n  count: 0", ":7:10: dates.count: must be at least 1 (got 0)"),  # noqa: E501
+        ("on: 07-15", "from: 07-15\n  to: 08-01\n  count: 366", ":7:10: dates.count: must be at most 365 (got 366)"),  # noqa: E501
+        ("latitude_deg: 47.6", "latitude_deg: 95", ":2:15: latitude_deg: must be at most 90"),
+        ("latitude_deg: 47.6", "latitude_deg: .nan", "latitude_deg: must be a finite number"),
+        ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 95}", ":2:38: latitude_deg.to_deg: must be at most 90 (got 95)"),  # noqa: E501
+        ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 45}", "latitude_deg: from_deg and to_deg must differ"),  # noqa: E501
+        ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 50}", "latitude_deg: a launch needs a single latitude"),  # noqa: E501
+        ("latitude_deg: 47.6", "latitude_deg: -80", ":2:15: latitude_deg: polar night: the sun never rises at 80 S, 15 Jul"),  # noqa: E501
+        ("longitude_deg: 8.5\n", "", "launch: a launch by clock time needs longitude_deg"),
+        ("clearness", "cleerness", ":9:1: cleerness: unknown key; did you mean 'clearness'?"),
+        ("clearness: 1.0", "clearness: 0", ":9:12: clearness: must be greater than 0 (got 0)"),
+        ("thermal: 0.0", "thermal: 6", ":11:12: turbulence.thermal: must be at most 5 (got 6)"),
+        ("altitude_m: 500", "altitude_m: 1e6", ":6:13: altitude_m: must be at most 32000"),
+        ("clearness: 1.0", "clearness: 1.0\nwind_m_per_s: -1", "wind_m_per_s: must be at least 0"),
+        ("  ambient_temperature_c: 20.0", "  ambient_temperature_c: 20.0\n  temperature_offset_k: 1", ":7:1: air: give temperature_offset_k or ambient_temperature_c, not both"),  # noqa: E501
+        ("time_local: 09:30", "time_local: 25:00", ":14:15: launch.time_local: must be a time HH:MM"),  # noqa: E501
+        ("duration_h: 30", "duration_h: 9000", "launch.duration_h: must be at most 8784 (got 9000)"),  # noqa: E501
+    ],
+)  # fmt: skip
+def test_wrong_mission(run: Run, tmp_path: Path, old: str, new: str, said: str) -> None:
+    (tmp_path / "field.yaml").write_text(edited(FIELD, old, new))
+    outcome = run("size", DESIGN, "--mission", "field.yaml")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert any(line.startswith("field.yaml:") and said in line for line in outcome.err.split("\n"))
+
+
+def test_alias_bomb_is_refused(run: Run, tmp_path: Path) -> None:
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x]"]
+    lines += [f"a{i}: &a{i} [{', '.join(8 * [f'*a{i - 1}'])}]" for i in range(1, 7)]
+    (tmp_path / "bomb.yaml").write_text("\n".join(lines))
+    outcome = run("analyse", "bomb.yaml")
+    assert outcome.code == 2
+    assert re.fullmatch(r"bomb\.yaml:\d+:\d+: .*too many \S*.*\n", outcome.err)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "the file is empty; it must hold a mapping (key: value)"),
+        (b"# only a comment\n", "the file is empty"),
+        (b"hello\n", ":1:1: the top level must be a mapping"),
+        (b"- a\n", ":1:1: the top level must be a mapping (key: value), not a list"),
+        (bytes(range(128, 256)), ":1:1: is not UTF-8 text (byte 0x80)"),
+        (b"name: caf\xe9\n", ":1:10: is not UTF-8 text (byte 0xe9)"),
+        (b"name: x #" + 1_000_001 * b"x", "is too large (at most 1 MB)"),
+    ],
+)
+def test_what_is_no_description(run: Run, tmp_path: Path, content: bytes, said: str) -> None:
+    (tmp_path / "odd.yaml").write_bytes(content)
+    for arguments in (("analyse", "odd.yaml"), ("validate", "odd.yaml")):
+        outcome = run(*arguments)
+        assert (outcome.code, outcome.out) == (2, "")
+        assert outcome.err.startswith("odd.yaml:")
+        assert said in outcome.err
+        assert outcome.err.count("\n") == 1
+
+
+def test_byte_order_mark_and_line_ends_of_windows_are_read(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bird.yaml").write_bytes(("\ufeff" + BIRD.replace("\n", "\r\n")).encode())
+    assert run("validate", "bird.yaml").code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("analyse", "missing.yaml"), "missing.yaml: there is no such file"),
+        (("analyse", "atlantiksolar-as3"), f"did you mean '{AS2}'?"),
+        (("analyse", "rafz-july"), "no shipped aircraft of that name"),
+        (("analyse", AS2, "-m", AS2), "no shipped mission of that name"),
+        (("analyse", "."), ".: is a folder, not a file"),
+        (("size", DESIGN, "-m", "."), ".: is a folder, not a file"),
+        (("validate", "missing.yaml"), "missing.yaml: no such file"),
+        (("size", AS2, "-m", "rafz-july"), "airframe.kind: a measured aircraft cannot be sized"),
+    ],
+)
+def test_what_cannot_be_found_or_used(run: Run, arguments: tuple[str, ...], said: str) -> None:
+    outcome = run(*arguments)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert said in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may read every file"
+)
+def test_unreadable_file(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bird.yaml").write_text(BIRD)
+    (tmp_path / "bird.yaml").chmod(0)
+    outcome = run("analyse", "bird.yaml")
+    assert outcome == (2, "", "bird.yaml: cannot be read: permission denied\n")
+
+
+def test_mission_for_aircraft_and_the_reverse(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bird.yaml").write_text(BIRD)
+    (tmp_path / "field.yaml").write_text(FIELD)
+    outcome = run("analyse", "field.yaml", "-m", "bird.yaml")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "field.yaml:1:1: airframe: required key is missing" in outcome.err
+    assert "bird.yaml:1:1: latitude_deg: required key is missing" in outcome.err
+
+
+def test_all_problems_of_both_files_are_reported_together(run: Run, tmp_path: Path) -> None:
+    bird = edited(edited(BIRD, "avionics_w: 6.0", "avionics_w: -6"), "area_m2: 1.35", "area_m2: x")
+    (tmp_path / "bird.yaml").write_text(bird)
+    (tmp_path / "field.yaml").write_text(edited(FIELD, "on: 07-15", "on: 02-30"))
+    outcome = run("analyse", "bird.yaml", "-m", "field.yaml", "--json")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert sorted(line.split(": ")[1] for line in outcome.err.splitlines()) == [
+        "dates.on",
+        "modules.area_m2",
+        "power.avionics_w",
+    ]
+
+
+# ---- wrong options --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("nonsense", "--set nonsense: write an override as KEY=VALUE, for example a.b=2.5"),
+        ("", "write an override as KEY=VALUE"),
+        ("=1", "write an override as KEY=VALUE"),
+        ("battery..mass_kg=1", "write an override as KEY=VALUE"),
+        ("colour=red", "--set colour: unknown key; allowed keys: name"),
+        ("battery.mas_kg=1", "--set battery.mas_kg: unknown key; did you mean 'mass_kg'?"),
+        ("battery.mass_kg=abc", "--set battery.mass_kg: must be a number (got 'abc')"),
+        ("battery.mass_kg='3'", "--set battery.mass_kg: must be a number (got '3')"),
+        ("battery.mass_kg=", "--set battery.mass_kg: no value after the = sign"),
+        ("battery.mass_kg=.nan", "--set battery.mass_kg: must be a finite number"),
+        ("battery.mass_kg=0", "--set battery.mass_kg: must be greater than 0 (got 0)"),
+        ("battery.mass_kg.x=1", "battery.mass_kg is the single value 2.918 and has no keys"),
+        ("battery=1", "--set battery: must be a mapping of keys and values (got 1)"),
+        ("battery.mass_kg=[1", "--set battery.mass_kg: "),
+        ("battery.charge_limit.current_a.99=1", "takes an index from 0 to 12 (got '99')"),
+        ("mission.latitude_deg=95", "latitude_deg: must be at most 90"),
+        ("mission.dates.on=02-29", "dates.on: month 02 has days 01 to 28 (got '02-29')"),
+        (
+            "mission.colour=red",
+            "colour: unknown key; allowed keys: name, description, latitude_deg",
+        ),
+    ],
+)
+def test_wrong_overrides(run: Run, override: str, said: str) -> None:
+    outcome = run("analyse", AS2, "--set", override)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith("--set ")
+    assert said in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--latitude", "95"], "'--latitude': must be from -90 to 90 (got 95)"),
+        (["--latitude", "nan"], "'--latitude': must be from -90 to 90 (got nan)"),
+        (["--latitude", "north"], "'--latitude': 'north' is not a number"),
+        (["--date", "02-29"], "'--date': month 02 has days 01 to 28 (got '02-29')"),
+        (["--date", ""], "'--date': must be a date MM-DD"),
+        (["--day-of-year", "0"], "'--day-of-year': 0 is not in the range 1<=x<=365"),
+        (["--day-of-year", "366"], "'--day-of-year': 366 is not in the range 1<=x<=365"),
+        (["--date", "07-01", "--day-of-year", "3"], "give --day-of-year or --date, not both"),
+        (["--latitude", "80", "--date", "12-21"], "polar night: the sun never rises at 80 N, 21"),
+        (["--model", "XYZ"], "'--model': 'XYZ' is not one of"),
+        (["--correction", "XYZ"], "'--correction': 'XYZ' is not one of"),
+        (["--plot", "a.gif"], "'a.gif' must end in .png, .svg, .pdf"),
+        (["--plot", "a"], "'a' must end in .png, .svg, .pdf"),
+        (["--colour"], "--colour"),
+        (["extra"], "unexpected extra argument (extra)"),
+    ],
+)
+def test_wrong_options(run: Run, tmp_path: Path, options: list[str], said: str) -> None:
+    outcome = run("analyse", AS2, *options)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert said in outcome.err.splitlines()[-1]
+    assert files(tmp_path) == set()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--required-excess-time", "-1"], "is not in the range"),
+        (["--required-excess-time", "nan"], "must be a number of hours"),
+        (["--required-excess-time", "inf"], "is not in the range"),
+        (["--objective", "min_cost"], "'min_cost' is not one of 'max_excess_time'"),
+    ],
+)
+def test_wrong_options_of_sizing(run: Run, options: list[str], said: str) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", *options)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert said in outcome.err.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "said"),
+    [
+        ("--plot", "no/a.png", "cannot write no/a.png: its folder does not exist"),
+        ("--plot", "file/a.png", "cannot write file/a.png: a part of the path is a file"),
+        ("--plot", "folder.png", "cannot write folder.png: it is a folder"),
+        ("--csv", "no/a.csv", "cannot write no/a.csv: its folder does not exist"),
+        ("--csv", "file/a.csv", "cannot write file/a.csv: a part of the path is a file"),
+        ("--csv", "folder.png", "cannot write folder.png: it is a folder"),
+    ],
+)
+def test_files_that_cannot_be_written(
+    run: Run, tmp_path: Path, option: str, name: str, said: str
+) -> None:
+    (tmp_path / "file").write_text("old")
+    (tmp_path / "folder.png").mkdir()
+    outcome = run("analyse", AS2, option, name)
+    assert outcome.code == 1
+    assert said in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert files(tmp_path) == {"file", "folder.png"}
+    assert (tmp_path / "file").read_text() == "old"
