@@ -51,7 +51,7 @@ class Varied(click.ParamType["Axis"]):
             self.fail(str(error), param, ctx)
 
 
-@click.command()
+@click.command(short_help="Trade study: vary keys, judge or size.")
 @click.argument("aircraft")
 @click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
 @click.option(
@@ -123,8 +123,10 @@ def sweep(
 ) -> None:
     """Trade study: vary keys of AIRCRAFT (name or file) and mission, judge or size each point."""
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
-    if pareto is not None and plot_file is None:
-        raise click.UsageError("--pareto needs --plot")
+    if pareto is not None:
+        if plot_file is None:
+            raise click.UsageError("--pareto needs --plot")
+        _check_pareto(pareto, axes, resized=objective is not None)
     image = image_format(plot_file)
     file_format = _file_format(out_file)
     craft, where = load(aircraft, mission, overrides)
@@ -169,6 +171,21 @@ def sweep(
         _print(data)
     if trouble is not None:
         raise click.ClickException(f"no chart: {trouble}")
+
+
+def _check_pareto(names: tuple[str, str], axes: tuple[Axis, ...], *, resized: bool) -> None:
+    """Refuse names that no result will have before the work starts."""
+    from studies.sweep_axes import axis_names
+    from studies.sweep_points import BLANKS, SIZED_BLANKS
+
+    blanks = SIZED_BLANKS if resized else BLANKS
+    numbers = [name for name, blank in blanks.items() if isinstance(blank, float)]
+    allowed = dict.fromkeys([*axis_names(axes), *numbers])
+    for name in names:
+        if name not in allowed:
+            raise click.BadParameter(
+                f"{name!r} is not one of {', '.join(allowed)}", param_hint="--pareto"
+            )
 
 
 def _file_format(path: str | None) -> str | None:

@@ -165,6 +165,14 @@ def test_command_writes_map_and_picture(tmp_path: Path) -> None:
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_map_is_no_table(tmp_path: Path) -> None:
+    target = tmp_path / "map.csv"
+    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target)])
+    assert answer.exit_code == 2
+    assert "must end in .nc" in answer.output
+    assert not target.exists()
+
+
 @pytest.mark.parametrize("grid", ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1"])
 def test_bad_grids_are_refused(grid: str) -> None:
     answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--latitudes", grid])

@@ -364,9 +364,14 @@ def test_command_draws_a_front(run: Any, tmp_path: Path) -> None:
     answer = run("atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
     assert answer.exit_code == 0, answer.output
     assert (tmp_path / "s.png").exists()
+    (tmp_path / "s.png").unlink()
     answer = run("atlantiksolar-design", *vary, "--pareto", "mass", "excess_time")
-    assert answer.exit_code == 1
-    assert "'mass' is not one of" in answer.output
+    assert answer.exit_code == 2
+    # The varied key comes first; texts and flags are no axes of a chart.
+    assert "'mass' is not one of battery_mass_kg, wingspan" in answer.output
+    assert "message" not in answer.output
+    assert "perpetual" not in answer.output  # refused before a point is flown
+    assert not (tmp_path / "s.png").exists()
 
 
 @pytest.mark.parametrize(
