@@ -207,6 +207,8 @@ def map_figure(data: xr.Dataset) -> Figure:
     from matplotlib.colors import BoundaryNorm
     from matplotlib.figure import Figure
 
+    from studies.plots import correction_label
+
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
     axes = figure.subplots()
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
@@ -221,7 +223,7 @@ def map_figure(data: xr.Dataset) -> Figure:
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
         axes.contour(days, latitudes, np.where(shown > 0.0, 1.0, 0.0), [0.5], colors="black")
     season_axes(axes, days)
-    corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
+    corrected = correction_label(data.attrs["correction"])
     axes.set_title(
         f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
         "line: edge of perpetual flight",

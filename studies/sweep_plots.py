@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from studies.hatching import hatch_cells
-from studies.plots import CHARGE, LOAD, SUN
+from studies.level_lines import draw_level_lines
+from studies.plots import CHARGE, LOAD, SUN, correction_label
 from studies.sizing_columns import SIZED
 from studies.sweep import feasible, to_table
 from studies.sweep_axes import without_unit
@@ -76,7 +77,7 @@ def _label(data: xr.Dataset, name: str) -> str:
 
 
 def _title(data: xr.Dataset) -> str:
-    corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
+    corrected = correction_label(data.attrs["correction"])
     objective = data.attrs["objective"]
     sized = f", sized for {objective}" if objective else ""
     return f"{data.attrs['title']}{sized} ({data.attrs['solar_model']}, {corrected})"
@@ -195,23 +196,13 @@ def _draw_contours(
         entries += grey
     hatches = {value: _HATCHES[name] for value, name in reasons.items()}
     entries += hatch_cells(axes, x, y, status, hatches, reasons)
-    if min(values.shape) > 1 and np.isfinite(values).sum() > 3:
-        # No line leads from a point with a design to one without.
-        lines = axes.contour(x, y, values, _levels(norm), colors="black", linewidths=0.7)
-        axes.clabel(lines, fontsize="small")
+    assert norm.vmin is not None
+    assert norm.vmax is not None
+    draw_level_lines(axes, x, y, values, norm.vmin, norm.vmax)
     return mesh, entries
 
 
-_LIMITED = {True: "not for ever"}
-
-
-def _levels(norm: Normalize) -> NDArray[np.float64]:
-    from matplotlib.ticker import MaxNLocator
-
-    assert norm.vmin is not None
-    assert norm.vmax is not None
-    levels = np.asarray(MaxNLocator(8).tick_values(norm.vmin, norm.vmax))
-    return levels[(levels > norm.vmin) & (levels < norm.vmax)]
+_LIMITED = {True: "not perpetual"}
 
 
 # ---- Samples
@@ -253,7 +244,7 @@ def parallel_figure(data: xr.Dataset) -> Figure:
         axes.spines[side].set_visible(False)
     if len(good):
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes)
-        bar.set_label(f"{_label(data, variable)}; grey: not for ever")
+        bar.set_label(f"{_label(data, variable)}; grey: not perpetual")
     lost = int((~_drawable(data)).sum())
     note = f"; {lost} points without a result left out" if lost else ""
     figure.suptitle(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
@@ -386,7 +377,7 @@ def pareto_figure(data: xr.Dataset, x: str, y: str) -> Figure:
     front = table[table["pareto_front"]].sort_values(x)
     figure = Figure(figsize=(7.0, 5.0), layout="constrained")
     axes = figure.subplots()
-    axes.plot(table[x], table[y], "o", color="lightgrey", markersize=4, label="feasible")
+    axes.plot(table[x], table[y], "o", color="#999999", markersize=4, label="feasible")
     axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
     better = {name: "more" if name in _MORE_IS_BETTER else "less" for name in (x, y)}
     axes.set(
