@@ -39,7 +39,7 @@ _PRINTED_ROWS = 20
 _EXCESS, _POWER, _INCOME, _MARK = "#009E73", "#0072B2", "#E69F00", "#555555"
 
 
-@click.command()
+@click.command(short_help="How high it flies for ever.")
 @click.argument("aircraft")
 @click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
 @click.option(

@@ -74,15 +74,20 @@ class MonthDay(click.ParamType[int]):
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="solar-uav")
 def cli() -> None:
-    """Size solar-electric aircraft and predict how long they stay up."""
+    """Size solar-electric aircraft and predict how long they stay up.
+
+    AIRCRAFT and missions are shipped names (see list) or paths of YAML files (see init).
+    """
 
 
-@cli.command()
+@cli.command(short_help="How long it flies, there and then.")
 @click.argument("aircraft")
 @click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
-@click.option("--latitude", type=Latitude(), help="Latitude instead of the mission's.")
+@click.option(
+    "--latitude", type=Latitude(), help="Latitude, -90 to 90 (north), instead of the mission's."
+)
 @click.option("--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's.")
-@click.option("--date", type=MonthDay(), help="Date instead of the mission's.")
+@click.option("--date", type=MonthDay(), help="Date instead of the mission's, e.g. 10-15.")
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the cycle over time as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the cycle (png, svg, pdf).")
 @solar_options
@@ -134,7 +139,7 @@ def analyse(
     print_analysis(_console(), result, record)
 
 
-@cli.command()
+@cli.command(short_help="The best design for a mission.")
 @click.argument("aircraft")
 @click.option("--mission", "-m", required=True, help="Name or file.")
 @click.option(
@@ -233,7 +238,7 @@ def size(
         sys.exit(EXIT_FAILED)
 
 
-@cli.command(name="list")
+@cli.command(name="list", short_help="Shipped aircraft and missions.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def list_(as_json: bool) -> None:
     """List the aircraft and missions that ship with the package."""
@@ -255,7 +260,7 @@ def list_(as_json: bool) -> None:
             click.echo(f"  {name:24} {description}")
 
 
-@cli.command()
+@cli.command(short_help="Commented files to start your own aircraft from.")
 @click.argument("name")
 def init(name: str) -> None:
     """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
@@ -266,7 +271,7 @@ def init(name: str) -> None:
     click.echo(f"try: solar-uav size {name}.yaml --mission {name}-mission.yaml")
 
 
-@cli.command()
+@cli.command(short_help="Everything that is wrong with files.")
 @click.argument("files", nargs=-1, required=True)
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""
@@ -294,7 +299,7 @@ def validate(files: tuple[str, ...]) -> None:
         sys.exit(EXIT_BAD_INPUT)
 
 
-@cli.command()
+@cli.command(short_help="Published beside computed numbers.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
 def published(as_json: bool, markdown_file: str | None) -> None:
@@ -316,7 +321,9 @@ def published(as_json: bool, markdown_file: str | None) -> None:
         sys.exit(EXIT_FAILED)
 
 
-@cli.command(name="loiter-correction")
+@cli.command(
+    name="loiter-correction", short_help="Errors of CDM and CAM by latitude, season and wind."
+)
 @click.argument("aircraft", default="atlantiksolar-as2")
 @click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -343,7 +350,7 @@ def loiter_correction(
         print_transfer(_console(), errors)
 
 
-@cli.command()
+@cli.command(short_help="What drives the power of the Full Model.")
 @click.argument("aircraft")
 @click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table over time as CSV.")
@@ -370,11 +377,16 @@ def efficiencies(aircraft: str, mission: str, csv_file: str | None, plot_file: s
     print_efficiencies(_console(), data)
 
 
-@cli.command(name="reproduce-report")
+@cli.command(
+    name="reproduce-report", short_help="The four models on the morning they were published with."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for figure, table and JSON.")
 def reproduce_report(as_json: bool, out_dir: str | None) -> None:
-    """Fly the report's verification morning and compare all four models with it."""
+    """Fly the verification morning of Oettershagen's report on solar power models.
+
+    All four models, beside the report's own numbers and the power measured in flight.
+    """
     from studies import report_reproduction as study
 
     aircraft, mission = study.reference()

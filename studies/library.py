@@ -76,8 +76,11 @@ def _not_a_name(kind: Kind, name: str) -> Problem:
 def _unknown(kind: Kind, name: str, names: Sequence[str]) -> Problem:
     from difflib import get_close_matches
 
+    other: Kind = "mission" if kind == "aircraft" else "aircraft"
     close = get_close_matches(name, names, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
+    if name in shipped_names(other):
+        hint = f": {name!r} is one of the {other if other == 'aircraft' else 'missions'}"
     message = (
         f"there is no such file and no shipped {kind} of that name{hint} "
         f"(shipped: {', '.join(names)})"

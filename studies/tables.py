@@ -248,15 +248,18 @@ def _with_unit(value: float | None, digits: str, objective: Objective) -> str:
 def print_published(console: Console, rows: list[Comparison]) -> None:
     """Published beside computed numbers."""
     table = Table(title="published and computed", title_justify="left")
-    table.add_column("quantity")
-    table.add_column("source")
+    table.add_column("quantity", overflow="fold")
     for name in ("published", "computed", "difference", "allowed"):
         table.add_column(name, justify="right")
     table.add_column("met")
+    source = None
     for r in rows:
+        if r.source != source:
+            source = r.source
+            table.add_section()
+            table.add_row(source, style="bold")
         table.add_row(
-            r.quantity,
-            r.source,
+            f"  {r.quantity}",
             f"{r.published:.4g} {r.unit}",
             f"{r.computed:.4g}",
             f"{r.difference:+.2g}",

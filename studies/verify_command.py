@@ -35,7 +35,7 @@ class SolarWindow(click.ParamType["Window"]):
             self.fail(str(error), param, ctx)
 
 
-@click.command()
+@click.command(short_help="The solar power models against a flight log.")
 @click.argument("aircraft")
 @click.argument("log_file", metavar="LOG")
 @click.option("--mission", "-m", default=DEFAULT_MISSION, show_default=True, help="Name or file.")
