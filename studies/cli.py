@@ -29,6 +29,7 @@ from studies.command_options import solar_model as _solar_model
 from studies.command_options import write_files as _write_files
 from studies.compare_command import compare
 from studies.map_command import map_
+from studies.show_command import show
 from studies.sweep_command import sweep
 from studies.verify_command import verify
 
@@ -415,6 +416,7 @@ cli.add_command(map_)
 cli.add_command(sweep)
 cli.add_command(compare)
 cli.add_command(verify)
+cli.add_command(show)
 cli.add_command(ceiling)
 
 

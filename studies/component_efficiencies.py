@@ -24,6 +24,8 @@ _LABELS = {
     "mppt_efficiency": ("power tracker", "#009E73"),
 }
 _DASHES = ("-", "--", "-.", ":")
+# Narrower bands are no more than a thick line.
+_VISIBLE = 0.02
 
 
 def component_efficiencies(
@@ -106,15 +108,9 @@ def figure(data: xr.Dataset) -> Figure:
         values = data[name].to_numpy()
         if values.ndim == 2:
             low, high = values.min(axis=1), values.max(axis=1)
-            axes.fill_between(
-                time_h,
-                low,
-                high,
-                color=colour,
-                alpha=0.2,
-                linewidth=0,
-                label=f"{label}, range over the surfaces",
-            )
+            visible = float(np.max(high - low)) > _VISIBLE
+            band = f"{label}, range over the surfaces" if visible else None
+            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0, label=band)
             values = values.mean(axis=1)
         axes.plot(time_h, values, color=colour, linestyle=dashes, label=label)
     axes.set(

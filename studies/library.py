@@ -60,11 +60,31 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
         raise InputError([_not_a_name(kind, name_or_path)])
     names = shipped_names(kind)
     if name_or_path in names and not Path(name_or_path).is_file():
-        source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name_or_path}.yaml")
-        return parse_yaml(source.read_text(encoding="utf-8"), f"{name_or_path} (shipped)")
+        return parse_yaml(_text(kind, name_or_path), f"{name_or_path} (shipped)")
     if not Path(name_or_path).exists():
         raise InputError([_unknown(kind, name_or_path, names)])
     return read_yaml(name_or_path)
+
+
+def shipped_text(name: str) -> str:
+    """Text of a shipped aircraft's or mission's file.
+
+    Raises
+    ------
+    InputError
+        If none of that name is shipped.
+    """
+    for kind in _PACKAGES:
+        if name in shipped_names(kind):
+            return _text(kind, name)
+    shipped = ", ".join(name for kind in _PACKAGES for name in shipped_names(kind))
+    message = f"no shipped aircraft or mission of that name (shipped: {shipped})"
+    raise InputError([Problem(source=name, line=None, column=None, key="", message=message)])
+
+
+def _text(kind: Kind, name: str) -> str:
+    source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name}.yaml")
+    return source.read_text(encoding="utf-8")
 
 
 def _not_a_name(kind: Kind, name: str) -> Problem:

@@ -202,7 +202,8 @@ def _draw_shade(axes: Axes, view: _View) -> None:
     assert view.raw_shaded_m2 is not None  # a row of figures with a tail
     _line(axes, view, 1e4 * view.raw_shaded_m2, color=SECOND, label="modelled")
     axes.set_ylabel("shaded [cm$^2$]")
-    axes.set_ylim(0.0, max(1.0, 1.05e4 * float(np.nanmax(view.raw_shaded_m2, initial=0.0))))
+    top = max(1.0, 1.05e4 * float(np.nanmax(view.raw_shaded_m2, initial=0.0)))
+    axes.set_ylim(-0.03 * top, top)  # a line at zero stays visible
 
 
 def _draw_voltage(axes: Axes, view: _View) -> None:

@@ -802,6 +802,24 @@ def test_list(run: Run) -> None:
             assert name in outcome.out
 
 
+def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
+    shipped = run("list", "--json").json()
+    for name in (*shipped["aircraft"], *shipped["mission"]):
+        outcome = run("show", name)
+        assert (outcome.code, outcome.err) == (0, "")
+        (tmp_path / f"{name}-copy.yaml").write_text(outcome.out, encoding="utf-8")
+        assert run("validate", f"{name}-copy.yaml").code == 0
+    outcome = run("show", "nothing")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith("nothing: no shipped aircraft or mission of that name (shipped: ")
+
+
+def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
+    outcome = run("analyse", "rafz-july")
+    assert outcome.code == 2
+    assert "'rafz-july' is one of the missions" in outcome.err
+
+
 def test_every_shipped_aircraft_flies_every_shipped_mission(run: Run) -> None:
     shipped = run("list", "--json").json()
     for aircraft in shipped["aircraft"]:
