@@ -243,9 +243,12 @@ def _print(data: xr.Dataset) -> None:
     from rich.table import Table
 
     from studies.sweep import to_table
+    from studies.sweep_axes import unit_label
 
     counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
-    console().print(f"{data.attrs['title']}: {data['status'].size} points: {counts}")
+    count = data["status"].size
+    noun = "point" if count == 1 else "points"
+    console().print(f"{data.attrs['title']}: {count} {noun}: {counts}")
     rows = to_table(data)
     varied = [str(name) for name in data.coords if name != "sample"]
     if "varied" in varied:
@@ -258,7 +261,7 @@ def _print(data: xr.Dataset) -> None:
     table = Table()
     for name in names:
         unit = data[name].attrs.get("units", "1") if name in data else "1"
-        head = _head(name) if unit == "1" else f"{_head(name)} [{unit}]"
+        head = _head(name) if unit == "1" else f"{_head(name)} [{unit_label(unit)}]"
         table.add_column(head, justify="left" if name in ("status", "varied") else "right")
     for _, row in rows.head(_ROWS).iterrows():
         table.add_row(*(_cell(row[name], ".6g" if name in varied else ".2f") for name in names))

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from studies.hatching import hatch_cells
@@ -19,7 +20,7 @@ from studies.level_lines import draw_level_lines
 from studies.plots import CHARGE, LOAD, SUN, correction_label
 from studies.sizing_columns import SIZED
 from studies.sweep import feasible, to_table
-from studies.sweep_axes import without_unit
+from studies.sweep_axes import unit_label, without_unit
 from studies.sweep_points import PointStatus
 
 __all__ = ["figure_of", "pareto_figure", "pareto_front", "pareto_table"]
@@ -73,7 +74,7 @@ def _label(data: xr.Dataset, name: str) -> str:
     about = data[name].attrs
     text = without_unit(name) if name in data.coords else str(about["long_name"])
     text = text.removesuffix(" of the worst scenario").replace("_", " ")
-    return text if about["units"] == "1" else f"{text} [{about['units']}]"
+    return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 
 def _title(data: xr.Dataset) -> str:
@@ -285,6 +286,8 @@ def one_at_a_time_figure(data: xr.Dataset) -> Figure:
     labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels, fontsize="small")
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
+    entries = [Patch(color=SUN, label="less than in the file"), Patch(color=LOAD, label="more")]
+    figure.legend(handles=entries, loc="outside lower right", ncols=2, fontsize="small")
     axes.use_sticky_edges = False
     axes.margins(x=0.12)
     axes.grid(alpha=0.3, axis="x")
