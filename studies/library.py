@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 from missions.configfile import validate
 from missions.overrides import with_overrides
-from missions.problems import InputError, Problem
+from missions.problems import OVERRIDE, InputError, Problem
 from missions.yaml_document import Document, parse_yaml, read_yaml
 
 if TYPE_CHECKING:
@@ -119,8 +119,25 @@ def load_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAir
     """Load an aircraft by name or path; ``overrides`` are ``dotted.key=value`` texts."""
     from sizing.aircraft import Aircraft
 
+    _refuse_keys_of_missions(overrides)
     document = with_overrides(find_document("aircraft", name_or_path), overrides)
     return LoadedAircraft(validate(document, Aircraft), document)
+
+
+def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
+    """Tell a key of the mission that lacks its prefix from one that is misspelt."""
+    from missions.mission import Mission
+    from sizing.aircraft import Aircraft
+
+    of_missions = Mission.model_fields.keys() - Aircraft.model_fields.keys()
+    problems = []
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        if key.partition(".")[0] in of_missions:
+            message = f"is a key of the mission: write {_MISSION_PREFIX}{key}"
+            problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
+    if problems:
+        raise InputError(problems)
 
 
 def load_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMission:

@@ -814,6 +814,15 @@ def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
     assert outcome.err.startswith("nothing: no shipped aircraft or mission of that name (shipped: ")
 
 
+def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
+    outcome = run("analyse", AS2, "--set", "payload.mass_kg=3", "--set", "clearness=0.8")
+    assert outcome.code == 2
+    assert outcome.err.splitlines() == [
+        "--set payload.mass_kg: is a key of the mission: write mission.payload.mass_kg",
+        "--set clearness: is a key of the mission: write mission.clearness",
+    ]
+
+
 def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
     outcome = run("analyse", "rafz-july")
     assert outcome.code == 2
