@@ -199,7 +199,7 @@ def _file_format(path: str | None) -> str | None:
         raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--out")
     if found == "parquet" and importlib.util.find_spec("pyarrow") is None:
         raise click.BadParameter(
-            "Parquet needs pyarrow: pip install 'solar-uav-sizing[parquet]'", param_hint="--out"
+            "Parquet needs pyarrow: pip install pyarrow (the extra 'parquet')", param_hint="--out"
         )
     return found
 

@@ -409,4 +409,4 @@ def test_parquet_without_its_package_is_refused_at_once(
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     answer = run("atlantiksolar-design", "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")
     assert answer.exit_code == 2
-    assert "solar-uav-sizing[parquet]" in answer.output
+    assert "pip install pyarrow" in answer.output
