@@ -18,7 +18,13 @@ from solar._version import __version__
 from solar.names import OBJECTIVE_NAMES
 from studies.ceiling_command import ceiling
 from studies.climb_checks import refuse_climb, require_climber
-from studies.command_options import DEFAULT_MISSION, EXIT_BAD_INPUT, EXIT_FAILED, solar_options
+from studies.command_options import (
+    DEFAULT_MISSION,
+    EXIT_BAD_INPUT,
+    EXIT_FAILED,
+    set_option,
+    solar_options,
+)
 from studies.command_options import console as _console
 from studies.command_options import image_format as _image_format
 from studies.command_options import load as _load
@@ -327,13 +333,18 @@ def published(as_json: bool, markdown_file: str | None) -> None:
 )
 @click.argument("aircraft", default="atlantiksolar-as2")
 @click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
+@set_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
 def loiter_correction(
-    aircraft: str, mission: str, as_json: bool, markdown_file: str | None
+    aircraft: str,
+    mission: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+    markdown_file: str | None,
 ) -> None:
     """Tabulate how the errors of CDM and CAM change with latitude, season and wind."""
-    craft, where = _load(aircraft, mission, ())
+    craft, where = _load(aircraft, mission, overrides)
     _require_path("FM", "none", craft, where)
     from studies import model_transfer as study
 
@@ -354,12 +365,19 @@ def loiter_correction(
 @cli.command(short_help="What drives the power of the Full Model.")
 @click.argument("aircraft")
 @click.option("--mission", "-m", default="rafz-loiter", show_default=True, help="Name or file.")
+@set_option
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table over time as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw it (png, svg, pdf).")
-def efficiencies(aircraft: str, mission: str, csv_file: str | None, plot_file: str | None) -> None:
+def efficiencies(
+    aircraft: str,
+    mission: str,
+    overrides: tuple[str, ...],
+    csv_file: str | None,
+    plot_file: str | None,
+) -> None:
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
     image = _image_format(plot_file)
-    craft, where = _load(aircraft, mission, ())
+    craft, where = _load(aircraft, mission, overrides)
     _require_path("FM", "none", craft, where)
     _refuse_polar_night(where.mission, where, options=False)
     from studies import component_efficiencies as study

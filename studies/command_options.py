@@ -54,17 +54,22 @@ class Grid(click.ParamType["list[float]"]):
         return [first + i * step for i in range(count)]
 
 
+def set_option(command: Command) -> Command:
+    """Option that overrides keys of the files."""
+    return click.option(
+        "--set",
+        "overrides",
+        metavar="KEY=VALUE",
+        multiple=True,
+        help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
+        "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
+    )(command)
+
+
 def solar_options(command: Command) -> Command:
     """Options of the solar power model, shared by all studies."""
     for option in (
-        click.option(
-            "--set",
-            "overrides",
-            metavar="KEY=VALUE",
-            multiple=True,
-            help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
-            "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
-        ),
+        set_option,
         click.option(
             "--correction",
             type=click.Choice(CORRECTION_NAMES),

@@ -21,6 +21,7 @@ from studies.command_options import (
     progress_bar,
     refuse_polar_night,
     require_path_for,
+    set_option,
     write_files,
 )
 
@@ -87,14 +88,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
     help="Excess time that every scenario must have, instead of the mission's.",
 )
 @click.option("--no-design", is_flag=True, help="Compare predictions only, size nothing.")
-@click.option(
-    "--set",
-    "overrides",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="Override a key of the aircraft file, or of the mission with the prefix 'mission.'. "
-    "May be repeated.",
-)
+@set_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the table.")
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for table, JSON and figure.")
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table as CSV.")

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from studies.command_options import console, load, set_option
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -54,6 +56,7 @@ class SolarWindow(click.ParamType["Window"]):
     metavar="N",
     help="Samples on either side in the moving average.  [default: 2 in windows, 800 over days]",
 )
+@set_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for samples, JSON and figures.")
 def verify(
@@ -62,27 +65,26 @@ def verify(
     mission: str,
     windows: tuple[Window, ...],
     semi_window: int | None,
+    overrides: tuple[str, ...],
     as_json: bool,
     out_dir: str | None,
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.flight_log import read_flight_log
     from studies import verification as study
-    from studies.library import load_aircraft, load_mission
 
-    craft = load_aircraft(aircraft).aircraft
-    where = load_mission(mission).mission
+    craft, where = load(aircraft, mission, overrides)
     log = read_flight_log(log_file)
-    result = study.verify(log, craft, where, windows=windows, semi_window=semi_window)
+    result = study.verify(
+        log, craft.aircraft, where.mission, windows=windows, semi_window=semi_window
+    )
     record = study.to_json(result)
     if out_dir is not None:
         write_verification(Path(out_dir), result, record)
     if as_json:
         click.echo(json.dumps(record, indent=2, allow_nan=False))
         return
-    from rich.console import Console
-
-    print_verification(Console(highlight=False), record)
+    print_verification(console(), record)
     if out_dir is not None:
         click.echo(f"written to {out_dir}")
 

@@ -823,6 +823,36 @@ def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("analyse", AS2),
+        ("size", DESIGN, "-m", "rafz-july"),
+        ("map", AS2),
+        ("sweep", DESIGN, "--vary", "battery_mass_kg=2,3"),
+        ("compare", AS2),
+        ("ceiling", AS2),
+        ("efficiencies", AS2),
+        ("loiter-correction", AS2),
+        ("verify", AS2, "log.csv"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_every_command_that_reads_files_takes_overrides(run: Run, command: tuple[str, ...]) -> None:
+    outcome = run(*command, "--set", "power.avionic_w=8", "--set", "mission.clearnes=0.8")
+    assert outcome.code == 2
+    assert outcome.err.splitlines() == [
+        "--set power.avionic_w: unknown key; did you mean 'avionics_w'?",
+        "--set mission.clearnes: unknown key; did you mean 'clearness'?",
+    ]
+
+
+def test_efficiencies_of_a_changed_mission(run: Run) -> None:
+    calm = run("efficiencies", AS2, "--set", "mission.wind_m_per_s=0")
+    assert calm.code == 0
+    assert calm.out != run("efficiencies", AS2).out
+
+
 def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
     outcome = run("analyse", "rafz-july")
     assert outcome.code == 2
