@@ -76,11 +76,15 @@ def _analysis_rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     endurance = hours(record["endurance_h"], "no end" if endless else "over a year")
     if record["best_launch_h"] is not None:
         endurance += f", launched {clock_label(record['best_launch_h'])}"
+    airspeed = record["airspeed_m_per_s"]
     return [
         ("excess time", hours(record["excess_time_h"], "no end" if lit else "-")),
         ("charge margin", hours(record["charge_margin_h"])),
         ("endurance", endurance),
         ("minimum state of charge", f"{100 * record['minimum_state_of_charge']:.1f} %"),
+        ("total mass", f"{record['total_mass_kg']:.2f} kg"),
+        ("battery", f"{record['battery_energy_wh']:.0f} Wh"),
+        ("airspeed", "-" if airspeed is None else f"{airspeed:.1f} m/s"),
         ("load", f"{record['power_out_w']:.1f} W"),
         ("solar energy of the day", f"{record['solar_energy_wh']:.0f} Wh"),
         (
