@@ -6,7 +6,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help check ci install test lint format types imports build clean
+.PHONY: help check ci install tables test lint format types imports build clean
 
 help:
 	@echo "make check    test, lint, types and imports"
@@ -15,6 +15,7 @@ help:
 	@echo "make format   let ruff fix and format"
 	@echo "make types    mypy"
 	@echo "make imports  the contracts between the layers"
+	@echo "make tables   write the tables of docs/ anew"
 	@echo "make build    sdist and wheel in dist/"
 	@echo "make ci       everything, as CI runs it, in a scratch copy"
 	@echo "make clean    remove what these commands made"
@@ -30,8 +31,8 @@ $(BIN)/python:
 install: $(BIN)/python
 	$(BIN)/pip install --quiet ".[dev]"
 
-tables:
-	python -m studies.doc_tables
+tables: install
+	$(BIN)/python -m studies.doc_tables
 
 test: install
 	SOLAR_UAV_TEST_INSTALLED=1 $(BIN)/pytest -n auto --dist loadfile

@@ -192,7 +192,8 @@ def _print_path_airspeed(console: Console, study: SizingStudy, record: dict[str,
 
 def _range_text(band: dict[str, Any]) -> str:
     if "days" in band:
-        return f"season: {band['from']} to {band['to']}, {band['days']} days"
+        ends = " to ".join(date_label(day_of_year(band[end])) for end in ("from", "to"))
+        return f"season: {ends}, {band['days']} days"
     ends = " to ".join(latitude_label(band[end]) for end in ("from_deg", "to_deg"))
     return f"latitudes: {ends}, {band['width_deg']:g} degrees"
 
