@@ -165,6 +165,17 @@ def test_command_writes_map_and_picture(tmp_path: Path) -> None:
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
+    lit = study.feasibility_map(
+        AS2, JULY, np.array([89.0, 90.0]), np.array([170, 172, 174]), SolarModel()
+    )
+    axes, bar = study.map_figure(lit).axes
+    assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
+    assert axes.get_ylim()[1] == 90.0  # there is no latitude beyond the pole
+    # No cell has a finite excess time: the least range, by half hours.
+    assert np.diff(bar.get_yticks()) == pytest.approx(0.5)
+
+
 def test_a_map_is_no_table(tmp_path: Path) -> None:
     target = tmp_path / "map.csv"
     answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -410,3 +411,20 @@ def test_parquet_without_its_package_is_refused_at_once(
     answer = run("atlantiksolar-design", "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")
     assert answer.exit_code == 2
     assert "pip install pyarrow" in answer.output
+
+
+@pytest.mark.parametrize(
+    ("axis", "message"),
+    [
+        ("wingspan=4,5", "--vary wingspan: unknown key; did you mean 'wingspan_m'?"),
+        (
+            "cost=4,5",
+            "--vary cost: unknown key; allowed: wingspan_m, aspect_ratio, battery_mass_kg",
+        ),
+        ("payload.mass_kg=0,1", "is a key of the mission: write mission.payload.mass_kg"),
+        ("battery.mas_kg=1,2", "unknown key; did you mean 'mass_kg'?"),
+    ],
+)
+def test_unknown_keys_get_a_hint(axis: str, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        prepare(DESIGN, JULY, [parse_axis(axis)], SolarModel())
