@@ -154,7 +154,8 @@ def analyse(
     type=click.Choice(OBJECTIVE_NAMES),
     default=OBJECTIVE_NAMES[0],
     show_default=True,
-    help="What to optimise.",
+    help="What to optimise; the last two search for the most days, or degrees of latitude, that "
+    "one design keeps up.",
 )
 @click.option(
     "--required-excess-time",
@@ -174,7 +175,7 @@ def analyse(
     "--certify",
     "with_certificate",
     is_flag=True,
-    help="Attack the optimum with other designs through the simulator.",
+    help="Try to beat the optimum with thousands of other designs in the simulator.",
 )
 @solar_options
 def size(
