@@ -15,7 +15,7 @@ help:
 	@echo "make format   let ruff fix and format"
 	@echo "make types    mypy"
 	@echo "make imports  the contracts between the layers"
-	@echo "make tables   write the tables of the documentation anew"
+	@echo "make tables   write the tables of docs/ anew"
 	@echo "make build    sdist and wheel in dist/"
 	@echo "make ci       everything, as CI runs it, in a scratch copy"
 	@echo "make clean    remove what these commands made"

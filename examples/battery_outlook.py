@@ -47,7 +47,7 @@ def main() -> None:
     axes.set(
         xlabel="specific energy of the battery [Wh/kg]", ylabel="smallest wingspan, 47.6 N [m]"
     )
-    axes.legend(title="CAM, correction: report")
+    axes.legend(title="3 h of excess time\n(CAM, correction: report)")
     axes.grid(alpha=0.3)
     if len(sys.argv) > 1:
         figure.savefig(sys.argv[1], dpi=150)

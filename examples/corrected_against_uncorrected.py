@@ -46,13 +46,13 @@ def draw(found: list[Comparison]) -> Figure:
         built = [comparison.cases[number].built for comparison in found]
         spans_m = [b.sizing.objective_value if b else None for b in built]
         label = f"sized with {model_label(MODELS[number])}"
-        axes.plot(LATITUDES_DEG, spans_m, color=colour, marker=marker, label=label)
+        axes.plot(LATITUDES_DEG, spans_m, ":", color=colour, marker=marker, label=label)
         for latitude, b in zip(LATITUDES_DEG, built, strict=True):
             if b is not None and b.judged is not None and not b.judged.perpetual:
                 axes.plot([latitude], [b.sizing.objective_value], "kx", markersize=10)
     axes.plot([], [], "kx", label="comes down, judged by corrected FM")
     axes.set(xlabel="latitude [deg N]", ylabel="smallest wingspan, 15 July [m]")
-    axes.legend()
+    axes.legend(title="3 h of excess time required")
     axes.grid(alpha=0.3)
     return figure
 

@@ -42,7 +42,7 @@ def main() -> None:
         print(f"{payload_kg:4.1f} kg  {cells}")
         axes.plot(LATITUDES_DEG, row_m, marker=marker, label=f"{payload_kg:g} kg")
     axes.set(xlabel="latitude [deg N]", ylabel="smallest wingspan, 1 May to 15 August [m]")
-    axes.legend(title="payload (CAM, correction: report)")
+    axes.legend(title="payload; 2 h of excess time\n(CAM, correction: report)")
     axes.grid(alpha=0.3)
     if len(sys.argv) > 1:
         figure.savefig(sys.argv[1], dpi=150)

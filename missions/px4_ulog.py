@@ -75,7 +75,7 @@ def _ulog_topics(source: str) -> dict[str, _Topic]:
         from pyulog import ULog
     except ImportError:
         raise file_error(
-            source, "reading a ULog needs the package pyulog: pip install 'solar-uav-sizing[log]'"
+            source, "reading a ULog needs the package pyulog: pip install pyulog (the extra 'log')"
         ) from None
     if not Path(source).is_file():
         raise file_error(source, "cannot be read: no such file")

@@ -77,6 +77,8 @@ def _limit(value: object) -> str:
 
 def _hint(kind: str, value: object) -> str:
     numeric = kind.startswith(("float_", "int_"))
+    if numeric and isinstance(value, str) and re.fullmatch(r"[-+]?[0-9]+,[0-9]+", value.strip()):
+        return "; write a point before the decimals, not a comma"
     if numeric and isinstance(value, str) and re.match(r"\s*[-+]?\.?[0-9]", value):
         return "; write the plain number; the unit is in the key"
     if kind == "string_type" and isinstance(value, bool | int | float):

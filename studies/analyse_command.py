@@ -63,12 +63,14 @@ class MonthDay(click.ParamType[int]):
             self.fail(str(error), param, ctx)
 
 
-@click.command()
+@click.command(short_help="How long it flies, there and then.")
 @click.argument("aircraft")
 @mission_option()
-@click.option("--latitude", type=Latitude(), help="Latitude instead of the mission's.")
+@click.option(
+    "--latitude", type=Latitude(), help="Latitude, -90 to 90 (north), instead of the mission's."
+)
 @click.option("--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's.")
-@click.option("--date", type=MonthDay(), help="Date instead of the mission's.")
+@click.option("--date", type=MonthDay(), help="Date instead of the mission's, e.g. 10-15.")
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the cycle over time as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the cycle (png, svg, pdf).")
 @solar_options

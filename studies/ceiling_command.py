@@ -25,7 +25,7 @@ from studies.command_options import (
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
 
-@click.command()
+@click.command(short_help="How high it flies for ever.")
 @click.argument("aircraft")
 @mission_option()
 @click.option(

@@ -19,6 +19,7 @@ from studies.compare_command import compare
 from studies.file_commands import init, list_, validate
 from studies.map_command import map_
 from studies.report_commands import efficiencies, loiter_correction, published, reproduce_report
+from studies.show_command import show
 from studies.size_command import size
 from studies.sweep_command import sweep
 from studies.verify_command import verify
@@ -27,7 +28,10 @@ from studies.verify_command import verify
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="solar-uav")
 def cli() -> None:
-    """Size solar-electric aircraft and predict how long they stay up."""
+    """Size solar-electric aircraft and predict how long they stay up.
+
+    AIRCRAFT and missions are shipped names (see list) or paths of YAML files (see init).
+    """
 
 
 cli.add_command(analyse)
@@ -38,6 +42,7 @@ cli.add_command(compare)
 cli.add_command(ceiling)
 cli.add_command(verify)
 cli.add_command(list_)
+cli.add_command(show)
 cli.add_command(init)
 cli.add_command(validate)
 cli.add_command(published)

@@ -109,14 +109,16 @@ def solar_options(command: Command) -> Command:
             type=click.Choice(CORRECTION_NAMES),
             default="none",
             show_default=True,
-            help="Correct the model's systematic error as measured in flight.",
+            help="Correction of the model's systematic error: none; report, as one flight measured "
+            "it; loiter, from FM on the mission's flight path.",
         ),
         click.option(
             "--model",
-            type=click.Choice(MODEL_NAMES),
+            type=click.Choice(MODEL_NAMES, case_sensitive=False),
             default="CAM",
             show_default=True,
-            help="Solar power model.",
+            help="Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
+            "module surfaces on the mission's flight path.",
         ),
         json_option,
     ):

@@ -62,7 +62,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
         return tuple(name for name in self.allowed if name in found)
 
 
-@click.command()
+@click.command(short_help="All solar power models side by side.")
 @click.argument("aircraft")
 @mission_option()
 @click.option(

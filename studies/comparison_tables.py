@@ -35,7 +35,8 @@ def print_comparison(console: Console, record: dict[str, Any]) -> None:
     """One row for each case, the sentence, and what the reader should know."""
     reference = record["reference"]
     console.print(f"{record['aircraft']} on {record['mission']}", style="bold")
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=0)
+    # 80 columns must show every number whole.
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=0)
     for number, name in enumerate(_header(record)):
         justify: Any = "left" if number < 2 else "right"
         table.add_column(name.replace(" ", "\n"), justify=justify, no_wrap=True)

@@ -22,6 +22,9 @@ _LABELS = {
     "temperature_efficiency": ("temperature", "#CC79A7"),
     "mppt_efficiency": ("power tracker", "#009E73"),
 }
+_DASHES = ("-", "--", "-.", ":")
+# Narrower bands are no more than a thick line.
+_VISIBLE = 0.02
 
 
 def component_efficiencies(
@@ -98,13 +101,15 @@ def figure(data: xr.Dataset) -> Figure:
     canvas = Figure(figsize=(8.0, 4.8), layout="constrained")
     axes = canvas.subplots()
     time_h = data["time"].to_numpy()
-    for name, (label, colour) in _LABELS.items():
+    for (name, (label, colour)), dashes in zip(_LABELS.items(), _DASHES, strict=True):
         values = data[name].to_numpy()
         if values.ndim == 2:
             low, high = values.min(axis=1), values.max(axis=1)
-            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0)
+            visible = float(np.max(high - low)) > _VISIBLE
+            band = f"{label}, range over the surfaces" if visible else None
+            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0, label=band)
             values = values.mean(axis=1)
-        axes.plot(time_h, values, color=colour, label=label)
+        axes.plot(time_h, values, color=colour, linestyle=dashes, label=label)
     axes.set(
         xlabel="solar time [h]",
         ylabel="component efficiency [-]",

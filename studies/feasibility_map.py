@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from missions.dates import MONTH_NAMES
+from missions.dates import MONTH_NAMES, date_label
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.cycle import Status
@@ -207,6 +207,8 @@ def map_figure(data: xr.Dataset) -> Figure:
     from matplotlib.colors import BoundaryNorm
     from matplotlib.figure import Figure
 
+    from studies.plots import correction_label
+
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
     axes = figure.subplots()
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
@@ -221,7 +223,7 @@ def map_figure(data: xr.Dataset) -> Figure:
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
         axes.contour(days, latitudes, np.where(shown > 0.0, 1.0, 0.0), [0.5], colors="black")
     season_axes(axes, days)
-    corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
+    corrected = correction_label(data.attrs["correction"])
     axes.set_title(
         f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
         "line: edge of perpetual flight",
@@ -230,10 +232,14 @@ def map_figure(data: xr.Dataset) -> Figure:
     return figure
 
 
+_LEVELS = 6  # on either side of zero
+
+
 def _levels(top: float) -> FloatArray:
     """Symmetric levels around zero, so that white is where perpetual flight begins."""
-    reach = max(2.0, float(np.ceil(top / 2.0) * 2.0))
-    return np.linspace(-reach, reach, 13)
+    steps = (0.5, 1.0, 2.0, 3.0, 4.0)
+    step = next((s for s in steps if top <= _LEVELS * s), float(np.ceil(top / _LEVELS)))
+    return step * np.arange(-_LEVELS, _LEVELS + 1.0)
 
 
 def coordinates(latitudes_deg: ArrayLike, days: ArrayLike) -> dict[str, Any]:
@@ -245,8 +251,17 @@ def coordinates(latitudes_deg: ArrayLike, days: ArrayLike) -> dict[str, Any]:
     }
 
 
+_DATES = 6  # along an axis of less than two months
+
+
 def season_axes(axes: Axes, days: FloatArray) -> None:
     """Months along the axis of days, and the name of the other one."""
     starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
-    axes.set_xticks(starts, MONTH_NAMES, ha="left")
-    axes.set(ylabel="latitude [deg]", xlim=(days.min(), days.max()))
+    if np.count_nonzero((days.min() <= starts) & (starts <= days.max())) > 1:
+        axes.set_xticks(starts, MONTH_NAMES, ha="left")
+        axes.set_xlim(days.min(), days.max())
+    else:
+        shown = np.unique(np.linspace(days.min(), days.max(), _DATES).round().astype(int))
+        axes.set_xticks(shown, [date_label(int(day)) for day in shown])
+    lowest, highest = axes.get_ylim()
+    axes.set(ylabel="latitude [deg]", ylim=(max(lowest, -90.0), min(highest, 90.0)))

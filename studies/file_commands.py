@@ -10,7 +10,7 @@ import click
 from studies.command_options import EXIT_BAD_INPUT, print_json
 
 
-@click.command(name="list")
+@click.command(name="list", short_help="Shipped aircraft and missions.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def list_(as_json: bool) -> None:
     """List the aircraft and missions that ship with the package."""
@@ -32,7 +32,7 @@ def list_(as_json: bool) -> None:
             click.echo(f"  {name:24} {description}")
 
 
-@click.command()
+@click.command(short_help="Commented files to start your own aircraft from.")
 @click.argument("name")
 def init(name: str) -> None:
     """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
@@ -43,7 +43,7 @@ def init(name: str) -> None:
     click.echo(f"try: solar-uav size {name}.yaml --mission {name}-mission.yaml")
 
 
-@click.command()
+@click.command(short_help="Everything that is wrong with files.")
 @click.argument("files", nargs=-1, required=True)
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 from missions.configfile import validate
 from missions.overrides import with_overrides
-from missions.problems import InputError, Problem
+from missions.problems import OVERRIDE, InputError, Problem
 from missions.yaml_document import Document, parse_yaml, read_yaml
 
 if TYPE_CHECKING:
@@ -60,11 +60,31 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
         raise InputError([_not_a_name(kind, name_or_path)])
     names = shipped_names(kind)
     if name_or_path in names and not Path(name_or_path).is_file():
-        source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name_or_path}.yaml")
-        return parse_yaml(source.read_text(encoding="utf-8"), f"{name_or_path} (shipped)")
+        return parse_yaml(_text(kind, name_or_path), f"{name_or_path} (shipped)")
     if not Path(name_or_path).exists():
         raise InputError([_unknown(kind, name_or_path, names)])
     return read_yaml(name_or_path)
+
+
+def shipped_text(name: str) -> str:
+    """Text of a shipped aircraft's or mission's file.
+
+    Raises
+    ------
+    InputError
+        If none of that name is shipped.
+    """
+    for kind in _PACKAGES:
+        if name in shipped_names(kind):
+            return _text(kind, name)
+    shipped = ", ".join(name for kind in _PACKAGES for name in shipped_names(kind))
+    message = f"no shipped aircraft or mission of that name (shipped: {shipped})"
+    raise InputError([Problem(source=name, line=None, column=None, key="", message=message)])
+
+
+def _text(kind: Kind, name: str) -> str:
+    source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name}.yaml")
+    return source.read_text(encoding="utf-8")
 
 
 def _not_a_name(kind: Kind, name: str) -> Problem:
@@ -76,8 +96,11 @@ def _not_a_name(kind: Kind, name: str) -> Problem:
 def _unknown(kind: Kind, name: str, names: Sequence[str]) -> Problem:
     from difflib import get_close_matches
 
+    other: Kind = "mission" if kind == "aircraft" else "aircraft"
     close = get_close_matches(name, names, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
+    if name in shipped_names(other):
+        hint = f": {name!r} is one of the {other if other == 'aircraft' else 'missions'}"
     message = (
         f"there is no such file and no shipped {kind} of that name{hint} "
         f"(shipped: {', '.join(names)})"
@@ -96,8 +119,25 @@ def load_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAir
     """Load an aircraft by name or path; ``overrides`` are ``dotted.key=value`` texts."""
     from sizing.aircraft import Aircraft
 
+    _refuse_keys_of_missions(overrides)
     document = with_overrides(find_document("aircraft", name_or_path), overrides)
     return LoadedAircraft(validate(document, Aircraft), document)
+
+
+def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
+    """Tell a key of the mission that lacks its prefix from one that is misspelt."""
+    from missions.mission import Mission
+    from sizing.aircraft import Aircraft
+
+    of_missions = Mission.model_fields.keys() - Aircraft.model_fields.keys()
+    problems = []
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        if key.partition(".")[0] in of_missions:
+            message = f"is a key of the mission: write {_MISSION_PREFIX}{key}"
+            problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
+    if problems:
+        raise InputError(problems)
 
 
 def load_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMission:

@@ -75,7 +75,7 @@ def _section(airfoil: str) -> tuple[Any, Any]:
     except ModuleNotFoundError as error:
         raise ModuleNotFoundError(
             f"{error.name} is not installed; it comes with the extra 'airfoil': "
-            'pip install "solar-uav-sizing[airfoil]"',
+            "pip install neuralfoil",
             name=error.name,
         ) from error
     with warnings.catch_warnings():

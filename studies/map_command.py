@@ -27,19 +27,35 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@click.command(name="map")
+@click.command(name="map", short_help="Where and when it flies for ever.")
 @click.argument("aircraft")
 @mission_option()
-@click.option("--latitudes", type=Grid(-90.0, 90.0), default="-70:70:2", show_default=True)
-@click.option("--days", type=Grid(1.0, 365.0), default="1:365:4", show_default=True)
-@click.option("--endurance", is_flag=True, help="Also the longest flight of each cell (slow).")
+@click.option(
+    "--latitudes",
+    type=Grid(-90.0, 90.0),
+    default="-70:70:2",
+    show_default=True,
+    help="Latitudes [deg], north positive; both ends included.",
+)
+@click.option(
+    "--days",
+    type=Grid(1.0, 365.0),
+    default="1:365:4",
+    show_default=True,
+    help="Days of the year, 1 to 365.",
+)
+@click.option(
+    "--endurance",
+    is_flag=True,
+    help="Also the longest flight of each cell (slow); not with --resize.",
+)
 @click.option(
     "--resize",
     "objective",
     type=click.Choice(RESIZE_NAMES),
     help="Size the aircraft anew in every cell, for this objective.",
 )
-@click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF.")
+@click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF (nc).")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")
 @work_options
 @solar_options
@@ -63,10 +79,13 @@ def map_(
 ) -> None:
     """Map where and when AIRCRAFT (name or file) flies for ever: latitude against season.
 
-    With --resize: which design flies there and then.
+    Of the mission the air and the load count, not its latitudes and dates. With --resize: which
+    design flies there and then.
     """
     if objective is not None and endurance:
         raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
+    if out_file is not None and not out_file.lower().endswith(".nc"):
+        raise click.BadParameter(f"{out_file!r} must end in .nc", param_hint="--out")
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     check_image(plot_file)
     craft, where = load(aircraft, mission, overrides)

@@ -209,11 +209,14 @@ HATCHES = {
 def sized_map_figure(data: xr.Dataset) -> Figure:
     """Objective of the best design over season and latitude; cells without one are hatched.
 
-    Cells are drawn as they are: nothing is smoothed or filled in between.
+    Cells are drawn as they are: nothing is smoothed or filled in between. Lines lead from cell to
+    cell where both have a design.
     """
     from matplotlib.figure import Figure
 
     from studies.hatching import hatch_cells
+    from studies.level_lines import draw_level_lines
+    from studies.plots import correction_label
 
     name = _SHOWN.get(data.attrs["objective"], "wingspan")
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
@@ -223,12 +226,15 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     values = np.where(optimal, data[name].to_numpy(), np.nan)
     mesh = axes.pcolormesh(days, latitudes, values, cmap="viridis", shading="nearest")
     figure.colorbar(mesh, ax=axes).set_label(f"{data[name].long_name} [{data[name].units}]")
+    finite = values[np.isfinite(values)]
+    if len(finite):
+        draw_level_lines(axes, days, latitudes, values, finite.min(), finite.max(), at_most=5)
     names = {status: status.name for status in HATCHES}
     handles = hatch_cells(axes, days, latitudes, data["status"].to_numpy(), HATCHES, names)
     if handles:
         figure.legend(handles=handles, loc="outside lower right", ncols=3)
     feasibility_map.season_axes(axes, days)
-    corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
+    corrected = correction_label(data.attrs["correction"])
     axes.set_title(
         f"{data.attrs['title']}: {data.attrs['objective']} "
         f"({data.attrs['solar_model']}, {corrected})",

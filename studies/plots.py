@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import math
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from missions.dates import date_label, day_of_year
 from sizing.calendar_run import CalendarRun
 from sizing.climb_cycle import ClimbPerformance
 from sizing.objectives import Objective
@@ -17,6 +19,8 @@ from studies.analysis import Analysis
 
 # Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
 SUN, LOAD, CHARGE, NIGHT = "#E69F00", "#0072B2", "#009E73", "#DDDDDD"
+# Instants of the day around which a short text fits into the axes.
+_ROOM_FOR_TEXT_H = (2.4, 21.6)
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
@@ -28,8 +32,12 @@ def to_bytes(figure: Figure, image_format: str) -> bytes:
 
 def caption(solar: SolarModel) -> str:
     """Model and correction, for every figure."""
-    corrected = "uncorrected" if solar.correction == "none" else f"correction: {solar.correction}"
-    return f"{solar.model}, {corrected}"
+    return f"{solar.model}, {correction_label(solar.correction)}"
+
+
+def correction_label(correction: str) -> str:
+    """Correction in the words of a title."""
+    return "uncorrected" if correction == "none" else f"correction: {correction}"
 
 
 def _band_name(solar: SolarModel) -> str:
@@ -46,6 +54,10 @@ def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
     every: list[Axes] = list(figure.subplots(panels, 1, sharex=True))
     _draw_power(every[0], perf, index)
     _draw_charge(every[1], analysis, index)
+    # Below the axes, where no curve can run through it.
+    power, charge = (axes.get_legend_handles_labels()[0] for axes in every[:2])
+    handles = [*power[:2], *charge, *power[2:]]  # each column a curve and its band
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
     if analysis.climb is not None:
         _draw_altitude(every[2], analysis.climb, index)
     for axes in every:
@@ -62,6 +74,7 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
     time_h = perf.day.time_h
     solar, load = perf.solar_power_w[index], perf.load_w[index]
     band = perf.solar.rms_relative
+    axes.plot(time_h, solar, color=SUN, label="solar power")
     axes.fill_between(
         time_h,
         solar * (1 - band),
@@ -71,11 +84,10 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
         linewidth=0,
         label=f"{_band_name(perf.solar)}, {100 * band:.0f} %",
     )
-    axes.plot(time_h, solar, color=SUN, label="solar power")
     axes.plot(time_h, load, color=LOAD, label="load")
     for name, hour, side in (
-        ("$t_{eq}$", perf.cycle.equal_power_morning_h[index], "right"),
-        ("$t_{eq,2}$", perf.cycle.equal_power_evening_h[index], "left"),
+        (r"$t_\mathrm{eq}$", perf.cycle.equal_power_morning_h[index], "right"),
+        (r"$t_\mathrm{eq,2}$", perf.cycle.equal_power_evening_h[index], "left"),
     ):
         if np.isfinite(hour):
             level = float(np.interp(hour, time_h, load))
@@ -83,7 +95,6 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
             shift = -4 if side == "right" else 4
             axes.annotate(name, (hour, level), (shift, 6), textcoords="offset points", ha=side)
     axes.set(ylabel="power [W]", ylim=(0, None))
-    axes.legend(loc="upper left", fontsize="small")
 
 
 def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
@@ -91,6 +102,8 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
     energy_max = float(perf.design.battery_energy_wh)
     time_h = perf.day.time_h
     low, high = (p.cycle.energy_wh[index] / energy_max for p in (analysis.low, analysis.high))
+    charge = 100 * perf.cycle.energy_wh[index] / energy_max
+    axes.plot(time_h, charge, color=CHARGE, label="state of charge")
     axes.fill_between(
         time_h,
         100 * low,
@@ -98,10 +111,8 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
         color=CHARGE,
         alpha=0.2,
         linewidth=0,
-        label=f"with the {_band_name(perf.solar)} in solar power",
+        label="with that error in solar power",
     )
-    axes.legend(loc="lower right", fontsize="small")
-    axes.plot(time_h, 100 * perf.cycle.energy_wh[index] / energy_max, color=CHARGE)
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
         axes.axvline(full, color="black", linestyle=":", linewidth=1)
@@ -114,13 +125,14 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
         at = dawn if np.isfinite(dawn) else 12.0
         lowest = 100 * perf.cycle.minimum_state_of_charge[index]
         axes.annotate(
-            f"excess time {excess:.1f} h",
-            (at, lowest),
+            f"excess time {excess:.1f} h".replace("-", "−"),
+            (np.clip(at, *_ROOM_FOR_TEXT_H), lowest),
             (0, -14),
             textcoords="offset points",
             ha="center",
+            bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 1.0},
         )
-    axes.set(ylabel="state of charge [%]", ylim=(-12, 105), yticks=range(0, 101, 20))
+    axes.set(ylabel="state of charge [%]", ylim=(-16, 105), yticks=range(0, 101, 20))
 
 
 def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
@@ -182,8 +194,8 @@ def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
             linewidth=0,
         )
         axes.grid(alpha=0.3)
+    _label_clock(charge_axes, flight)
     charge_axes.set(
-        xlabel=f"local time since midnight of the launch day, {flight.launch.date} [h]",
         ylabel="state of charge [%]",
         ylim=(0, 105),
         xlim=(flight.clock_h[0], flight.clock_h[-1]),
@@ -192,6 +204,22 @@ def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
     title = f"{analysis.aircraft.name}, {analysis.mission.name} ({caption(solar)})"
     figure.suptitle(title, parse_math=False)
     return figure
+
+
+def _label_clock(axes: Axes, flight: CalendarRun) -> None:
+    """Clock and, at midnight, date along the axis of a replayed flight."""
+    first, last = float(flight.clock_h[0]), float(flight.clock_h[-1])
+    step = next((s for s in (3, 6, 12) if last - first <= 12 * s), 24)
+    ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)
+    day = day_of_year(flight.launch.date)
+    labels = [
+        f"{tick % 24:02d}:00"
+        if tick % 24
+        else f"00:00\n{date_label((day + tick // 24 - 1) % 365 + 1)}"
+        for tick in ticks
+    ]
+    axes.set_xticks(ticks, labels)
+    axes.set_xlabel(f"local time, launched on {date_label(day)}")
 
 
 def tornado_figure(
@@ -206,12 +234,18 @@ def tornado_figure(
     shown = [s for s in worth if s.value != 0.0][:bars][::-1]
     figure = Figure(figsize=(9.0, 0.9 + 0.32 * len(shown)), layout="constrained")
     axes = figure.subplots()
-    change = [s.per_percent for s in shown]
-    colours = [CHARGE if c != 0.0 and (c > 0.0) is objective.maximised else SUN for c in change]
-    axes.barh([f"{s.parameter} = {s.value:.4g}" for s in shown], change, color=colours)
+    labels = [f"{s.parameter} = {s.value:.4g}" for s in shown]
+    sign = 1.0 if objective.maximised else -1.0
+    for verdict, good, colour, hatch in (("better", True, CHARGE, ""), ("worse", False, SUN, "//")):
+        change = [s.per_percent if (sign * s.per_percent > 0.0) is good else 0.0 for s in shown]
+        axes.barh(
+            labels, change, label=verdict, facecolor=colour, edgecolor="white", hatch=hatch, lw=0.0
+        )
     axes.axvline(0.0, color="black", linewidth=0.8)
-    axes.set(xlabel=f"{objective.label} for +1 % [{objective.unit}]")
-    figure.suptitle(f"{name} ({caption(solar)}): green is better", parse_math=False)
+    axes.set(xlabel=f"change of the {objective.label} for +1 % [{objective.unit}]")
+    axes.set_axisbelow(True)
+    figure.suptitle(f"{name} ({caption(solar)})", parse_math=False)
+    figure.legend(loc="outside lower right", ncols=2, fontsize="small")
     axes.grid(alpha=0.3, axis="x")
     return figure
 

@@ -21,6 +21,7 @@ from studies.command_options import (
     print_json,
     refuse_polar_night,
     require_path,
+    set_option,
     write_results,
 )
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from missions.mission import Mission
 
 
-@click.command()
+@click.command(short_help="Published beside computed numbers.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
 def published(as_json: bool, markdown_file: str | None) -> None:
@@ -50,16 +51,23 @@ def published(as_json: bool, markdown_file: str | None) -> None:
         sys.exit(EXIT_FAILED)
 
 
-@click.command(name="loiter-correction")
+@click.command(
+    name="loiter-correction", short_help="Errors of CDM and CAM by latitude, season and wind."
+)
 @click.argument("aircraft", default="atlantiksolar-as2")
 @mission_option("rafz-loiter")
+@set_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
 def loiter_correction(
-    aircraft: str, mission: str, as_json: bool, markdown_file: str | None
+    aircraft: str,
+    mission: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+    markdown_file: str | None,
 ) -> None:
     """Tabulate how the errors of CDM and CAM change with latitude, season and wind."""
-    craft, where = load(aircraft, mission, ())
+    craft, where = load(aircraft, mission, overrides)
     require_path("FM", "none", craft, where)
     from studies import model_transfer as study
 
@@ -86,15 +94,22 @@ def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[f
     return [w for w in winds_m_per_s if w < limit]
 
 
-@click.command()
+@click.command(short_help="What drives the power of the Full Model.")
 @click.argument("aircraft")
 @mission_option("rafz-loiter")
+@set_option
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table over time as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw it (png, svg, pdf).")
-def efficiencies(aircraft: str, mission: str, csv_file: str | None, plot_file: str | None) -> None:
+def efficiencies(
+    aircraft: str,
+    mission: str,
+    overrides: tuple[str, ...],
+    csv_file: str | None,
+    plot_file: str | None,
+) -> None:
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
     check_image(plot_file)
-    craft, where = load(aircraft, mission, ())
+    craft, where = load(aircraft, mission, overrides)
     require_path("FM", "none", craft, where)
     refuse_polar_night(where.mission, where, options=False)
     from studies import component_efficiencies as study
@@ -111,11 +126,16 @@ def efficiencies(aircraft: str, mission: str, csv_file: str | None, plot_file: s
     print_efficiencies(console(), data)
 
 
-@click.command(name="reproduce-report")
+@click.command(
+    name="reproduce-report", short_help="The four models on the morning they were published with."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for figure, table and JSON.")
 def reproduce_report(as_json: bool, out_dir: str | None) -> None:
-    """Fly the report's verification morning and compare all four models with it."""
+    """Fly the verification morning of Oettershagen's report on solar power models.
+
+    All four models, beside the report's own numbers and the power measured in flight.
+    """
     from studies import report_reproduction as study
 
     aircraft, mission = study.reference()

@@ -194,9 +194,9 @@ def figure(aircraft: Aircraft, mission: Mission) -> Figure:
     time_h = _axis(4.0, 10.0)
     canvas = Figure(figsize=(8.0, 4.8), layout="constrained")
     axes = canvas.subplots()
-    for model in MODEL_NAMES:
+    for model, dashes in zip(MODEL_NAMES, (":", "-.", "--", "-"), strict=True):
         power = power_w(aircraft, mission, model, time_h)
-        axes.plot(time_h, power, color=_COLOURS[model], label=model)
+        axes.plot(time_h, power, color=_COLOURS[model], linestyle=dashes, label=model)
     for window in WINDOWS:
         axes.axvspan(window.from_h, window.to_h, color="#DDDDDD", zorder=0, linewidth=0)
         middle = (window.from_h + window.to_h) / 2.0

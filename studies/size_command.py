@@ -23,7 +23,7 @@ from studies.command_options import (
 )
 
 
-@click.command()
+@click.command(short_help="The best design for a mission.")
 @click.argument("aircraft")
 @mission_option(None)
 @click.option(
@@ -31,7 +31,8 @@ from studies.command_options import (
     type=click.Choice(OBJECTIVE_NAMES),
     default=OBJECTIVE_NAMES[0],
     show_default=True,
-    help="What to optimise.",
+    help="What to optimise; the last two search for the most days, or degrees of latitude, that "
+    "one design keeps up.",
 )
 @required_time_option
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for the sized aircraft's files.")
@@ -45,7 +46,7 @@ from studies.command_options import (
     "--certify",
     "with_certificate",
     is_flag=True,
-    help="Attack the optimum with other designs through the simulator.",
+    help="Try to beat the optimum with thousands of other designs in the simulator.",
 )
 @solar_options
 def size(

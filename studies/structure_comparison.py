@@ -58,7 +58,9 @@ def structure_figure() -> Figure:
     styles = ((LOAD, "-"), (LOAD, ":"), (CHARGE, "--"), (SUN, "-."), ("#CC79A7", (0, (8, 2))))
     for (name, model), (colour, line) in zip(models().items(), styles, strict=True):
         axes.plot(span_m, cases.mass_kg(model), color=colour, linestyle=line, label=name)
-    axes.plot(span_m, cases.total_mass_kg, color="0.5", linewidth=1, label="total mass")
+    axes.plot(
+        span_m, cases.total_mass_kg, color="0.5", linewidth=1, label="total mass, for comparison"
+    )
     for case, marker in zip(KNOWN, "os", strict=True):
         label = f"{case.name}, AR {case.aspect_ratio:g}, as built"
         axes.plot([case.wingspan_m], [case.built_kg], marker, color="black", label=label)
@@ -78,7 +80,7 @@ def structure_figure() -> Figure:
     axes.grid(alpha=0.3)
     axes.legend(loc="upper left", fontsize="small")
     loading = ATLANTIKSOLAR.total_mass_kg * ATLANTIKSOLAR.aspect_ratio / 5.65**2
-    axes.set_title(f"aspect ratio {ATLANTIKSOLAR.aspect_ratio:g}, {loading:.1f} kg/m²")
+    axes.set_title(f"aspect ratio {ATLANTIKSOLAR.aspect_ratio:g}, wing loading {loading:.1f} kg/m²")
     return figure
 
 

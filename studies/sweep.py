@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from studies.chunk_store import ChunkStore
 from studies.engine import Job, Outcome, pieces, run
 from studies.library import LoadedAircraft, LoadedMission
 from studies.sizing_columns import SIZED, SizingStatus
-from studies.sweep_axes import Axis, SampleName, axis_names, points, unit_of
+from studies.sweep_axes import DESIGN_KEYS, Axis, SampleName, axis_names, points, unit_of
 from studies.sweep_points import (
     BLANKS,
     DESCRIBED,
@@ -217,9 +218,26 @@ def _check_values(aircraft: LoadedAircraft, mission: LoadedMission, axis: Axis) 
         try:
             varied_files(aircraft.document, mission.document, (axis.key,), (value,))
         except InputError as error:
+            hint = _meant(axis.key)
+            if hint is not None:
+                raise _vary_error(axis.key, hint) from None
             raise InputError(
                 [replace(p, source=f"--vary {axis.key}") for p in error.problems[:1]]
             ) from None
+
+
+def _meant(key: str) -> str | None:
+    """What is meant by the first word of a key that no aircraft file has; None for one it has."""
+    first = key.partition(".")[0]
+    if first in Aircraft.model_fields or key.startswith(MISSION_PREFIX):
+        return None
+    if first in Mission.model_fields:
+        return f"is a key of the mission: write {MISSION_PREFIX}{key}"
+    close = get_close_matches(key, DESIGN_KEYS, n=1)
+    if close:
+        return f"unknown key; did you mean {close[0]!r}?"
+    allowed = ", ".join([*DESIGN_KEYS, *Aircraft.model_fields, "mission"])
+    return f"unknown key; allowed: {allowed}"
 
 
 def _telling_values(values: Sequence[float]) -> list[float]:

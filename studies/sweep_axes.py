@@ -21,6 +21,7 @@ __all__ = [
     "design_variable",
     "parse_axis",
     "points",
+    "unit_label",
     "unit_of",
     "without_unit",
 ]
@@ -60,6 +61,21 @@ _UNITS = (
     ("_v", "V"),
     ("_a", "A"),
 )
+# How readers write what CF spells otherwise.
+_LABELS = {
+    "W h kg-1": "Wh/kg",
+    "kg m-2": "kg/m²",
+    "kg m-3": "kg/m³",
+    "kg W-1": "kg/W",
+    "m s-1": "m/s",
+    "K-1": "1/K",
+    "h-1": "1/h",
+    "m2": "m²",
+    "W h": "Wh",
+    "degree": "deg",
+    "degrees_north": "deg N",
+    "degC": "°C",
+}
 
 
 @dataclass(frozen=True)
@@ -94,6 +110,11 @@ def design_variable(key: str) -> str | None:
 def unit_of(key: str) -> str:
     """Unit that a key's name ends in, 1 for none."""
     return next((unit for ending, unit in _UNITS if key.endswith(ending)), "1")
+
+
+def unit_label(unit: str) -> str:
+    """Unit as readers write it, from how CF spells it: ``Wh/kg`` for ``W h kg-1``."""
+    return _LABELS.get(unit, unit)
 
 
 def without_unit(name: str) -> str:

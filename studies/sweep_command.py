@@ -52,7 +52,7 @@ class Varied(click.ParamType["Axis"]):
             self.fail(str(error), param, ctx)
 
 
-@click.command()
+@click.command(short_help="Trade study: vary keys, judge or size.")
 @click.argument("aircraft")
 @mission_option()
 @click.option(
@@ -124,8 +124,10 @@ def sweep(
 ) -> None:
     """Trade study: vary keys of AIRCRAFT (name or file) and mission, judge or size each point."""
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
-    if pareto is not None and plot_file is None:
-        raise click.UsageError("--pareto needs --plot")
+    if pareto is not None:
+        if plot_file is None:
+            raise click.UsageError("--pareto needs --plot")
+        _check_pareto(pareto, axes, resized=objective is not None)
     check_image(plot_file)
     file_format = _file_format(out_file)
     craft, where = load(aircraft, mission, overrides)
@@ -173,6 +175,21 @@ def sweep(
         raise click.ClickException(f"no chart: {trouble}")
 
 
+def _check_pareto(names: tuple[str, str], axes: tuple[Axis, ...], *, resized: bool) -> None:
+    """Refuse names that no result will have before the work starts."""
+    from studies.sweep_axes import axis_names
+    from studies.sweep_points import BLANKS, SIZED_BLANKS
+
+    blanks = SIZED_BLANKS if resized else BLANKS
+    numbers = [name for name, blank in blanks.items() if isinstance(blank, float)]
+    allowed = dict.fromkeys([*axis_names(axes), *numbers])
+    for name in names:
+        if name not in allowed:
+            raise click.BadParameter(
+                f"{name!r} is not one of {', '.join(allowed)}", param_hint="--pareto"
+            )
+
+
 def _file_format(path: str | None) -> str | None:
     if path is None:
         return None
@@ -184,7 +201,7 @@ def _file_format(path: str | None) -> str | None:
         raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--out")
     if found == "parquet" and importlib.util.find_spec("pyarrow") is None:
         raise click.BadParameter(
-            "Parquet needs pyarrow: pip install 'solar-uav-sizing[parquet]'", param_hint="--out"
+            "Parquet needs pyarrow: pip install pyarrow (the extra 'parquet')", param_hint="--out"
         )
     return found
 
@@ -227,9 +244,12 @@ def _print(data: xr.Dataset) -> None:
     from rich.table import Table
 
     from studies.sweep import to_table
+    from studies.sweep_axes import unit_label
 
     counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
-    console().print(f"{data.attrs['title']}: {data['status'].size} points: {counts}")
+    count = data["status"].size
+    noun = "point" if count == 1 else "points"
+    console().print(f"{data.attrs['title']}: {count} {noun}: {counts}")
     rows = to_table(data)
     varied = [str(name) for name in data.coords if name != "sample"]
     if "varied" in varied:
@@ -242,7 +262,7 @@ def _print(data: xr.Dataset) -> None:
     table = Table()
     for name in names:
         unit = data[name].attrs.get("units", "1") if name in data else "1"
-        head = _head(name) if unit == "1" else f"{_head(name)} [{unit}]"
+        head = _head(name) if unit == "1" else f"{_head(name)} [{unit_label(unit)}]"
         table.add_column(head, justify="left" if name in ("status", "varied") else "right")
     for _, row in rows.head(_ROWS).iterrows():
         table.add_row(*(_cell(row[name], ".6g" if name in varied else ".2f") for name in names))

@@ -12,13 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from studies.hatching import hatch_cells
-from studies.plots import CHARGE, LOAD, SUN
+from studies.level_lines import draw_level_lines
+from studies.plots import CHARGE, LOAD, SUN, correction_label
 from studies.sizing_columns import SIZED
 from studies.sweep import feasible, to_table
-from studies.sweep_axes import without_unit
+from studies.sweep_axes import unit_label, without_unit
 from studies.sweep_points import PointStatus
 
 __all__ = ["figure_of", "pareto_figure", "pareto_front", "pareto_table"]
@@ -72,11 +74,11 @@ def _label(data: xr.Dataset, name: str) -> str:
     about = data[name].attrs
     text = without_unit(name) if name in data.coords else str(about["long_name"])
     text = text.removesuffix(" of the worst scenario").replace("_", " ")
-    return text if about["units"] == "1" else f"{text} [{about['units']}]"
+    return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 
 def _title(data: xr.Dataset) -> str:
-    corrected = "uncorrected" if data.attrs["correction"] == "none" else data.attrs["correction"]
+    corrected = correction_label(data.attrs["correction"])
     objective = data.attrs["objective"]
     sized = f", sized for {objective}" if objective else ""
     return f"{data.attrs['title']}{sized} ({data.attrs['solar_model']}, {corrected})"
@@ -195,23 +197,13 @@ def _draw_contours(
         entries += grey
     hatches = {value: _HATCHES[name] for value, name in reasons.items()}
     entries += hatch_cells(axes, x, y, status, hatches, reasons)
-    if min(values.shape) > 1 and np.isfinite(values).sum() > 3:
-        # No line leads from a point with a design to one without.
-        lines = axes.contour(x, y, values, _levels(norm), colors="black", linewidths=0.7)
-        axes.clabel(lines, fontsize="small")
+    assert norm.vmin is not None
+    assert norm.vmax is not None
+    draw_level_lines(axes, x, y, values, norm.vmin, norm.vmax)
     return mesh, entries
 
 
-_LIMITED = {True: "not for ever"}
-
-
-def _levels(norm: Normalize) -> NDArray[np.float64]:
-    from matplotlib.ticker import MaxNLocator
-
-    assert norm.vmin is not None
-    assert norm.vmax is not None
-    levels = np.asarray(MaxNLocator(8).tick_values(norm.vmin, norm.vmax))
-    return levels[(levels > norm.vmin) & (levels < norm.vmax)]
+_LIMITED = {True: "not perpetual"}
 
 
 # ---- Samples
@@ -253,7 +245,7 @@ def parallel_figure(data: xr.Dataset) -> Figure:
         axes.spines[side].set_visible(False)
     if len(good):
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes)
-        bar.set_label(f"{_label(data, variable)}; grey: not for ever")
+        bar.set_label(f"{_label(data, variable)}; grey: not perpetual")
     lost = int((~_drawable(data)).sum())
     note = f"; {lost} points without a result left out" if lost else ""
     figure.suptitle(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
@@ -294,6 +286,8 @@ def one_at_a_time_figure(data: xr.Dataset) -> Figure:
     labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels, fontsize="small")
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
+    entries = [Patch(color=SUN, label="less than in the file"), Patch(color=LOAD, label="more")]
+    figure.legend(handles=entries, loc="outside lower right", ncols=2, fontsize="small")
     axes.use_sticky_edges = False
     axes.margins(x=0.12)
     axes.grid(alpha=0.3, axis="x")
@@ -386,7 +380,7 @@ def pareto_figure(data: xr.Dataset, x: str, y: str) -> Figure:
     front = table[table["pareto_front"]].sort_values(x)
     figure = Figure(figsize=(7.0, 5.0), layout="constrained")
     axes = figure.subplots()
-    axes.plot(table[x], table[y], "o", color="lightgrey", markersize=4, label="feasible")
+    axes.plot(table[x], table[y], "o", color="#999999", markersize=4, label="feasible")
     axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
     better = {name: "more" if name in _MORE_IS_BETTER else "less" for name in (x, y)}
     axes.set(

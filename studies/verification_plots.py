@@ -120,8 +120,9 @@ def _figure(
     every: list[Axes] = list(grid[:, 0])
     for axes, draw in zip(every, rows, strict=True):
         draw(axes, view)
-        for start, end in patches:
-            axes.axvspan(start, end, color=PATCH, zorder=0, linewidth=0)
+        for number, (start, end) in enumerate(patches):
+            name = "window" if draw is _draw_power and number == 0 else None
+            axes.axvspan(start, end, color=PATCH, zorder=0, linewidth=0, label=name)
         _mark_excluded(axes, view, named=draw is _draw_power)
         axes.grid(alpha=0.3)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
@@ -187,11 +188,11 @@ def _draw_efficiencies(axes: Axes, view: _View) -> None:
     detail = view.detail
     assert detail is not None  # a row of figures with a Full Model
     for values, label, colour, dashes in (
-        (detail.incidence_efficiency, r"$\epsilon_\gamma$", "#E69F00", "-"),
-        (detail.low_light_efficiency, r"$\epsilon_I$", "#56B4E9", "-"),
-        (detail.temperature_efficiency, r"$\epsilon_T$", "#009E73", "-"),
-        (detail.mppt_efficiency, r"$\eta_{mppt}$", "#0072B2", "--"),
-        (detail.module_efficiency, r"$\eta_{sm}$", "#D55E00", "-"),
+        (detail.incidence_efficiency, "incidence", "#E69F00", "-"),
+        (detail.low_light_efficiency, "low light", "#56B4E9", "-"),
+        (detail.temperature_efficiency, "temperature", "#009E73", "-"),
+        (detail.mppt_efficiency, "tracker", "#0072B2", "--"),
+        (detail.module_efficiency, "module", "#D55E00", "-"),
     ):
         _line(axes, view, 100.0 * values, color=colour, linestyle=dashes, label=label)
     axes.set_ylabel("efficiency [%]")
@@ -201,6 +202,8 @@ def _draw_shade(axes: Axes, view: _View) -> None:
     assert view.raw_shaded_m2 is not None  # a row of figures with a tail
     _line(axes, view, 1e4 * view.raw_shaded_m2, color=SECOND, label="modelled")
     axes.set_ylabel("shaded [cm$^2$]")
+    top = max(1.0, 1.05e4 * float(np.nanmax(view.raw_shaded_m2, initial=0.0)))
+    axes.set_ylim(-0.03 * top, top)  # a line at zero stays visible
 
 
 def _draw_voltage(axes: Axes, view: _View) -> None:

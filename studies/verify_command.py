@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from studies.command_options import console, json_option, mission_option, print_json
+from studies.command_options import (
+    console,
+    json_option,
+    load,
+    mission_option,
+    print_json,
+    set_option,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -37,7 +44,7 @@ class SolarWindow(click.ParamType["Window"]):
             self.fail(str(error), param, ctx)
 
 
-@click.command()
+@click.command(short_help="The solar power models against a flight log.")
 @click.argument("aircraft")
 @click.argument("log_file", metavar="LOG")
 @mission_option("rafz-28h")
@@ -56,6 +63,7 @@ class SolarWindow(click.ParamType["Window"]):
     metavar="N",
     help="Samples on either side in the moving average.  [default: 2 in windows, 800 over days]",
 )
+@set_option
 @json_option
 @click.option("--out", "out_dir", type=click.Path(), help="Folder for samples, JSON and figures.")
 def verify(
@@ -64,19 +72,20 @@ def verify(
     mission: str,
     windows: tuple[Window, ...],
     semi_window: int | None,
+    overrides: tuple[str, ...],
     as_json: bool,
     out_dir: str | None,
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.log_files import read_flight_log
     from studies import verification as study
-    from studies.library import load_aircraft, load_mission
     from studies.verification_records import to_json
 
-    craft = load_aircraft(aircraft).aircraft
-    where = load_mission(mission).mission
+    craft, where = load(aircraft, mission, overrides)
     log = read_flight_log(log_file)
-    result = study.verify(log, craft, where, windows=windows, semi_window=semi_window)
+    result = study.verify(
+        log, craft.aircraft, where.mission, windows=windows, semi_window=semi_window
+    )
     record = to_json(result)
     if out_dir is not None:
         write_verification(Path(out_dir), result, record)

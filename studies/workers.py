@@ -273,7 +273,7 @@ class DaskCrew:
             import distributed
         except ImportError:
             raise WorkersUnavailableError(
-                "--scheduler needs dask: pip install 'solar-uav-sizing[cluster]'"
+                "--scheduler needs dask: pip install distributed (the extra 'cluster')"
             ) from None
         self._cluster: Any = None
         self._killed: type[BaseException] = distributed.KilledWorker

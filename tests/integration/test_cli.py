@@ -82,6 +82,73 @@ def test_list(run: Run) -> None:
             assert name in outcome.out
 
 
+def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
+    shipped = run("list", "--json").json()
+    for name in (*shipped["aircraft"], *shipped["mission"]):
+        outcome = run("show", name)
+        assert (outcome.code, outcome.err) == (0, "")
+        (tmp_path / f"{name}-copy.yaml").write_text(outcome.out, encoding="utf-8")
+        assert run("validate", f"{name}-copy.yaml").code == 0
+    outcome = run("show", "nothing")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith("nothing: no shipped aircraft or mission of that name (shipped: ")
+
+
+def test_sizing_tells_of_a_path_at_another_airspeed(run: Run) -> None:
+    asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan")
+    asked += ("--required-excess-time", "3", "--correction", "loiter")
+    said = "at 8.6 m/s, not at the design's 11.1 m/s"
+    assert said in " ".join(run(*asked).out.split())
+    same = run(*asked, "--set", "mission.flight_path.airspeed_m_per_s=11.1")
+    assert same.code == 0
+    assert "flight path" not in same.out
+
+
+def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
+    outcome = run("analyse", AS2, "--set", "payload.mass_kg=3", "--set", "clearness=0.8")
+    assert outcome.code == 2
+    assert outcome.err.splitlines() == [
+        "--set payload.mass_kg: is a key of the mission: write mission.payload.mass_kg",
+        "--set clearness: is a key of the mission: write mission.clearness",
+    ]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("analyse", AS2),
+        ("size", DESIGN, "-m", "rafz-july"),
+        ("map", AS2),
+        ("sweep", DESIGN, "--vary", "battery_mass_kg=2,3"),
+        ("compare", AS2),
+        ("ceiling", AS2),
+        ("efficiencies", AS2),
+        ("loiter-correction", AS2),
+        ("verify", AS2, "log.csv"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_every_command_that_reads_files_takes_overrides(run: Run, command: tuple[str, ...]) -> None:
+    outcome = run(*command, "--set", "power.avionic_w=8", "--set", "mission.clearnes=0.8")
+    assert outcome.code == 2
+    assert outcome.err.splitlines() == [
+        "--set power.avionic_w: unknown key; did you mean 'avionics_w'?",
+        "--set mission.clearnes: unknown key; did you mean 'clearness'?",
+    ]
+
+
+def test_efficiencies_of_a_changed_mission(run: Run) -> None:
+    calm = run("efficiencies", AS2, "--set", "mission.wind_m_per_s=0")
+    assert calm.code == 0
+    assert calm.out != run("efficiencies", AS2).out
+
+
+def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
+    outcome = run("analyse", "rafz-july")
+    assert outcome.code == 2
+    assert "'rafz-july' is one of the missions" in outcome.err
+
+
 def test_published_numbers_are_met(run: Run, tmp_path: Path) -> None:
     outcome = run("published", "--json", "--markdown", "table.md")
     assert (outcome.code, outcome.err) == (0, "")

@@ -165,6 +165,25 @@ def test_command_writes_map_and_picture(tmp_path: Path) -> None:
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
+    lit = study.feasibility_map(
+        AS2, JULY, np.array([89.0, 90.0]), np.array([170, 172, 174]), SolarModel()
+    )
+    axes, bar = study.map_figure(lit).axes
+    assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
+    assert axes.get_ylim()[1] == 90.0  # there is no latitude beyond the pole
+    # No cell has a finite excess time: the least range, by half hours.
+    assert np.diff(bar.get_yticks()) == pytest.approx(0.5)
+
+
+def test_a_map_is_no_table(tmp_path: Path) -> None:
+    target = tmp_path / "map.csv"
+    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target)])
+    assert answer.exit_code == 2
+    assert "must end in .nc" in answer.output
+    assert not target.exists()
+
+
 @pytest.mark.parametrize("grid", ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1"])
 def test_bad_grids_are_refused(grid: str) -> None:
     answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--latitudes", grid])

@@ -11,8 +11,9 @@ from sizing.objectives import Objective
 from sizing.optimiser import SizingResult, size_aircraft
 from sizing.parameters import with_parameter
 from sizing.performance import SolarModel, performance_of_designs
-from sizing.sensitivity import PARAMETERS, constraint_prices, sensitivities
+from sizing.sensitivity import PARAMETERS, Sensitivity, constraint_prices, sensitivities
 from studies.library import load_aircraft, load_mission
+from studies.plots import tornado_figure
 
 DESIGN = "atlantiksolar-design"
 
@@ -206,3 +207,18 @@ def test_price_of_a_bound_is_what_widening_it_gains() -> None:
 def test_no_optimum_has_no_prices() -> None:
     with pytest.raises(ValueError, match="only an optimum has prices"):
         constraint_prices(sized(Objective.min_wingspan, 900.0))
+
+
+@pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
+def test_every_objective_with_sensitivities_has_a_chart(objective: Objective) -> None:
+    worth = [
+        Sensitivity("battery.specific_energy_wh_per_kg", "Wh/kg", 100.0, 0.25, 0.5),
+        Sensitivity("airframe.avionics_mass_kg", "kg", 100.0, -0.12, -0.5),
+    ]
+    (axes,) = tornado_figure(worth, objective, "name", SolarModel("CAM")).axes
+    better, worse = axes.containers
+    # More is better of a payload or an excess time, less of a span or a mass.
+    gained = 0.25 if objective.maximised else -0.12
+    assert sum(bar.get_width() for bar in better) == pytest.approx(gained)
+    assert sum(bar.get_width() for bar in worse) == pytest.approx(0.13 - gained)
+    assert axes.get_xlabel().endswith(f"[{objective.unit}]")

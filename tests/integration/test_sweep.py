@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -364,9 +365,14 @@ def test_command_draws_a_front(invoke: Any, tmp_path: Path) -> None:
     answer = invoke("atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
     assert answer.exit_code == 0, answer.output
     assert (tmp_path / "s.png").exists()
+    (tmp_path / "s.png").unlink()
     answer = invoke("atlantiksolar-design", *vary, "--pareto", "mass", "excess_time")
-    assert answer.exit_code == 1
-    assert "'mass' is not one of" in answer.output
+    assert answer.exit_code == 2
+    # The varied key comes first; texts and flags are no axes of a chart.
+    assert "'mass' is not one of battery_mass_kg, wingspan" in answer.output
+    assert "message" not in answer.output
+    assert "perpetual" not in answer.output  # refused before a point is flown
+    assert not (tmp_path / "s.png").exists()
 
 
 @pytest.mark.parametrize(
@@ -404,4 +410,21 @@ def test_parquet_without_its_package_is_refused_at_once(
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")
     assert answer.exit_code == 2
-    assert "solar-uav-sizing[parquet]" in answer.output
+    assert "pip install pyarrow" in answer.output
+
+
+@pytest.mark.parametrize(
+    ("axis", "message"),
+    [
+        ("wingspan=4,5", "--vary wingspan: unknown key; did you mean 'wingspan_m'?"),
+        (
+            "cost=4,5",
+            "--vary cost: unknown key; allowed: wingspan_m, aspect_ratio, battery_mass_kg",
+        ),
+        ("payload.mass_kg=0,1", "is a key of the mission: write mission.payload.mass_kg"),
+        ("battery.mas_kg=1,2", "unknown key; did you mean 'mass_kg'?"),
+    ],
+)
+def test_unknown_keys_get_a_hint(axis: str, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        prepare(DESIGN, JULY, [parse_axis(axis)], SolarModel())

@@ -442,7 +442,7 @@ def test_figures_show_shade_and_exclusion(log_file: Path) -> None:
     assert "shaded [cm$^2$]" in labels
     legend = day.axes[0].get_legend()
     assert legend is not None
-    assert [t.get_text() for t in legend.get_texts()][-2:] == ["measured", "excluded"]
+    assert [t.get_text() for t in legend.get_texts()][-3:] == ["measured", "window", "excluded"]
     assert len(plots.window_figure(result, 0).axes) == len(day.axes) + 1  # the yaw
 
 

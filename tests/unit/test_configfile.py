@@ -196,6 +196,11 @@ def test_quoted_numbers_and_units_get_a_hint(value: str) -> None:
     ("line", "message"),
     [
         ("tail_m2: heavy", "10: tail_m2: must be a number (got 'heavy')"),
+        (
+            "tail_m2: 47,6",
+            "10: tail_m2: must be a number (got '47,6'); "
+            "write a point before the decimals, not a comma",
+        ),
         ("tail_m2: true", "10: tail_m2: must be a number (got true)"),
         ("tail_m2:", "9: tail_m2: must be a number (got null)"),
         ("tail_m2: .nan", "10: tail_m2: must be a finite number (got .nan)"),

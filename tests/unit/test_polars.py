@@ -324,7 +324,7 @@ def test_writer_without_neuralfoil_says_what_to_install(
     monkeypatch.setitem(sys.modules, "aerosandbox", None)
     file = tmp_path / "out.csv"
     assert main(["--airfoil", "mh114", "--out", str(file)]) == 1
-    assert "solar-uav-sizing[airfoil]" in capsys.readouterr().err
+    assert "pip install neuralfoil" in capsys.readouterr().err
     assert not file.exists()
 
 
