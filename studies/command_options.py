@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -41,16 +42,18 @@ class Grid(click.ParamType["list[float]"]):
             first, last, step = (float(part) for part in str(value).split(":"))
         except ValueError:
             self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
-        if not (self.lowest <= first <= last <= self.highest and step > 0.0):
+        # NaN is no number that rises, and a step without end none that could be added.
+        if not (self.lowest <= first <= last <= self.highest and 0.0 < step < math.inf):
             self.fail(
                 f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
                 f"(got {value})",
                 param,
                 ctx,
             )
-        count = int((last - first) / step + 1e-9) + 1
-        if count > _MAXIMUM_GRID:
-            self.fail(f"has {count} numbers, at most {_MAXIMUM_GRID} are allowed", param, ctx)
+        steps = (last - first) / step + 1e-9
+        if steps >= _MAXIMUM_GRID:
+            self.fail(f"has more than the {_MAXIMUM_GRID} numbers that are allowed", param, ctx)
+        count = int(steps) + 1
         return [first + i * step for i in range(count)]
 
 

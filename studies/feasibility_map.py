@@ -207,6 +207,8 @@ def map_figure(data: xr.Dataset) -> Figure:
     from matplotlib.colors import BoundaryNorm
     from matplotlib.figure import Figure
 
+    from studies.hatching import cell_edges
+
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
     axes = figure.subplots()
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
@@ -215,7 +217,8 @@ def map_figure(data: xr.Dataset) -> Figure:
     shown = np.where(np.isposinf(excess), 2.0 * top, excess)
     levels = _levels(top)
     norm = BoundaryNorm(levels, ncolors=256, extend="both")
-    mesh = axes.pcolormesh(days, latitudes, shown, cmap="PuOr", norm=norm, shading="nearest")
+    edges = cell_edges(days), cell_edges(latitudes)
+    mesh = axes.pcolormesh(*edges, shown, cmap="PuOr", norm=norm)
     bar = figure.colorbar(mesh, ax=axes, ticks=levels)
     bar.set_label("excess time [h]; beyond the top: no night")
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
@@ -249,4 +252,6 @@ def season_axes(axes: Axes, days: FloatArray) -> None:
     """Months along the axis of days, and the name of the other one."""
     starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
     axes.set_xticks(starts, MONTH_NAMES, ha="left")
-    axes.set(ylabel="latitude [deg]", xlim=(days.min(), days.max()))
+    axes.set(ylabel="latitude [deg]")
+    if days.max() > days.min():
+        axes.set_xlim(days.min(), days.max())

@@ -213,7 +213,7 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    from studies.hatching import hatch_cells
+    from studies.hatching import draw_cells, draw_colour_bar, finite_range, hatch_cells
 
     name = _SHOWN.get(data.attrs["objective"], "wingspan")
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
@@ -221,8 +221,13 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     optimal = np.isin(data["status"].to_numpy(), sizing_columns.SIZED)
     values = np.where(optimal, data[name].to_numpy(), np.nan)
-    mesh = axes.pcolormesh(days, latitudes, values, cmap="viridis", shading="nearest")
-    figure.colorbar(mesh, ax=axes).set_label(f"{data[name].long_name} [{data[name].units}]")
+    draw_colour_bar(
+        figure,
+        draw_cells(axes, days, latitudes, values, finite_range(values)),
+        axes,
+        f"{data[name].long_name} [{data[name].units}]",
+        endless=bool(np.isposinf(values).any()),
+    )
     names = {status: status.name for status in HATCHES}
     handles = hatch_cells(axes, days, latitudes, data["status"].to_numpy(), HATCHES, names)
     if handles:

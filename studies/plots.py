@@ -19,15 +19,13 @@ from studies.analysis import Analysis
 SUN, LOAD, CHARGE, NIGHT = "#E69F00", "#0072B2", "#009E73", "#DDDDDD"
 
 
+# Objectives that are costs of a program; the others have no sensitivities.
 _OBJECTIVES = {
-    Objective.max_excess_time: ("excess time", "h"),
-    Objective.min_wingspan: ("wingspan", "m"),
-    Objective.min_mass: ("total mass", "kg"),
-}
-_BETTER = {
-    Objective.max_excess_time: 1.0,
-    Objective.min_wingspan: -1.0,
-    Objective.min_mass: -1.0,
+    Objective.max_excess_time: "excess time",
+    Objective.min_wingspan: "wingspan",
+    Objective.min_mass: "total mass",
+    Objective.max_payload_mass: "payload mass",
+    Objective.max_payload_power: "payload power",
 }
 
 
@@ -219,11 +217,10 @@ def tornado_figure(
     figure = Figure(figsize=(9.0, 0.9 + 0.32 * len(shown)), layout="constrained")
     axes = figure.subplots()
     change = [s.per_percent for s in shown]
-    colours = [CHARGE if c * _BETTER[objective] > 0 else SUN for c in change]
+    colours = [CHARGE if (c > 0) == objective.maximised else SUN for c in change]
     axes.barh([f"{s.parameter} = {s.value:.4g}" for s in shown], change, color=colours)
     axes.axvline(0.0, color="black", linewidth=0.8)
-    label, unit = _OBJECTIVES[objective]
-    axes.set(xlabel=f"{label} for +1 % [{unit}]")
+    axes.set(xlabel=f"{_OBJECTIVES[objective]} for +1 % [{objective.unit}]")
     figure.suptitle(f"{name} ({caption(solar)}): green is better", parse_math=False)
     axes.grid(alpha=0.3, axis="x")
     return figure
