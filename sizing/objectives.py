@@ -27,6 +27,11 @@ class Objective(StrEnum):
         return cls.max_payload_mass if value == "max_payload" else None
 
     @property
+    def words(self) -> str:
+        """What is the largest or the least, in words."""
+        return _SPECIFICATIONS[self].words
+
+    @property
     def unit(self) -> str:
         """Unit of the objective."""
         return _SPECIFICATIONS[self].unit
@@ -49,16 +54,19 @@ class Objective(StrEnum):
 
 class _Specification(NamedTuple):
     variable: str
+    words: str
     unit: str
     maximised: bool
 
 
 _SPECIFICATIONS = {
-    Objective.max_excess_time: _Specification("worst_excess_time_h", "h", True),
-    Objective.min_wingspan: _Specification("wingspan_m", "m", False),
-    Objective.min_mass: _Specification("total_mass_kg", "kg", False),
-    Objective.max_payload_mass: _Specification("payload_mass_kg", "kg", True),
-    Objective.max_payload_power: _Specification("payload_power_w", "W", True),
-    Objective.longest_season: _Specification("season_days", "days", True),
-    Objective.widest_latitude_band: _Specification("latitude_band_deg", "deg", True),
+    Objective.max_excess_time: _Specification("worst_excess_time_h", "excess time", "h", True),
+    Objective.min_wingspan: _Specification("wingspan_m", "wingspan", "m", False),
+    Objective.min_mass: _Specification("total_mass_kg", "total mass", "kg", False),
+    Objective.max_payload_mass: _Specification("payload_mass_kg", "payload mass", "kg", True),
+    Objective.max_payload_power: _Specification("payload_power_w", "payload power", "W", True),
+    Objective.longest_season: _Specification("season_days", "season", "days", True),
+    Objective.widest_latitude_band: _Specification(
+        "latitude_band_deg", "band of latitudes", "deg", True
+    ),
 }

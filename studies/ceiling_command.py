@@ -12,6 +12,7 @@ from studies.climb_checks import refuse_climb
 from studies.command_options import (
     DEFAULT_MISSION,
     EXIT_FAILED,
+    check_outputs,
     console,
     image_format,
     load,
@@ -79,6 +80,7 @@ def ceiling(
     from sizing.ceiling import highest_perpetual_altitude
 
     image = image_format(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
     _require_numbers(highest_m, step_m)
     craft, where = load(aircraft, mission, overrides)
     refuse_climb(where, "ceiling")

@@ -19,6 +19,7 @@ from solar.names import OBJECTIVE_NAMES
 from studies.ceiling_command import ceiling
 from studies.climb_checks import refuse_climb, require_climber
 from studies.command_options import DEFAULT_MISSION, EXIT_BAD_INPUT, EXIT_FAILED, solar_options
+from studies.command_options import check_outputs as _check_outputs
 from studies.command_options import console as _console
 from studies.command_options import image_format as _image_format
 from studies.command_options import load as _load
@@ -105,6 +106,7 @@ def analyse(
     if day_of_year is not None and date is not None:
         raise click.UsageError("give --day-of-year or --date, not both")
     image_format = _image_format(plot_file)
+    _check_outputs(csv=csv_file, plot=plot_file)
     craft, where = _load(aircraft, mission, overrides)
     day = day_of_year if day_of_year is not None else date
     placed = _placed(where.mission, latitude, day)
@@ -351,6 +353,7 @@ def loiter_correction(
 def efficiencies(aircraft: str, mission: str, csv_file: str | None, plot_file: str | None) -> None:
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
     image = _image_format(plot_file)
+    _check_outputs(csv=csv_file, plot=plot_file)
     craft, where = _load(aircraft, mission, ())
     _require_path("FM", "none", craft, where)
     _refuse_polar_night(where.mission, where, options=False)

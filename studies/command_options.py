@@ -170,6 +170,32 @@ def solar_model(model: str, correction: str) -> SolarModel:
     return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
 
 
+def check_outputs(**options: str | None) -> None:
+    """Refuse files that cannot be written, or all be written, before any work is done for them.
+
+    Parameters
+    ----------
+    **options
+        Path given with each option, by the name of the option.
+    """
+    from studies.chunk_store import check_target
+
+    taken: dict[str, str] = {}
+    for name, path in options.items():
+        if path is None:
+            continue
+        option = f"--{name}"
+        if not path:
+            raise click.BadParameter("needs the name of a file", param_hint=option)
+        check_target(path)
+        place = os.path.realpath(path)
+        if os.path.exists(place) and not os.path.isfile(place):  # noqa: PTH110, PTH113
+            continue  # a device or a pipe takes one after the other
+        if place in taken:
+            raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
+        taken[place] = option
+
+
 def write_files(contents: dict[str | os.PathLike[str], bytes]) -> None:
     """Write all files of a command, or none."""
     from missions.output_files import write_files_atomically

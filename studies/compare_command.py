@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, OBJECTIVE_NAMES
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, RESIZE_NAMES
 from studies.climb_checks import refuse_climb
 from studies.command_options import (
     EXIT_FAILED,
+    check_outputs,
     console,
     image_format,
     load,
@@ -73,7 +74,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
 )
 @click.option(
     "--objective",
-    type=click.Choice(OBJECTIVE_NAMES),
+    type=click.Choice(RESIZE_NAMES),
     default=DEFAULT_OBJECTIVE,
     show_default=True,
     help="What a parametric aircraft is sized for with every model.",
@@ -118,6 +119,7 @@ def compare(
     if required_h is not None and required_h != required_h:
         raise click.BadParameter("must be a number of hours", param_hint="--required-excess-time")
     image = image_format(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
     if out_dir is not None:
         from missions.output_files import check_writable_folder
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from missions.dates import MONTH_NAMES
+from sizing.objectives import Objective
 from studies.comparison import Case, Comparison
 from studies.season import Season
 from studies.solar_models import model_label
@@ -22,11 +23,6 @@ _LOOKS = {
     "loiter": ("#009E73", "D", "corrected for the loiter"),
 }
 _MONTH_STARTS = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
-_OBJECTIVES = {
-    "max_excess_time": "promised excess time [h]",
-    "min_wingspan": "wingspan [m]",
-    "min_mass": "total mass [kg]",
-}
 
 
 def comparison_figure(comparison: Comparison) -> Figure:
@@ -188,8 +184,12 @@ def _draw_designs(axes: Axes, comparison: Comparison, position: Any) -> None:
         axes.axvline(truth, color="black", linestyle=":", linewidth=1)
     axes.margins(x=0.15)
     required = comparison.required_excess_time_h
-    label = _OBJECTIVES[comparison.objective.value]
-    axes.set_xlabel(f"design: {label},\n{required:g} h of excess time required")
+    objective = comparison.objective
+    promised = "promised " if objective is Objective.max_excess_time else ""
+    axes.set_xlabel(
+        f"design: {promised}{objective.words} [{objective.unit}],\n"
+        f"{required:g} h of excess time required"
+    )
 
 
 def _objective_value(case: Case, comparison: Comparison) -> float | None:

@@ -67,6 +67,10 @@ def outcome(built: Built, objective: Objective) -> str:
         return f"a span of {design.variables.wingspan_m:.2f} m"
     if objective is Objective.min_mass:
         return f"a mass of {design.total_mass_kg:.2f} kg"
+    if objective is Objective.max_payload_mass:
+        return f"a payload of {design.variables.payload_mass_kg:.2f} kg"
+    if objective is Objective.max_payload_power:
+        return f"a payload of {design.variables.payload_power_w:.1f} W"
     promised_h = float(np.min(simulated.cycle.excess_time_h))
     if not np.isfinite(promised_h):
         return "an excess time without end"

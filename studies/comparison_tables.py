@@ -14,6 +14,8 @@ _DESIGN_COLUMNS = {
     "max_excess_time": ("built: promised [h]", "promised_excess_time_h"),
     "min_wingspan": ("built: span [m]", "wingspan_m"),
     "min_mass": ("built: mass [kg]", "total_mass_kg"),
+    "max_payload_mass": ("built: payload [kg]", "payload_mass_kg"),
+    "max_payload_power": ("built: payload [W]", "payload_power_w"),
 }
 _PREDICTED = (
     "model",

@@ -13,6 +13,7 @@ from studies.climb_checks import refuse_climb
 from studies.command_options import (
     DEFAULT_MISSION,
     Grid,
+    check_outputs,
     console,
     image_format,
     load,
@@ -81,11 +82,8 @@ def map_(
 
     from sizing.objectives import Objective
     from studies import feasibility_map, map_jobs
-    from studies.chunk_store import check_target
 
-    for target in (out_file, plot_file):
-        if target is not None:
-            check_target(target)
+    check_outputs(out=out_file, plot=plot_file)
     axes = np.array(latitudes), np.unique(np.round(days).astype(int))
     solar = solar_model(model, correction)
     if objective is None:

@@ -19,16 +19,6 @@ from studies.analysis import Analysis
 SUN, LOAD, CHARGE, NIGHT = "#E69F00", "#0072B2", "#009E73", "#DDDDDD"
 
 
-# Objectives that are costs of a program; the others have no sensitivities.
-_OBJECTIVES = {
-    Objective.max_excess_time: "excess time",
-    Objective.min_wingspan: "wingspan",
-    Objective.min_mass: "total mass",
-    Objective.max_payload_mass: "payload mass",
-    Objective.max_payload_power: "payload power",
-}
-
-
 def to_bytes(figure: Figure, image_format: str) -> bytes:
     """Image of a figure."""
     buffer = io.BytesIO()
@@ -220,7 +210,7 @@ def tornado_figure(
     colours = [CHARGE if (c > 0) == objective.maximised else SUN for c in change]
     axes.barh([f"{s.parameter} = {s.value:.4g}" for s in shown], change, color=colours)
     axes.axvline(0.0, color="black", linewidth=0.8)
-    axes.set(xlabel=f"{_OBJECTIVES[objective]} for +1 % [{objective.unit}]")
+    axes.set(xlabel=f"{objective.words} for +1 % [{objective.unit}]")
     figure.suptitle(f"{name} ({caption(solar)}): green is better", parse_math=False)
     axes.grid(alpha=0.3, axis="x")
     return figure

@@ -678,6 +678,15 @@ def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: P
     assert re.search(r"\b(inf|nan)\b", text.out) is None
 
 
+@pytest.mark.parametrize("objective", ["max_payload_mass", "max_payload_power"])
+def test_worth_of_payload_is_drawn(run: Run, tmp_path: Path, objective: str) -> None:
+    asked = ("size", DESIGN, "-m", "rafz-july", "--objective", objective, "--sensitivities")
+    outcome = run(*asked, "--out", "carrier")
+    assert (outcome.code, outcome.err) == (0, "")
+    picture = tmp_path / "carrier" / "sensitivities.png"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
 def test_existing_folder_keeps_other_files(run: Run, tmp_path: Path) -> None:
     folder = tmp_path / "design"
     folder.mkdir()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -184,6 +185,22 @@ def test_figure_names_its_axes_and_marks_who_comes_down(designs: study.Compariso
     assert len(crosses) == len(down) == 1
 
 
+@pytest.mark.parametrize(
+    ("objective", "said"),
+    [("max_payload_mass", "a payload of .* kg"), ("max_payload_power", "a payload of .* W")],
+)
+def test_payload_is_compared(objective: str, said: str, in_folder: Path) -> None:
+    options = ("--models", "CDM,CAM", "--corrections", "none", "--objective", objective)
+    answer = run(DESIGN, "-m", SUMMER, *options, "--out", "here")
+    assert answer.exit_code == 0, answer.output
+    record = json.loads((in_folder / "here" / "comparison.json").read_text(encoding="utf-8"))
+    # More light promises more payload than there is.
+    cdm, cam = (case["design"] for case in record["cases"])
+    name = f"{objective.removeprefix('max_')}_{'kg' if objective.endswith('mass') else 'w'}"
+    assert cdm[name] > cam[name] > 0.0
+    assert re.search(said, record["sentence"])
+
+
 def test_season_over_the_years_end_is_drawn_in_two_parts() -> None:
     assert spans(Season(126, 126, 300, 60)) == [(1, 60), (300, 365)]
     assert spans(Season(3, 0, None, None)) == []
@@ -294,6 +311,9 @@ def test_no_design_at_all_ends_with_1() -> None:
         (["--required-excess-time", "nan"], "--required-excess-time"),
         (["--required-excess-time", "-1"], "--required-excess-time"),
         (["--out", "x", "--csv", "y.csv"], "give --out, or --csv and --plot, not both"),
+        (["--csv", "a.png", "--plot", "./a.png"], "--csv and --plot name the same file"),
+        (["--csv", ""], "needs the name of a file"),
+        (["--objective", "longest_season"], "is not one of 'min_wingspan'"),
         (["--plot", "figure.doc"], "must end in .png, .svg, .pdf"),
     ],
 )

@@ -217,10 +217,12 @@ def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
 
 def test_files_of_others_stay(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "film.part").write_text("half of a download")
+    (tmp_path / "film.scratch").write_text("mine")
     with ChunkStore(tmp_path).opened() as store:
         store.write("key", Part({"a": np.zeros(1)}))
         store.remove_parts()
-    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+    assert {path.name for path in tmp_path.iterdir()} == {"film.part", "film.scratch", "notes.txt"}
 
 
 def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:

@@ -192,12 +192,21 @@ def test_resized_map_tells_an_excess_time_without_end(tmp_path: Path) -> None:
     assert "inf " not in table
 
 
-INFINITE = ["0:10:inf", "0:10:1e-320"]
+def test_one_file_for_two_results_is_refused(tmp_path: Path) -> None:
+    command = ["map", "atlantiksolar-as2", "--latitudes", "40:40:1", "--days", "1:1:1"]
+    name = str(tmp_path / "map.png")
+    other = str(tmp_path / "." / "sub" / ".." / "map.png")
+    (tmp_path / "sub").mkdir()
+    answer = CliRunner().invoke(cli, [*command, "--out", name, "--plot", other])
+    assert answer.exit_code == 2
+    assert "--out and --plot name the same file" in answer.output
+    assert {path.name for path in tmp_path.iterdir()} == {"sub"}
 
 
-@pytest.mark.parametrize(
-    "grid", ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1"] + INFINITE
-)
+BAD_GRIDS = ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1", "0:9:inf", "0:9:1e-320"]
+
+
+@pytest.mark.parametrize("grid", BAD_GRIDS)
 def test_bad_grids_are_refused(grid: str) -> None:
     answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--latitudes", grid])
     assert answer.exit_code == 2
