@@ -380,6 +380,10 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     """Fly the report's verification morning and compare all four models with it."""
     from studies import report_reproduction as study
 
+    if out_dir is not None:
+        from missions.output_files import check_writable_folder
+
+        check_writable_folder(Path(out_dir))
     aircraft, mission = study.reference()
     result = study.reproduce(aircraft, mission)
     varied = study.sensitivities(aircraft, mission)

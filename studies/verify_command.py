@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from studies.command_options import console, print_json
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -67,9 +69,12 @@ def verify(
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.flight_log import read_flight_log
+    from missions.output_files import check_writable_folder
     from studies import verification as study
     from studies.library import load_aircraft, load_mission
 
+    if out_dir is not None:
+        check_writable_folder(Path(out_dir))
     craft = load_aircraft(aircraft).aircraft
     where = load_mission(mission).mission
     log = read_flight_log(log_file)
@@ -78,11 +83,9 @@ def verify(
     if out_dir is not None:
         write_verification(Path(out_dir), result, record)
     if as_json:
-        click.echo(json.dumps(record, indent=2, allow_nan=False))
+        print_json(record)
         return
-    from rich.console import Console
-
-    print_verification(Console(highlight=False), record)
+    print_verification(console(), record)
     if out_dir is not None:
         click.echo(f"written to {out_dir}")
 
@@ -135,7 +138,7 @@ def print_verification(console: Console, record: dict[str, Any]) -> None:
             f"{record['excluded_samples']} samples with limited charging are not in the errors"
         )
     for note in record["notes"]:
-        console.print(f"- {note}", markup=False)
+        console.print(f"- {note}")
     console.print(
         "errors are modelled minus measured, % of the mean measured power; RMS and maximum after a "
         "moving average over so many samples on either side as filter says",

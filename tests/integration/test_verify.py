@@ -398,6 +398,21 @@ def test_command_prints_tables(log_file: Path) -> None:
         assert text in result.output
 
 
+def test_name_of_a_log_is_text(log_file: Path, tmp_path: Path) -> None:
+    odd = tmp_path / "[" / "x].csv"
+    odd.parent.mkdir()
+    odd.write_bytes(log_file.read_bytes())
+    result = run(odd)
+    assert result.exit_code == 0, result.output
+    assert "[/x].csv" in "".join(result.output.split())
+
+
+def test_folder_that_is_a_file_is_refused_before_any_work(log_file: Path) -> None:
+    result = run("no-log.csv", "--out", log_file)
+    assert isinstance(result.exception, OSError)
+    assert "is not a folder" in str(result.exception)
+
+
 def test_command_prints_json(log_file: Path) -> None:
     result = run(log_file, "--json", "--window", "5.7:5.8", "--filter", "7")
     record = json.loads(result.output)
