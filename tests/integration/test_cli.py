@@ -678,6 +678,15 @@ def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: P
     assert re.search(r"\b(inf|nan)\b", text.out) is None
 
 
+def test_wing_covered_whole_is_written_and_read_again(run: Run) -> None:
+    whole = ("--set", "airframe.maximum_module_coverage=1")
+    asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan", *whole)
+    outcome = run(*asked, "--out", "whole")
+    assert (outcome.code, outcome.err) == (0, "")
+    again = run("analyse", "whole/aircraft.yaml", "-m", "rafz-july")
+    assert (again.code, again.err) == (0, "")
+
+
 @pytest.mark.parametrize("objective", ["max_payload_mass", "max_payload_power"])
 def test_worth_of_payload_is_drawn(run: Run, tmp_path: Path, objective: str) -> None:
     asked = ("size", DESIGN, "-m", "rafz-july", "--objective", objective, "--sensitivities")

@@ -13,13 +13,14 @@ from missions.configfile import validate
 from missions.mission import Mission
 from missions.problems import InputError
 from missions.yaml_document import parse_yaml
-from sizing.aircraft import Aircraft, LimitedQuantity
+from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.performance import SolarModel, performance, performance_of_designs, solar_day
+from sizing.polars import WingPolar
 from sizing.remedies import remedies
 from sizing.sizing_problem import SizingProblems
 from sizing.sizing_result import SizingResult
@@ -179,11 +180,26 @@ def test_equal_limits_in_either_order_make_equal_keys() -> None:
         ("design_space.limits.chord_m={minimum: 2, maximum: 1}", "minimum must not exceed maximum"),
         ("design_space.limits.chord_m={}", "give a minimum, a maximum or both"),
         ("design_space.lift_coefficient={minimum: 0.5, maximum: 9}", "maximum lift coefficient"),
+        ("design_space.lift_coefficient={minimum: 0.5, maximum: 1.4}", "must be below the maximum"),
     ],
 )
 def test_wrong_limits_are_told(override: str, told: str) -> None:
     with pytest.raises(InputError, match=told):
         aircraft(override)
+
+
+def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
+    polar = "{model: wing_polar, airfoil: fx60126, design_aspect_ratio: 18.5, "
+    polar += "design_reynolds: 158000, stall_margin: 1.1}"
+    wing = f"airframe.aerodynamics={polar}"
+    parametric = aircraft(wing).airframe
+    assert isinstance(parametric, ParametricAirframe)
+    assert isinstance(parametric.aerodynamics, WingPolar)
+    highest = parametric.aerodynamics.highest_lift_coefficient
+    span = "design_space.lift_coefficient={minimum: 0.4, maximum: "
+    aircraft(wing, f"{span}{0.999 * highest:.4f}}}")
+    with pytest.raises(InputError, match="that of the stall margin"):
+        aircraft(wing, f"{span}{1.05 * highest:.4f}}}")
 
 
 # ---- bands
