@@ -4,7 +4,8 @@ A design stays up in a range if its worst scenario there has the required excess
 design for a range is the one with the largest worst excess time. Ranges around the easiest day or
 latitude are nested by adding, again and again, the easier one of the two neighbours; the largest
 that has a feasible design is found by bisection. Which neighbour is easier depends on the design,
-but hardly: the order is taken anew from the best design until the range grows no more.
+but hardly: the order is taken anew from the best design until the range grows no more. Then all
+runs one longer are tried that begin within a few members of it.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ IntArray = NDArray[np.intp]
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
 _ORDERS = 6
+_SHIFTS = (0, -1, 1, -2, 2, -3)
 
 
 @dataclass(frozen=True)
@@ -154,7 +156,24 @@ class _Growth:
             best, held = found, sorted(nested[:count])
             if count == len(nested):
                 break
-        return self._result(best, held, centre)
+        return self._result(*self._longer(best, held), centre)
+
+    def _longer(self, best: SizingResult, held: list[int]) -> tuple[SizingResult, list[int]]:
+        """Grow a run by single members, at either end or a little beside it, while that goes."""
+        count = len(self.members)
+        while len(held) < count:
+            first, last = self._ends(held)
+            for shift in _SHIFTS:
+                run = np.arange(first + shift, last + shift + 2)
+                if not self.season and not (run[0] >= 0 and run[-1] < count):
+                    continue
+                found = self._sized([int(i) for i in run % count])
+                if self._enough(found):
+                    best, held = found, sorted(int(i) for i in run % count)
+                    break
+            else:
+                break
+        return best, held
 
     def _excess_h(self, variables: DesignVariables) -> FloatArray:
         """Worst excess time of a design at every member."""

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from missions.configfile import validate
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from missions.problems import InputError
 from missions.yaml_document import parse_yaml
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
@@ -24,7 +24,7 @@ from sizing.polars import WingPolar
 from sizing.remedies import remedies
 from sizing.sizing_problem import SizingProblems
 from sizing.sizing_result import SizingResult
-from sizing.widest_range import widest_range
+from sizing.widest_range import DAYS, widest_range
 from studies.library import load_aircraft, load_mission
 
 SMALL = (
@@ -299,6 +299,30 @@ def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() ->
         plane, ranged, Objective.max_excess_time, required_excess_time_h=0.0, day=both
     )
     assert longer.objective_value is None or longer.objective_value < 2.0
+
+
+# In the tropics both ends of a season are about as hard, and which comes first is hardly told.
+@pytest.mark.parametrize(
+    ("name", "span_m", "latitude_deg", "altitude_m"),
+    [("atlantiksolar-design", 4.0, 20.5, 0.0), ("sky-sailor", 6.0, -8.5, 3000.0)],
+)
+def test_no_run_one_day_longer_is_kept_up(
+    name: str, span_m: float, latitude_deg: float, altitude_m: float
+) -> None:
+    small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
+    bound = f"design_space.wingspan_m.maximum={span_m}"
+    plane = load_aircraft(name, [bound, *small]).aircraft
+    place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
+    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
+    days = found.members.astype(int)
+    every = solar_day(plane, place, scenarios=Scenarios(np.full(365, latitude_deg), DAYS))
+    for shift in range(-3, 4):
+        first = days[0] - 1 + shift
+        longer = np.arange(first - 1, first + len(days)) % 365
+        sized = size_aircraft(
+            plane, place, Objective.max_excess_time, day=every.at(longer), explain=False
+        )
+        assert sized.objective_value is None or sized.objective_value < 2.0
 
 
 def test_season_wraps_the_years_end_in_the_south() -> None:
