@@ -36,6 +36,7 @@ IntArray = NDArray[np.intp]
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
 _ORDERS = 6
+_OTHER_CENTRES = (1, 2, 4, 8, 16, 32)
 _SHIFTS = (0, -1, 1, -2, 2, -3)
 
 
@@ -142,8 +143,13 @@ class _Growth:
         return Scenarios(np.repeat(LATITUDES_DEG, len(days)), np.tile(days, len(LATITUDES_DEG)))
 
     def run(self) -> WidestRange:
-        centre = self._easiest(self.start)
-        best = self._sized([centre], explain=True)
+        order = self._easiest(self.start)
+        centre, best = order[0], self._sized([order[0]], explain=True)
+        for place in _OTHER_CENTRES:
+            # Where the solver fails, nothing is said about the other members.
+            if best.status != "not_converged" or place >= len(order):
+                break
+            centre, best = order[place], self._sized([order[place]])
         if not self._enough(best):
             nothing = np.empty(0)
             return WidestRange(self._named(best, None), None, None, nothing)
@@ -183,12 +189,12 @@ class _Growth:
         each = perf.cycle.excess_time_h.reshape(len(self.members), -1)
         return np.asarray(each.min(axis=-1))
 
-    def _easiest(self, variables: DesignVariables) -> int:
-        """Member with the most excess time; of those without a night, the one with most sun."""
+    def _easiest(self, variables: DesignVariables) -> list[int]:
+        """Members, that of the most excess time first; of those without a night, by their sun."""
         excess = self._excess_h(variables)
         power = self.day.specific_power_w_per_m2
         sun = power.sum(axis=-1).reshape(len(self.members), -1).min(axis=-1)
-        return int(np.lexsort((sun, excess))[-1])
+        return [int(i) for i in np.lexsort((sun, excess))[::-1]]
 
     def _nested(self, best: SizingResult, held: list[int]) -> list[int]:
         """Members in the order in which the best design gives them up, last first."""

@@ -325,6 +325,18 @@ def test_no_run_one_day_longer_is_kept_up(
         assert sized.objective_value is None or sized.objective_value < 2.0
 
 
+def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
+    small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
+    plane = load_aircraft("sky-sailor", small).aircraft
+    june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
+    found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
+    assert found.sizing.status == "optimal"
+    assert found.first is not None
+    # At 50 N alone a design has 6.36 h.
+    assert found.first < 55.0
+    assert found.last == 90.0
+
+
 def test_season_wraps_the_years_end_in_the_south() -> None:
     plane = aircraft(*SMALL)
     found = widest_range(plane, mission(latitude_deg=-47.6), Objective.longest_season)
