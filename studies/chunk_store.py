@@ -73,7 +73,8 @@ def check_target(target: str | os.PathLike[str]) -> None:
         return  # a device or a pipe
     if not path.parent.is_dir():
         above = next((p for p in path.parents if p.exists()), path.parent)
-        why = "its folder does not exist" if above.is_dir() else "a part of the path is a file"
+        file = "a part of the path is a file, not a folder"
+        why = "its folder does not exist" if above.is_dir() else file
         raise OutputError(f"cannot write {name}: {why}")
     _probe(path.parent, name)
 

@@ -294,7 +294,7 @@ def test_targets_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
         check_target(tmp_path / "none" / "map.nc")
     with pytest.raises(OutputError, match="it is a folder"):
         check_target(tmp_path)
-    with pytest.raises(OutputError, match="folder does not exist"):
+    with pytest.raises(OutputError, match="a part of the path is a file"):
         check_target(tmp_path / "file" / "map.nc")
     check_target(tmp_path / "map.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
