@@ -6,6 +6,7 @@ import os
 import re
 import stat
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -167,12 +168,19 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     OutputError
         If the folder or one of the files cannot be written.
     """
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         name = printable(os.fspath(folder))
         raise OutputError(f"cannot write to {name}: {_writing_trouble(error)}") from error
-    write_files_atomically({folder / file: data for file, data in contents.items()})
+    try:
+        write_files_atomically({folder / file: data for file, data in contents.items()})
+    except OutputError:
+        for path in made:
+            with suppress(OSError):  # not empty: somebody else's by now
+                path.rmdir()
+        raise
 
 
 def check_writable_folder(folder: Path) -> None:

@@ -20,6 +20,8 @@ from solar.shading_losses import LOSS_MODELS, loss_model
 
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
 _CLIMB_POWER_RATIO = 5.0
+# A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
+_FULL_WING = 1e-6
 
 
 class LevelFlight(Record):
@@ -322,14 +324,22 @@ class Aircraft(Record):
         lift = self.design_space.lift_coefficient
         if lift is None or not isinstance(self.airframe, ParametricAirframe):
             return self
-        highest = float(self.airframe.aerodynamics.maximum_lift_coefficient)
-        if lift.maximum > highest:
+        # As on the airframe, which a sized design becomes.
+        polar = self.airframe.aerodynamics
+        if isinstance(polar, WingPolar):
+            highest, allowed = polar.highest_lift_coefficient, "at most that of the stall margin"
+            wrong = lift.maximum > highest
+        else:
+            highest, allowed = polar.maximum_lift_coefficient, "below the maximum lift coefficient"
+            wrong = lift.maximum >= highest
+        if wrong:
             raise PydanticCustomError(
                 "lift_range",
-                "must be at most the maximum lift coefficient of {highest} (got {maximum})",
+                "must be {allowed}, {highest} (got {maximum})",
                 {
                     "key": "design_space.lift_coefficient.maximum",
-                    "highest": f"{highest:.3g}",
+                    "allowed": allowed,
+                    "highest": f"{highest:.4g}",
                     "maximum": f"{lift.maximum:g}",
                 },
             )
@@ -338,7 +348,7 @@ class Aircraft(Record):
     @model_validator(mode="after")
     def _check_coverage(self) -> Aircraft:
         wing_area_m2 = self.airframe.wingspan_m**2 / self.airframe.aspect_ratio
-        if self.modules.area_m2 > wing_area_m2:
+        if self.modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
             raise PydanticCustomError(
                 "module_area",
                 "must not exceed the wing area of {wing_area} m2 (got {area})",

@@ -339,7 +339,8 @@ class _Cells:
         merit = np.where(good, sign * value, -np.inf).reshape(len(cells), -1).max(axis=1)
         own = sign * objective_value(self.objective, perf)
         in_hours = _TOLERANCE_H if self.objective is Objective.max_excess_time else 0.0
-        return np.asarray(merit - own <= np.maximum(_TOLERANCE * np.abs(own), in_hours))
+        # Sums rather than differences: the excess time may be infinite on both sides.
+        return np.asarray(merit <= own + np.maximum(_TOLERANCE * np.abs(own), in_hours))
 
     # --- results -------------------------------------------------------------------------------
 

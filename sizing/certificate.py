@@ -196,7 +196,7 @@ class _Judge:
         )
         merits = np.array([self.merit(v) for v in values])
         order = np.argsort(-merits, kind="stable")[:_FINALISTS]
-        order = order[np.isfinite(merits[order])]
+        order = order[merits[order] > -np.inf]
         return self.best_of(variables.mapped(lambda v: np.asarray(v)[order]))
 
     def best_of_starts(self) -> float:

@@ -4,7 +4,8 @@ A design stays up in a range if its worst scenario there has the required excess
 design for a range is the one with the largest worst excess time. Ranges around the easiest day or
 latitude are nested by adding, again and again, the easier one of the two neighbours; the largest
 that has a feasible design is found by bisection. Which neighbour is easier depends on the design,
-but hardly: the order is taken anew from the best design until the range grows no more.
+but hardly: the order is taken anew from the best design until the range grows no more. Then all
+runs one longer are tried that begin within a few members of it.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ IntArray = NDArray[np.intp]
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
 _ORDERS = 6
+_OTHER_CENTRES = (1, 2, 4, 8, 16, 32)
+_SHIFTS = (0, -1, 1, -2, 2, -3)
 
 
 @dataclass(frozen=True)
@@ -140,8 +143,13 @@ class _Growth:
         return Scenarios(np.repeat(LATITUDES_DEG, len(days)), np.tile(days, len(LATITUDES_DEG)))
 
     def run(self) -> WidestRange:
-        centre = self._easiest(self.start)
-        best = self._sized([centre], explain=True)
+        order = self._easiest(self.start)
+        centre, best = order[0], self._sized([order[0]], explain=True)
+        for place in _OTHER_CENTRES:
+            # Where the solver fails, nothing is said about the other members.
+            if best.status != "not_converged" or place >= len(order):
+                break
+            centre, best = order[place], self._sized([order[place]])
         if not self._enough(best):
             nothing = np.empty(0)
             return WidestRange(self._named(best, None), None, None, nothing)
@@ -154,7 +162,24 @@ class _Growth:
             best, held = found, sorted(nested[:count])
             if count == len(nested):
                 break
-        return self._result(best, held, centre)
+        return self._result(*self._longer(best, held), centre)
+
+    def _longer(self, best: SizingResult, held: list[int]) -> tuple[SizingResult, list[int]]:
+        """Grow a run by single members, at either end or a little beside it, while that goes."""
+        count = len(self.members)
+        while len(held) < count:
+            first, last = self._ends(held)
+            for shift in _SHIFTS:
+                run = np.arange(first + shift, last + shift + 2)
+                if not self.season and not (run[0] >= 0 and run[-1] < count):
+                    continue
+                found = self._sized([int(i) for i in run % count])
+                if self._enough(found):
+                    best, held = found, sorted(int(i) for i in run % count)
+                    break
+            else:
+                break
+        return best, held
 
     def _excess_h(self, variables: DesignVariables) -> FloatArray:
         """Worst excess time of a design at every member."""
@@ -164,12 +189,12 @@ class _Growth:
         each = perf.cycle.excess_time_h.reshape(len(self.members), -1)
         return np.asarray(each.min(axis=-1))
 
-    def _easiest(self, variables: DesignVariables) -> int:
-        """Member with the most excess time; of those without a night, the one with most sun."""
+    def _easiest(self, variables: DesignVariables) -> list[int]:
+        """Members, that of the most excess time first; of those without a night, by their sun."""
         excess = self._excess_h(variables)
         power = self.day.specific_power_w_per_m2
         sun = power.sum(axis=-1).reshape(len(self.members), -1).min(axis=-1)
-        return int(np.lexsort((sun, excess))[-1])
+        return [int(i) for i in np.lexsort((sun, excess))[::-1]]
 
     def _nested(self, best: SizingResult, held: list[int]) -> list[int]:
         """Members in the order in which the best design gives them up, last first."""

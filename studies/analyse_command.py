@@ -9,6 +9,7 @@ import click
 from studies.climb_checks import require_climber
 from studies.command_options import (
     check_image,
+    check_outputs,
     console,
     csv_bytes,
     load,
@@ -93,6 +94,7 @@ def analyse(
     if day_of_year is not None and date is not None:
         raise click.UsageError("give --day-of-year or --date, not both")
     check_image(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
     craft, where = load(aircraft, mission, overrides)
     day = day_of_year if day_of_year is not None else date
     placed = _placed(where.mission, latitude, day)

@@ -9,6 +9,7 @@ from studies.command_options import (
     EXIT_FAILED,
     RealRange,
     check_image,
+    check_outputs,
     console,
     csv_bytes,
     load,
@@ -66,6 +67,7 @@ def ceiling(
     from studies import ceiling_results as results
 
     check_image(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
     craft, where = load(aircraft, mission, overrides)
     refuse_climb(where, "ceiling")
     refuse_polar_night(where.mission, where, options=False)

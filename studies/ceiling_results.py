@@ -100,8 +100,9 @@ def _printed(found: PerpetualCeiling) -> list[AltitudeFlight]:
 def _verdict(found: PerpetualCeiling) -> str:
     required = found.required_excess_time_h
     more = f" with more than {required:g} h of excess time" if required > 0.0 else ""
-    best = f"largest excess time {_shown(found.best.excess_time_h, '.2f')} h at "
-    best += f"{found.best.altitude_m:.0f} m"
+    endless = math.isinf(found.best.excess_time_h)
+    largest = "without end" if endless else f"{found.best.excess_time_h:.2f} h"
+    best = f"largest excess time {largest} at {found.best.altitude_m:.0f} m"
     if found.highest is None:
         return f"no perpetual flight{more} at any altitude; {best}"
     beyond = " and beyond the search" if found.at_search_limit else ""

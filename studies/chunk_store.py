@@ -14,6 +14,7 @@ import hashlib
 import io
 import json
 import os
+import re
 import shutil
 import socket
 from collections.abc import Iterator, Mapping
@@ -30,6 +31,7 @@ from missions.problems import printable
 __all__ = ["ChunkStore", "Part", "check_target", "parts_folder"]
 
 _MAGIC = b"solar-uav part 1"
+_KEY = re.compile("[0-9a-f]{40}")
 _SUFFIX = ".part"
 _SCRATCH = ".scratch"
 _LOCK = "lock"
@@ -70,7 +72,10 @@ def check_target(target: str | os.PathLike[str]) -> None:
     if path.exists() and not path.is_file():
         return  # a device or a pipe
     if not path.parent.is_dir():
-        raise OutputError(f"cannot write {name}: its folder does not exist")
+        above = next((p for p in path.parents if p.exists()), path.parent)
+        file = "a part of the path is a file, not a folder"
+        why = "its folder does not exist" if above.is_dir() else file
+        raise OutputError(f"cannot write {name}: {why}")
     _probe(path.parent, name)
 
 
@@ -178,7 +183,8 @@ class ChunkStore:
     def remove_parts(self) -> None:
         """Delete all parts; the folder goes with the lock if nothing else is in it."""
         for path in self.folder.glob(f"*{_SUFFIX}"):
-            path.unlink(missing_ok=True)
+            if _is_ours(path):
+                path.unlink(missing_ok=True)
         self._remove_scratch()
         with suppress(OSError):  # an open file cannot be deleted everywhere
             (self.folder / _LOCK).unlink(missing_ok=True)
@@ -186,7 +192,8 @@ class ChunkStore:
 
     def _remove_scratch(self) -> None:
         for path in self.folder.glob(f"*{_SCRATCH}"):
-            path.unlink(missing_ok=True)
+            if _is_ours(path):
+                path.unlink(missing_ok=True)
 
     def _remove_if_empty(self) -> None:
         """Remove a folder that holds no part, for instance after a refusal at the start."""
@@ -194,6 +201,17 @@ class ChunkStore:
             if [path.name for path in self.folder.iterdir()] == [_LOCK]:
                 (self.folder / _LOCK).unlink()
             self.folder.rmdir()
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether a file was written by a store: the folder may be one that others use as well."""
+    if _KEY.fullmatch(path.stem):
+        return True
+    try:
+        with path.open("rb") as file:
+            return file.read(len(_MAGIC)) == _MAGIC
+    except OSError:
+        return False
 
 
 def _head(key: str, body: bytes) -> bytes:

@@ -45,16 +45,18 @@ class Grid(click.ParamType["list[float]"]):
             first, last, step = (float(part) for part in str(value).split(":"))
         except ValueError:
             self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
-        if not (self.lowest <= first <= last <= self.highest and step > 0.0):
+        # NaN is no number that rises, and a step without end none that could be added.
+        if not (self.lowest <= first <= last <= self.highest and 0.0 < step < math.inf):
             self.fail(
                 f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
                 f"(got {value})",
                 param,
                 ctx,
             )
-        count = int((last - first) / step + 1e-9) + 1
-        if count > _MAXIMUM_GRID:
-            self.fail(f"has {count} numbers, at most {_MAXIMUM_GRID} are allowed", param, ctx)
+        steps = (last - first) / step + 1e-9
+        if steps >= _MAXIMUM_GRID:
+            self.fail(f"has more than the {_MAXIMUM_GRID} numbers that are allowed", param, ctx)
+        count = int(steps) + 1
         return [first + i * step for i in range(count)]
 
 
@@ -206,6 +208,32 @@ def solar_model(model: str, correction: str) -> SolarModel:
     from sizing.performance import SolarModel
 
     return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
+
+
+def check_outputs(**options: str | None) -> None:
+    """Refuse files that cannot be written, or all be written, before any work is done for them.
+
+    Parameters
+    ----------
+    **options
+        Path given with each option, by the name of the option.
+    """
+    from studies.chunk_store import check_target
+
+    taken: dict[str, str] = {}
+    for name, path in options.items():
+        if path is None:
+            continue
+        option = f"--{name}"
+        if not path:
+            raise click.BadParameter("needs the name of a file", param_hint=option)
+        check_target(path)
+        place = os.path.realpath(path)
+        if os.path.exists(place) and not os.path.isfile(place):  # noqa: PTH110, PTH113
+            continue  # a device or a pipe takes one after the other
+        if place in taken:
+            raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
+        taken[place] = option
 
 
 def write_results(

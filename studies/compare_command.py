@@ -14,6 +14,7 @@ from studies.climb_checks import refuse_climb
 from studies.command_options import (
     EXIT_FAILED,
     check_image,
+    check_outputs,
     console,
     csv_bytes,
     figure_bytes,
@@ -109,6 +110,7 @@ def compare(
     if out_dir is not None and (csv_file is not None or plot_file is not None):
         raise click.UsageError("give --out, or --csv and --plot, not both")
     check_image(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
     if out_dir is not None:
         from missions.output_files import check_writable_folder
 

@@ -207,6 +207,7 @@ def map_figure(data: xr.Dataset) -> Figure:
     from matplotlib.colors import BoundaryNorm
     from matplotlib.figure import Figure
 
+    from studies.hatching import cell_edges
     from studies.plots import correction_label
 
     figure = Figure(figsize=(8.5, 5.2), layout="constrained")
@@ -217,7 +218,8 @@ def map_figure(data: xr.Dataset) -> Figure:
     shown = np.where(np.isposinf(excess), 2.0 * top, excess)
     levels = _levels(top)
     norm = BoundaryNorm(levels, ncolors=256, extend="both")
-    mesh = axes.pcolormesh(days, latitudes, shown, cmap="PuOr", norm=norm, shading="nearest")
+    edges = cell_edges(days), cell_edges(latitudes)
+    mesh = axes.pcolormesh(*edges, shown, cmap="PuOr", norm=norm)
     bar = figure.colorbar(mesh, ax=axes, ticks=levels)
     bar.set_label("excess time [h]; beyond the top: no night")
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,6 +12,7 @@ from studies.climb_checks import refuse_climb
 from studies.command_options import (
     Grid,
     check_image,
+    check_outputs,
     console,
     load,
     mission_option,
@@ -97,11 +99,8 @@ def map_(
 
     from sizing.objectives import Objective
     from studies import feasibility_map, map_jobs
-    from studies.chunk_store import check_target
 
-    for target in (out_file, plot_file):
-        if target is not None:
-            check_target(target)
+    check_outputs(out=out_file, plot=plot_file)
     axes = np.array(latitudes), np.unique(np.round(days).astype(int))
     solar = solar_model(model, correction)
     if objective is None:
@@ -147,6 +146,7 @@ def _print_seasons(data: xr.Dataset, as_json: bool) -> None:
 
 def _print_designs(data: xr.Dataset, as_json: bool) -> None:
     """Of every latitude: on how many days there is a design, and the range of its size."""
+    from studies.analysis import finite
     from studies.sizing_columns import SIZED, SizingStatus
 
     record: dict[str, Any] = {
@@ -156,11 +156,12 @@ def _print_designs(data: xr.Dataset, as_json: bool) -> None:
     }
     for status in SizingStatus:
         record[f"{status.name}_days"] = (data["status"] == status).sum("day").to_numpy().tolist()
+    ranges: dict[str, list[float]] = {}
     for name, unit in (("wingspan", "m"), ("total_mass", "kg"), ("excess_time", "h")):
-        for end in ("min", "max"):
+        for word, end in (("least", "min"), ("largest", "max")):
             values = getattr(data[name], end)("day").to_numpy().tolist()
-            key = f"{'least' if end == 'min' else 'largest'}_{name}_{unit}"
-            record[key] = [None if v != v else v for v in values]
+            ranges[f"{word}_{name}_{unit}"] = values
+            record[f"{word}_{name}_{unit}"] = [finite(value) for value in values]
     if as_json:
         print_json(record)
         return
@@ -183,10 +184,14 @@ def _print_designs(data: xr.Dataset, as_json: bool) -> None:
         table.add_row(
             latitude_label(latitude),
             *(str(sum(record[f"{kind.name}_days"][i] for kind in kinds)) for kinds in groups),
-            *(_range(record[f"least_{name}"][i], record[f"largest_{name}"][i]) for name in shown),
+            *(_range(ranges[f"least_{name}"][i], ranges[f"largest_{name}"][i]) for name in shown),
         )
     console().print(table)
 
 
-def _range(least: float | None, largest: float | None) -> str:
-    return "-" if least is None or largest is None else f"{least:.2f} to {largest:.2f}"
+def _range(least: float, largest: float) -> str:
+    if math.isnan(least):
+        return "-"
+    if math.isinf(least):
+        return "no end"
+    return f"{least:.2f} to {'no end' if math.isinf(largest) else f'{largest:.2f}'}"

@@ -214,7 +214,7 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    from studies.hatching import hatch_cells
+    from studies.hatching import draw_cells, draw_colour_bar, finite_range, hatch_cells
     from studies.level_lines import draw_level_lines
     from studies.plots import correction_label
 
@@ -224,11 +224,17 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     optimal = np.isin(data["status"].to_numpy(), sizing_columns.SIZED)
     values = np.where(optimal, data[name].to_numpy(), np.nan)
-    mesh = axes.pcolormesh(days, latitudes, values, cmap="viridis", shading="nearest")
-    figure.colorbar(mesh, ax=axes).set_label(f"{data[name].long_name} [{data[name].units}]")
-    finite = values[np.isfinite(values)]
-    if len(finite):
-        draw_level_lines(axes, days, latitudes, values, finite.min(), finite.max(), at_most=5)
+    norm = finite_range(values)
+    draw_colour_bar(
+        figure,
+        draw_cells(axes, days, latitudes, values, norm),
+        axes,
+        f"{data[name].long_name} [{data[name].units}]",
+        endless=bool(np.isposinf(values).any()),
+    )
+    assert norm.vmin is not None
+    assert norm.vmax is not None
+    draw_level_lines(axes, days, latitudes, values, norm.vmin, norm.vmax, at_most=5)
     names = {status: status.name for status in HATCHES}
     handles = hatch_cells(axes, days, latitudes, data["status"].to_numpy(), HATCHES, names)
     if handles:

@@ -15,6 +15,7 @@ import click
 from studies.command_options import (
     EXIT_FAILED,
     check_image,
+    check_outputs,
     console,
     load,
     mission_option,
@@ -109,6 +110,7 @@ def efficiencies(
 ) -> None:
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
     check_image(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
     craft, where = load(aircraft, mission, overrides)
     require_path("FM", "none", craft, where)
     refuse_polar_night(where.mission, where, options=False)
@@ -138,6 +140,10 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     """
     from studies import report_reproduction as study
 
+    if out_dir is not None:
+        from missions.output_files import check_writable_folder
+
+        check_writable_folder(Path(out_dir))
     aircraft, mission = study.reference()
     result = study.reproduce(aircraft, mission)
     varied = study.sensitivities(aircraft, mission)

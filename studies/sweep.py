@@ -7,8 +7,9 @@ design variables are held and the others sized.
 
 from __future__ import annotations
 
+import itertools
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
@@ -49,6 +50,10 @@ __all__ = ["Study", "dataset", "feasible", "prepare", "sweep", "to_table"]
 
 _CHUNK_S = 0.5
 _CHECKED_VALUES = 50
+# Design variables beyond these are no aircraft, and overflow on the way.
+_LEAST, _LARGEST = 1e-9, 1e12
+# Ends of this many other keys are combined to find one that makes a value right.
+_COMBINED_KEYS = 6
 # Times [s], roughly, that decide the size of chunks and nothing else.
 _SCENARIO_S, _SCENARIO_ON_PATH_S, _AIRCRAFT_S, _SIZING_S = 3e-4, 1e-2, 3e-2, 0.25
 
@@ -145,7 +150,7 @@ def prepare(
     cover: bool | None = None,
 ) -> Study:
     """Check a trade study and divide it into chunks; parameters as those of :func:`sweep`."""
-    _check(aircraft, mission, axes, resize, cover)
+    _check(aircraft, mission, axes, resize, cover, combined=sample != "one-at-a-time")
     base = None
     if sample == "one-at-a-time":
         base = [_base_value(aircraft.aircraft, mission.mission, axis) for axis in axes]
@@ -185,8 +190,10 @@ def _check(
     axes: Sequence[Axis],
     resize: Objective | None,
     cover: bool | None,
+    *,
+    combined: bool,
 ) -> None:
-    """Refuse what no point could make sense of: every value must be right by itself."""
+    """Refuse what no point could make sense of: every value must be right in one at least."""
     if not axes:
         raise _vary_error("", "nothing is varied")
     measured = isinstance(aircraft.aircraft.airframe, MeasuredAirframe)
@@ -204,26 +211,52 @@ def _check(
             )
         if resize is Objective.min_wingspan and axis.design_variable == "wingspan_m":
             raise _vary_error(axis.key, "is varied and cannot be minimised as well")
-        _check_values(aircraft, mission, axis)
+        others = [*axes[:number], *axes[number + 1 :]] if combined else []
+        _check_values(aircraft, mission, axis, others)
 
 
-def _check_values(aircraft: LoadedAircraft, mission: LoadedMission, axis: Axis) -> None:
+def _check_values(
+    aircraft: LoadedAircraft, mission: LoadedMission, axis: Axis, others: Sequence[Axis]
+) -> None:
     if axis.design_variable is not None:
         # Alone a design variable may contradict the others, which is no mistake of the user.
-        least = 0.0 if axis.design_variable == "module_area_m2" else 1e-9
-        if min(axis.values) < least:
-            raise _vary_error(axis.key, f"must be positive (got {min(axis.values):g})")
+        least = 0.0 if axis.design_variable == "module_area_m2" else _LEAST
+        low, high = min(axis.values), max(axis.values)
+        if low < least or high > _LARGEST:
+            wrong = low if low < least else high
+            raise _vary_error(axis.key, f"must be from {least:g} to {_LARGEST:g} (got {wrong:g})")
         return
     for value in _telling_values(axis.values):
-        try:
-            varied_files(aircraft.document, mission.document, (axis.key,), (value,))
-        except InputError as error:
+        error = _wrong(aircraft, mission, {axis.key: value})
+        # What the file's other values forbid may be right with those that they are varied to.
+        if error is not None and not any(
+            _wrong(aircraft, mission, {axis.key: value} | corner) is None
+            for corner in _corners(others)
+        ):
             hint = _meant(axis.key)
             if hint is not None:
-                raise _vary_error(axis.key, hint) from None
-            raise InputError(
-                [replace(p, source=f"--vary {axis.key}") for p in error.problems[:1]]
-            ) from None
+                raise _vary_error(axis.key, hint)
+            problem = replace(error.problems[0], source=f"--vary {axis.key}", line=None)
+            raise InputError([problem])
+
+
+def _wrong(
+    aircraft: LoadedAircraft, mission: LoadedMission, values: Mapping[str, float]
+) -> InputError | None:
+    """What is wrong with values put into the files, none if nothing is."""
+    try:
+        varied_files(aircraft.document, mission.document, list(values), list(values.values()))
+    except InputError as error:
+        return error
+    return None
+
+
+def _corners(axes: Sequence[Axis]) -> Iterator[dict[str, float]]:
+    """Combinations of the least and largest values of some axes."""
+    some = axes[:_COMBINED_KEYS]
+    ends = [(min(axis.values), max(axis.values)) for axis in some]
+    for values in itertools.product(*ends) if some else ():
+        yield {axis.key: value for axis, value in zip(some, values, strict=True)}
 
 
 def _meant(key: str) -> str | None:

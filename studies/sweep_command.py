@@ -13,6 +13,7 @@ from solar.names import RESIZE_NAMES
 from studies.climb_checks import refuse_climb
 from studies.command_options import (
     check_image,
+    check_outputs,
     console,
     figure_bytes,
     load,
@@ -136,7 +137,6 @@ def sweep(
     from missions.output_files import write_files_atomically
     from sizing.objectives import Objective
     from studies import sweep as study
-    from studies.chunk_store import check_target
 
     prepared = study.prepare(
         craft,
@@ -149,9 +149,7 @@ def sweep(
         resize=None if objective is None else Objective(objective),
         cover=cover,
     )
-    for target in (out_file, plot_file):
-        if target is not None:
-            check_target(target)
+    check_outputs(out=out_file, plot=plot_file)
     with completed(prepared.job, options, out_file, "points") as outcome:
         data = study.dataset(prepared, outcome)
         contents: dict[str | os.PathLike[str], bytes] = {}

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from studies.hatching import hatch_cells
+from studies.hatching import draw_cells, draw_colour_bar, finite_range, hatch_cells
 from studies.level_lines import draw_level_lines
 from studies.plots import CHARGE, LOAD, SUN, correction_label
 from studies.sizing_columns import SIZED
@@ -147,14 +147,16 @@ def contour_figure(data: xr.Dataset) -> Figure:
     panels = figure.subplots(2, len(third), sharex=True, sharey=True, squeeze=False)
     handles: dict[str, Any] = {}
     for row, variable in zip(panels, _variables(data), strict=True):
-        norm = _norm(data, variable)
+        every = _shown_values(data, variable)
+        norm = finite_range(every)
         for axes, value in zip(row, third, strict=True):
             part = data if value is None else data.isel({names[2]: list(third).index(value)})
             mesh, entries = _draw_contours(axes, part, names[:2], variable, norm)
             handles |= {str(entry.get_label()): entry for entry in entries}
             if value is not None and variable == _variables(data)[0]:
                 axes.set_title(f"{_label(data, names[2])} = {value:g}", fontsize="medium")
-        figure.colorbar(mesh, ax=list(row)).set_label(_label(data, variable))
+        endless = bool(np.isposinf(every).any())
+        draw_colour_bar(figure, mesh, list(row), _label(data, variable), endless=endless)
     for axes in panels[-1]:
         axes.set(xlabel=_label(data, names[0]))
     for axes in panels[:, 0]:
@@ -168,17 +170,7 @@ def contour_figure(data: xr.Dataset) -> Figure:
 def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
     """Values of the points that fly for ever, or were sized; NaN elsewhere."""
     values = np.where(feasible(data), data[variable].to_numpy(), np.nan)
-    return np.where(np.isfinite(values), values, np.nan)
-
-
-def _norm(data: xr.Dataset, variable: str) -> Normalize:
-    """Range of colours."""
-    values = _shown_values(data, variable)
-    values = values[np.isfinite(values)]
-    if not len(values):
-        return Normalize(0.0, 1.0)
-    low, high = float(values.min()), float(values.max())
-    return Normalize(low, high if high > low else low + 1.0)
+    return np.where(np.isneginf(values), np.nan, values)
 
 
 def _draw_contours(
@@ -188,7 +180,7 @@ def _draw_contours(
     x, y = (data[name].to_numpy() for name in names)
     status = flat["status"].to_numpy()
     values = _shown_values(flat, variable)
-    mesh = axes.pcolormesh(x, y, values, cmap="viridis", norm=norm, shading="nearest")
+    mesh = draw_cells(axes, x, y, values, norm)
     good = feasible(flat).to_numpy()
     reasons = _reasons(data)
     entries = []

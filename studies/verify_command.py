@@ -78,9 +78,12 @@ def verify(
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.log_files import read_flight_log
+    from missions.output_files import check_writable_folder
     from studies import verification as study
     from studies.verification_records import to_json
 
+    if out_dir is not None:
+        check_writable_folder(Path(out_dir))
     craft, where = load(aircraft, mission, overrides)
     log = read_flight_log(log_file)
     result = study.verify(
@@ -146,7 +149,7 @@ def print_verification(console: Console, record: dict[str, Any]) -> None:
             f"{record['excluded_samples']} samples with limited charging are not in the errors"
         )
     for note in record["notes"]:
-        console.print(f"- {note}", markup=False)
+        console.print(f"- {note}")
     console.print(
         "errors are modelled minus measured, % of the mean measured power; RMS and maximum after a "
         "moving average over so many samples on either side as filter says",

@@ -116,6 +116,15 @@ def test_polar_night_and_midnight_sun_are_ordinary_cells(
     assert found.status[1] in (CellStatus.certified, CellStatus.optimal)
 
 
+def test_best_of_designs_without_end_is_certified(aircraft: Aircraft, mission: Mission) -> None:
+    # All neighbours of such an optimum are without end as well: none is better.
+    pole = Scenarios(np.array([90.0]), np.array([172]))
+    with np.errstate(invalid="raise"):
+        cells = size_cells(aircraft, mission, pole, Objective.max_excess_time)
+    assert cells.status[0] == CellStatus.certified
+    assert np.isposinf(cells.excess_time_h[0])
+
+
 def test_ranges_and_strange_programs_are_refused(aircraft: Aircraft, mission: Mission) -> None:
     with pytest.raises(ValueError, match="is a range"):
         size_cells(aircraft, mission, CELLS, Objective.longest_season)

@@ -284,12 +284,12 @@ def test_no_design_at_all_ends_with_1() -> None:
         (["--models", ""], "'' is not one of CDM, CAM, VM, FM"),
         (["--corrections", "all"], "'all' is not one of none, report, loiter"),
         (["--objective", "fun"], "'fun' is not one of"),
-        # The table has no column for a payload or a season.
-        (["--objective", "longest_season"], "'longest_season' is not one of 'min_wingspan'"),
         (["--objective", "longest_season"], "'longest_season' is not one of 'min_wingspan'"),
         (["--required-excess-time", "nan"], "--required-excess-time"),
         (["--required-excess-time", "-1"], "--required-excess-time"),
         (["--out", "x", "--csv", "y.csv"], "give --out, or --csv and --plot, not both"),
+        (["--csv", "a.png", "--plot", "./a.png"], "--csv and --plot name the same file"),
+        (["--csv", ""], "needs the name of a file"),
         (["--plot", "figure.doc"], "must end in .png, .svg, .pdf"),
     ],
 )

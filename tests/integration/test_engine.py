@@ -217,10 +217,12 @@ def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
 
 def test_files_of_others_stay(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "film.part").write_text("half of a download")
+    (tmp_path / "film.scratch").write_text("mine")
     with ChunkStore(tmp_path).opened() as store:
         store.write("key", Part({"a": np.zeros(1)}))
         store.remove_parts()
-    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+    assert {path.name for path in tmp_path.iterdir()} == {"film.part", "film.scratch", "notes.txt"}
 
 
 def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
@@ -292,7 +294,7 @@ def test_targets_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
         check_target(tmp_path / "none" / "map.nc")
     with pytest.raises(OutputError, match="it is a folder"):
         check_target(tmp_path)
-    with pytest.raises(OutputError, match="folder does not exist"):
+    with pytest.raises(OutputError, match="a part of the path is a file"):
         check_target(tmp_path / "file" / "map.nc")
     check_target(tmp_path / "map.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
@@ -494,7 +496,7 @@ def test_stopped_is_not_swallowed_by_handlers_of_errors() -> None:
 
 def test_without_dask_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(WorkersUnavailableError, match=r"pip install .*\[cluster\]"):
+    with pytest.raises(WorkersUnavailableError, match="pip install distributed"):
         DaskCrew("local-cluster")
 
 

@@ -184,7 +184,37 @@ def test_a_map_is_no_table(tmp_path: Path) -> None:
     assert not target.exists()
 
 
-@pytest.mark.parametrize("grid", ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1"])
+def test_picture_shows_a_map_of_one_cell() -> None:
+    one = study.feasibility_map(AS2, JULY, [47.6], [196], SolarModel())
+    axes = study.map_figure(one).axes[0]
+    (mesh,) = axes.collections
+    corners = mesh.get_coordinates()
+    assert np.ptp(corners[..., 0]) > 0.0
+    assert np.ptp(corners[..., 1]) > 0.0
+    west, east = axes.get_xlim()
+    assert west < 196 < east
+
+
+def test_resized_map_tells_an_excess_time_without_end(tmp_path: Path) -> None:
+    # At the pole in midsummer the sun stands at 23 degrees all day.
+    picture = tmp_path / "map.png"
+    where = ["--latitudes", "90:90:1", "--days", "172:177:5", "--resize", "min_wingspan"]
+    command = ["map", "atlantiksolar-design", *where]
+    answer = CliRunner().invoke(cli, [*command, "--json", "--plot", str(picture)])
+    assert answer.exit_code == 0, answer.output
+    record = json.loads(answer.stdout)
+    assert record["infeasible_days"] == [0]
+    assert record["least_excess_time_h"] == [None]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    table = CliRunner().invoke(cli, [*command[:-1], "max_excess_time"]).output
+    assert "no end" in table
+    assert "inf " not in table
+
+
+BAD_GRIDS = ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1", "0:9:inf", "0:9:1e-320"]
+
+
+@pytest.mark.parametrize("grid", BAD_GRIDS)
 def test_bad_grids_are_refused(grid: str) -> None:
     answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--latitudes", grid])
     assert answer.exit_code == 2

@@ -196,7 +196,7 @@ def test_a_stopped_command_says_how_to_go_on(
     ("options", "code", "words"),
     [
         (["--out", "none/map.nc"], 1, "folder does not exist"),
-        (["--out", "."], 1, "it is a folder"),
+        (["--out", "folder.nc"], 1, "it is a folder"),
         (["--out", "map.nc", "--work", "file"], 1, "cannot make file"),
         (["--plot", "none/map.png"], 1, "folder does not exist"),
         (["--resize", "min_mass", "--endurance"], 2, "--endurance"),
@@ -207,6 +207,7 @@ def test_what_cannot_work_is_refused_at_once(
     invoke: Any, tmp_path: Path, options: list[str], code: int, words: str
 ) -> None:
     (tmp_path / "file").touch()
+    (tmp_path / "folder.nc").mkdir()
     answer = invoke(*SMALL, *options)
     text = answer.output if answer.exception is None else f"{answer.output}{answer.exception}"
     assert words in text

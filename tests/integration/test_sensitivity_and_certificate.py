@@ -167,6 +167,26 @@ def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
     assert certificate.found_by != "optimum"
 
 
+def test_grid_finds_designs_that_need_no_battery() -> None:
+    # 80 N in July: light wings with little battery fly on sunlight alone, day and night.
+    aircraft = load_aircraft(DESIGN).aircraft
+    mission = load_mission("rafz-july", ["latitude_deg=80"]).mission
+    result = size_aircraft(aircraft, mission, Objective.max_excess_time)
+    assert result.design is not None
+    heavy = result.design.variables.mapped(np.asarray)._replace(
+        wingspan_m=np.asarray(12.0),
+        battery_mass_kg=np.asarray(16.0),
+        module_area_m2=np.asarray(4.4),
+    )
+    simulated = performance_of_designs(aircraft, mission, heavy, SolarModel())
+    assert np.isfinite(simulated.cycle.excess_time_h).all()
+    spoiled = dataclasses.replace(result, simulated=simulated, design=simulated.design)
+    certificate = certify(aircraft, mission, spoiled)
+    assert not certificate.certified
+    assert certificate.found_by == "grid"
+    assert np.isposinf(certificate.best_found)
+
+
 # ---- prices of constraints
 
 

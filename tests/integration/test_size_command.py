@@ -218,3 +218,12 @@ def test_sensitivities_of_a_payload_are_drawn(run: Run, tmp_path: Path, objectiv
     outcome = run("size", DESIGN, "-m", "rafz-july", *options, "--out", "design")
     assert (outcome.code, outcome.err) == (0, "")
     assert files(tmp_path / "design") == SIZED_FILES | {"sensitivities.csv", "sensitivities.png"}
+
+
+def test_wing_covered_whole_is_written_and_read_again(run: Run) -> None:
+    whole = ("--set", "airframe.maximum_module_coverage=1")
+    asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan", *whole)
+    outcome = run(*asked, "--out", "whole")
+    assert (outcome.code, outcome.err) == (0, "")
+    again = run("analyse", "whole/aircraft.yaml", "-m", "rafz-july")
+    assert (again.code, again.err) == (0, "")

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from missions.configfile import validate
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from missions.problems import InputError
 from missions.yaml_document import parse_yaml
-from sizing.aircraft import Aircraft, LimitedQuantity
+from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.objectives import Objective
@@ -23,7 +23,8 @@ from sizing.performance import SolarModel, performance, performance_of_designs, 
 from sizing.remedies import remedies
 from sizing.sizing_problem import SizingProblems
 from sizing.sizing_result import SizingResult
-from sizing.widest_range import widest_range
+from sizing.widest_range import DAYS, widest_range
+from sizing.wing_polar import WingPolar
 from studies.library import load_aircraft, load_mission
 
 SMALL = (
@@ -179,11 +180,26 @@ def test_equal_limits_in_either_order_make_equal_keys() -> None:
         ("design_space.limits.chord_m={minimum: 2, maximum: 1}", "minimum must not exceed maximum"),
         ("design_space.limits.chord_m={}", "give a minimum, a maximum or both"),
         ("design_space.lift_coefficient={minimum: 0.5, maximum: 9}", "maximum lift coefficient"),
+        ("design_space.lift_coefficient={minimum: 0.5, maximum: 1.4}", "must be below the maximum"),
     ],
 )
 def test_wrong_limits_are_told(override: str, told: str) -> None:
     with pytest.raises(InputError, match=told):
         aircraft(override)
+
+
+def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
+    polar = "{model: wing_polar, airfoil: fx60126, design_aspect_ratio: 18.5, "
+    polar += "design_reynolds: 158000, stall_margin: 1.1}"
+    wing = f"airframe.aerodynamics={polar}"
+    parametric = aircraft(wing).airframe
+    assert isinstance(parametric, ParametricAirframe)
+    assert isinstance(parametric.aerodynamics, WingPolar)
+    highest = parametric.aerodynamics.highest_lift_coefficient
+    span = "design_space.lift_coefficient={minimum: 0.4, maximum: "
+    aircraft(wing, f"{span}{0.999 * highest:.4f}}}")
+    with pytest.raises(InputError, match="that of the stall margin"):
+        aircraft(wing, f"{span}{1.05 * highest:.4f}}}")
 
 
 # ---- bands
@@ -283,6 +299,42 @@ def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() ->
         plane, ranged, Objective.max_excess_time, required_excess_time_h=0.0, day=both
     )
     assert longer.objective_value is None or longer.objective_value < 2.0
+
+
+# In the tropics both ends of a season are about as hard, and which comes first is hardly told.
+@pytest.mark.parametrize(
+    ("name", "span_m", "latitude_deg", "altitude_m"),
+    [("atlantiksolar-design", 4.0, 20.5, 0.0), ("sky-sailor", 6.0, -8.5, 3000.0)],
+)
+def test_no_run_one_day_longer_is_kept_up(
+    name: str, span_m: float, latitude_deg: float, altitude_m: float
+) -> None:
+    small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
+    bound = f"design_space.wingspan_m.maximum={span_m}"
+    plane = load_aircraft(name, [bound, *small]).aircraft
+    place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
+    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
+    days = found.members.astype(int)
+    every = solar_day(plane, place, scenarios=Scenarios(np.full(365, latitude_deg), DAYS))
+    for shift in range(-3, 4):
+        first = days[0] - 1 + shift
+        longer = np.arange(first - 1, first + len(days)) % 365
+        sized = size_aircraft(
+            plane, place, Objective.max_excess_time, day=every.at(longer), explain=False
+        )
+        assert sized.objective_value is None or sized.objective_value < 2.0
+
+
+def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
+    small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
+    plane = load_aircraft("sky-sailor", small).aircraft
+    june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
+    found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
+    assert found.sizing.status == "optimal"
+    assert found.first is not None
+    # At 50 N alone a design has 6.36 h.
+    assert found.first < 55.0
+    assert found.last == 90.0
 
 
 def test_season_wraps_the_years_end_in_the_south() -> None:

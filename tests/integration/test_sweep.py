@@ -196,6 +196,19 @@ def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
     assert "flight path: " in str(data["message"].values[1, 0])
 
 
+def test_a_value_that_is_right_with_another_key_alone_is_varied() -> None:
+    # The file's highest lift coefficient is 1.4.
+    lift, highest = "airframe.aerodynamics.lift_coefficient", "maximum_lift_coefficient"
+    texts = f"{lift}=1,1.5", f"airframe.aerodynamics.{highest}=1.4,1.6"
+    data = study(DESIGN, JULY, *texts)
+    status = data["status"].sel(lift_coefficient=1.5)
+    assert int(status.sel(maximum_lift_coefficient=1.4)) == PointStatus.invalid
+    assert int(status.sel(maximum_lift_coefficient=1.6)) == PointStatus.perpetual
+    for alone in ({"sample": "one-at-a-time"}, {}):
+        with pytest.raises(InputError, match=r"--vary .*lift_coefficient: .* must be below"):
+            study(DESIGN, JULY, *(texts if alone else texts[:1]), **alone)
+
+
 def test_a_combination_that_the_files_refuse_is_invalid() -> None:
     data = study(AS2, JULY, "module_area_m2=1.3,1.9")
     assert data["status"].values.tolist() == [PointStatus.perpetual, PointStatus.invalid]
@@ -264,7 +277,8 @@ def test_held_variables_keep_their_values_and_others_are_sized() -> None:
         (["battery.mas_kg=1,2"], {}, "did you mean 'mass_kg'"),
         (["name=1,2"], {}, "name"),
         (["mission.clearness=0.5,1.5"], {}, "at most 1"),
-        (["wingspan_m=-1,2"], {}, "must be positive"),
+        (["wingspan_m=-1,2"], {}, "must be from 1e-09 to 1e+12 (got -1)"),
+        (["battery_mass_kg=1,1e300"], {}, "must be from 1e-09 to 1e+12 (got 1e+300)"),
         (["wingspan_m=1,2", "airframe.wingspan_m=3"], {}, "varied twice"),
         (["wingspan_m=3,4"], {"resize": Objective.min_wingspan}, "cannot be minimised"),
         (["battery_mass_kg=3,4"], {"resize": Objective.min_mass, "cover": True}, "--cover"),

@@ -22,11 +22,11 @@ from solar.geometry import ModuleGeometry, ModuleOutline
 from solar.power import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area
 from solar.sun import FloatArray
+from studies.cli import cli
 from studies.library import load_aircraft, load_mission
 from studies.log_errors import Window, day_masks, moving_average, parse_window
 from studies.synthetic_log import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
 from studies.verification import Verification, verify
-from studies.verify_command import verify as command
 
 MORNING_S = START_UTC_S + 18.3 * 3600.0  # just before sunrise on 1 July
 ATTITUDE = ["roll_deg", "pitch_deg", "yaw_deg"]
@@ -388,7 +388,7 @@ def log_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(*arguments: object) -> Result:
-    return CliRunner().invoke(command, ["atlantiksolar-as2", *map(str, arguments)])
+    return CliRunner().invoke(cli, ["verify", "atlantiksolar-as2", *map(str, arguments)])
 
 
 def test_command_prints_tables(log_file: Path) -> None:
@@ -396,6 +396,21 @@ def test_command_prints_tables(log_file: Path) -> None:
     assert result.exit_code == 0, result.output
     for text in ("5.71 to 5.79 h", "CDM", "FM", "battery full", "ambient temperature: logged"):
         assert text in result.output
+
+
+def test_name_of_a_log_is_text(log_file: Path, tmp_path: Path) -> None:
+    odd = tmp_path / "[" / "x].csv"
+    odd.parent.mkdir()
+    odd.write_bytes(log_file.read_bytes())
+    result = run(odd)
+    assert result.exit_code == 0, result.output
+    assert "[/x].csv" in "".join(result.output.split())
+
+
+def test_folder_that_is_a_file_is_refused_before_any_work(log_file: Path) -> None:
+    result = run("no-log.csv", "--out", log_file)
+    assert isinstance(result.exception, OSError)
+    assert "is not a folder" in str(result.exception)
 
 
 def test_command_prints_json(log_file: Path) -> None:

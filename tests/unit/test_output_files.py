@@ -219,3 +219,14 @@ def test_file_in_the_way_of_a_folder_is_refused(tmp_path: Path) -> None:
         with pytest.raises(OutputError):
             write_folder(path, {"a": b""})
     check_writable_folder(tmp_path / "not" / "there" / "yet")
+
+
+def test_folder_made_in_vain_goes_again(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "inner"
+    with pytest.raises(OutputError):
+        write_folder(folder, {"a.txt": b"a", "missing/b.txt": b"b"})
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "old").mkdir()
+    with pytest.raises(OutputError):
+        write_folder(tmp_path / "old", {"missing/b.txt": b"b"})
+    assert (tmp_path / "old").is_dir()
