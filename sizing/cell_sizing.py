@@ -25,10 +25,11 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.agreement import GOAL_CUSHION_H, SLACK_TOLERANCE
 from sizing.aircraft import Aircraft
+from sizing.cycle_program import lowest_sun_parameters, never_dark
 from sizing.design import DesignVariables, Masses, variables_of
 from sizing.energy_balance import FloatArray
 from sizing.limits import meets_requirements
-from sizing.objectives import Objective
+from sizing.objectives import Objective, without_battery
 from sizing.performance import (
     UNCORRECTED_CAM,
     Performance,
@@ -36,7 +37,7 @@ from sizing.performance import (
     performance_of_pairs,
     solar_day,
 )
-from sizing.program_solver import Answer, ProgramSolver, Question
+from sizing.program_solver import FIRST_MARGIN, Answer, ProgramSolver, Question
 from sizing.sizing_problem import Effort, SizingProblems
 from sizing.sizing_result import objective_value
 from sizing.structure import Value
@@ -44,7 +45,7 @@ from sizing.structure import Value
 # Prices of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, 300.0)
 _ROUNDS = 6
-_WASTE_H = 0.02
+_WASTE_H = 0.012
 # Certification: random neighbours of every optimum, and by how much one may be better.
 _NEIGHBOURS = 24
 _SPREADS = (0.03, 0.004)
@@ -190,13 +191,37 @@ class _Cells:
         self.count = len(self.day.scenarios) // each
         cushion_h = 0.0 if objective is Objective.max_excess_time else GOAL_CUSHION_H
         self.goals_h = required_h + cushion_h
-        self.margins = np.full(self.count, Question(cost={}, goal_h=0.0).margin)
+        self.margins = np.full(self.count, FIRST_MARGIN)
         self.answers: list[Answer | None] = [None] * self.count
         self.slacks: list[dict[str, float]] = [{} for _ in range(self.count)]
         self.own = variables_of(self.aircraft)
+        self.without_battery = np.zeros(self.count, bool)
 
     def run(self) -> CellSizings:
-        open_cells = np.arange(self.count)
+        best = self._search(np.arange(self.count))
+        lit = never_dark(self.day).reshape(-1, self.each).all(axis=-1)
+        if self.objective is not Objective.max_excess_time:
+            lit = lit & (self.required_h > 0.0)
+        if lit.any():
+            missed = list(self.slacks)
+            for cell, found in self._search_without_battery(np.flatnonzero(lit)).items():
+                if cell not in best or found[0] > best[cell][0]:
+                    best[cell] = found
+            self.slacks = missed
+        return self._results(best)
+
+    def _search_without_battery(self, cells: NDArray[np.int_]) -> dict[int, tuple[float, Answer]]:
+        """Best designs that fly by the sun alone at all times, under a midnight sun."""
+        self.without_battery[cells] = True
+        self.goals_h[cells], self.margins[cells] = 0.0, FIRST_MARGIN
+        for cell in cells:
+            self.answers[cell] = None
+        where = (cells[:, np.newaxis] * self.each + np.arange(self.each)).ravel()
+        self.solver.suns[where] = lowest_sun_parameters(self.day.at(where), self.mission)
+        return self._search(cells)
+
+    def _search(self, open_cells: NDArray[np.int_]) -> dict[int, tuple[float, Answer]]:
+        """Merit and answer of those cells that have a design."""
         best: dict[int, tuple[float, Answer]] = {}
         for _ in range(_ROUNDS):
             if not len(open_cells):
@@ -208,7 +233,7 @@ class _Cells:
             if not len(solved):
                 break
             open_cells = self._judge(solved, best)
-        return self._results(best)
+        return best
 
     # --- the program ---------------------------------------------------------------------------
 
@@ -247,7 +272,10 @@ class _Cells:
         previous: Answer | None,
         efforts: Sequence[Effort] = ("quick",),
     ) -> Answer | None:
-        question = Question.of(self.objective, float(self.goals_h[cell]))
+        objective = self.objective
+        if self.without_battery[cell]:
+            objective = without_battery(objective)
+        question = Question.of(objective, float(self.goals_h[cell]))
         held = dict(zip(("payload_mass_kg", "payload_power_w"), self.payload[:, cell], strict=True))
         if penalty is None:
             question = question.elastically()

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.mission import Mission
 from sizing.battery import Battery, ChargeLimit, RuleChargeLimit, TableChargeLimit
@@ -24,6 +25,7 @@ from sizing.performance import SolarDay
 # 10 min apart on a day of 16 h.
 NODES = 97
 SUN_PARAMETERS = 2 * NODES + 2
+_LOWEST_SUN = 1.0 - 1e-5
 # Keeps an interval without any charge from dividing by zero [state of charge].
 _NOTHING = 1e-12
 
@@ -50,6 +52,26 @@ def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
             for rows in zip(day.specific_power_w_per_m2, thermal, active, strict=True)
         ]
     )
+
+
+def lowest_sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
+    """Like :func:`sun_parameters`, with the lowest sun of the day and its highest thermals all day.
+
+    An aircraft that closes such a day needs no battery in the real one. A hair less than the lowest
+    sun keeps it so in spite of rounding.
+    """
+    thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
+    lowest = _LOWEST_SUN * day.specific_power_w_per_m2.min(axis=-1)
+    highest = np.broadcast_to(np.max(thermal, axis=-1), lowest.shape)
+    columns = [np.repeat(lowest[:, np.newaxis], NODES, axis=1)]
+    columns.append(np.repeat(highest[:, np.newaxis], NODES, axis=1))
+    columns.append(np.tile([24.0 / (NODES - 1), 0.0], (len(lowest), 1)))
+    return np.concatenate(columns, axis=1)
+
+
+def never_dark(day: SolarDay) -> NDArray[np.bool_]:
+    """Whether the modules have light at all times, shape ``(scenario,)``."""
+    return np.asarray(day.specific_power_w_per_m2.min(axis=-1) > 0.0)
 
 
 def _one_scenario(

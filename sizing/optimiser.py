@@ -16,10 +16,11 @@ from sizing.agreement import (
     telling_scenarios,
 )
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.cycle_program import lowest_sun_parameters, never_dark
 from sizing.design import Design, DesignVariables, Masses, variables_of
 from sizing.energy_balance import FloatArray
 from sizing.limits import design_requirements
-from sizing.objectives import Objective
+from sizing.objectives import Objective, without_battery
 from sizing.parameters import with_parameter
 from sizing.performance import (
     DEFAULT_STEP_H,
@@ -110,8 +111,41 @@ def size_aircraft(
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    solver = ProgramSolver(problems or SizingProblems(aircraft), mission, lit)
-    return _Search(solver, solar, objective, required, start, explain).run()
+    problems = problems or SizingProblems(aircraft)
+    solver = ProgramSolver(problems, mission, lit)
+    asked = (solver, solar, objective, required, start)
+    endless = None
+    if never_dark(lit).all() and (required > 0.0 or objective is Objective.max_excess_time):
+        endless = _sized_without_battery(ProgramSolver(problems, mission, lit), *asked[1:])
+        if endless is not None and objective is Objective.max_excess_time:
+            return endless
+    found = _Search(*asked, explain=explain and endless is None).run()
+    return found if endless is None else _better(found, endless)
+
+
+def _sized_without_battery(
+    solver: ProgramSolver,
+    solar: SolarModel,
+    objective: Objective,
+    required_h: float,
+    start: DesignVariables | None,
+) -> SizingResult | None:
+    """Best design that flies by the sun alone at all times, under a midnight sun; none if none can.
+
+    Its excess time has no end. Where that is the objective, the lightest of these designs.
+    """
+    solver.suns = lowest_sun_parameters(solver.day, solver.mission)
+    search = _Search(solver, solar, objective, required_h, start, explain=False, battery=False)
+    found = search.run()
+    return found if found.feasible else None
+
+
+def _better(one: SizingResult, other: SizingResult) -> SizingResult:
+    """Better of two results of the same question, of which the second is an optimum."""
+    if one.objective_value is None or other.objective_value is None:
+        return other
+    gain = one.objective_value - other.objective_value
+    return one if (gain > 0.0) is one.objective.maximised else other
 
 
 class _Search:
@@ -125,16 +159,20 @@ class _Search:
         required_h: float,
         start: DesignVariables | None = None,
         explain: bool = True,
+        battery: bool = True,
     ) -> None:
-        self.explain = explain
+        self.explain, self.battery = explain, battery
         self.solver, self.solar = solver, solar
         self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
         self.objective, self.required_h = objective, required_h
         self.start = variables_of(self.aircraft) if start is None else start
         cushion_h = 0.0 if objective is Objective.max_excess_time else GOAL_CUSHION_H
+        question = Question.of(objective, required_h + cushion_h)
+        if not battery:
+            question = Question.of(without_battery(objective), 0.0)
         self.agreement = Agreement(
             solver,
-            Question.of(objective, required_h + cushion_h),
+            question,
             required_h,
             self._simulate,
             self._merit,
@@ -243,6 +281,7 @@ class _Search:
                 filled=answer.filled,
                 weights=answer.weights,
                 margin=answer.question.margin,
+                needs_no_battery=not self.battery,
             ),
         )
 

@@ -25,7 +25,7 @@ from sizing.sizing_problem import (
 )
 from sizing.sizing_result import SolverReport
 
-_FIRST_MARGIN = 1e-3
+FIRST_MARGIN = 1e-3  # of the recharge, to begin with
 
 # Sequential quadratic programming ends where the point is feasible and the prices balance the cost.
 # Old prices do so still where a requirement has only become easier, though it no longer binds; a
@@ -74,7 +74,7 @@ class Question:
     freed: tuple[str, ...] = ()
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     elastic: bool = False
-    margin: float = _FIRST_MARGIN
+    margin: float = FIRST_MARGIN
 
     @classmethod
     def of(cls, objective: Objective, goal_h: float) -> Question:

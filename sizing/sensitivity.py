@@ -19,7 +19,7 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.cycle_program import sun_parameters
+from sizing.cycle_program import lowest_sun_parameters, sun_parameters
 from sizing.design import FlightConditions
 from sizing.energy_balance import FloatArray
 from sizing.objectives import Objective
@@ -165,8 +165,10 @@ def constraint_prices(result: SizingResult) -> list[ConstraintPrice]:
     ValueError
         If the result is no optimum.
     """
-    if result.optimum is None or result.simulated is None:
+    if result.optimum is None or result.simulated is None or result.objective_value is None:
         raise ValueError(f"the sizing is {result.status}: only an optimum has prices")
+    if not np.isfinite(result.objective_value):
+        return []
     worth = abs(_objective_per_cost(result))
     labels = result.simulated.day.scenarios.label
     prices: dict[str, ConstraintPrice] = {}
@@ -242,10 +244,11 @@ class _Lagrangian:
         function = ca.Function(
             "program", [symbols["x"], symbols["p"]], [symbols["f"], symbols["g"]]
         )
+        suns = lowest_sun_parameters if self.optimum.needs_no_battery else sun_parameters
         parameters = problem.parameters(
             self.optimum.weights,
             FlightConditions.of(mission),
-            sun_parameters(day, mission),
+            suns(day, mission),
             margin=self.optimum.margin,
         )
         cost, rows = function(self._point(problem, mission), parameters)

@@ -43,7 +43,7 @@ class Optimum:
 
     ``filled`` are the scenarios in the slots of the program, ``weights`` its cost; see
     :class:`sizing.sizing_problem.SizingProblem`. ``bound_prices`` are those of the variables that
-    were free.
+    were free. Where ``needs_no_battery``, the program had the lowest sun of the day all day long.
     """
 
     x: FloatArray
@@ -53,6 +53,7 @@ class Optimum:
     filled: tuple[int, ...]
     weights: FloatArray
     margin: float
+    needs_no_battery: bool = False
 
 
 @dataclass(frozen=True)

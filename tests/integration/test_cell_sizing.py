@@ -54,7 +54,7 @@ def test_cells_are_sized_as_one_by_one(
             assert np.isnan(found.objective_value[cell])
             continue
         feasible += 1
-        # Both stop within 0.02 h of the requirement; payload falls by a percent in that time.
+        # Both stop within 0.012 h of the requirement; payload falls by a percent in that time.
         assert found.objective_value[cell] == pytest.approx(alone.objective_value, rel=0.01)
     assert 0 < feasible < len(range(0, len(CELLS), 5))
 

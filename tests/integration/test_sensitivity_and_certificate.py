@@ -199,7 +199,7 @@ def test_price_of_the_required_time_is_what_another_hour_costs() -> None:
     more, less = (sized(Objective.min_wingspan, h).objective_value for h in (4.2, 3.8))
     assert more is not None
     assert less is not None
-    # A difference over 0.4 h of two searches that stop within 0.02 h: five percent.
+    # A difference over 0.4 h of two searches that stop within 0.012 h: five percent.
     assert per_hour == pytest.approx((more - less) / 0.4, rel=0.06)
     assert prices["excess_time"].step == "1 h"
 
