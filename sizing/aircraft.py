@@ -229,6 +229,17 @@ LimitedQuantity = Literal[
 ]
 
 
+LimitEnd = Literal["minimum", "maximum"]
+
+# Limits that have a key of their own.
+_NAMED_LIMITS: dict[str, tuple[LimitedQuantity, LimitEnd]] = {
+    "maximum_wing_loading_kg_per_m2": ("wing_loading_kg_per_m2", "maximum"),
+    "minimum_stall_margin": ("stall_margin", "minimum"),
+    "minimum_climb_rate_m_per_s": ("climb_rate_m_per_s", "minimum"),
+    "maximum_climb_discharge_rate_per_h": ("climb_discharge_rate_per_h", "maximum"),
+}
+
+
 class Limit(Record):
     """Least and largest value that a quantity of the design may have; one of them may be left."""
 
@@ -272,31 +283,37 @@ class DesignSpace(Record):
 
     def all_limits(self) -> dict[LimitedQuantity, Limit]:
         """Every limit on a quantity of the design, whichever key it was given by."""
-        named: dict[LimitedQuantity, Limit] = {}
-        if self.maximum_wing_loading_kg_per_m2 is not None:
-            limit = Limit(maximum=self.maximum_wing_loading_kg_per_m2)
-            named["wing_loading_kg_per_m2"] = limit
-        if self.minimum_stall_margin is not None:
-            named["stall_margin"] = Limit(minimum=self.minimum_stall_margin)
-        if self.minimum_climb_rate_m_per_s is not None:
-            named["climb_rate_m_per_s"] = Limit(minimum=self.minimum_climb_rate_m_per_s)
-        if self.maximum_climb_discharge_rate_per_h is not None:
-            limit = Limit(maximum=self.maximum_climb_discharge_rate_per_h)
-            named["climb_discharge_rate_per_h"] = limit
+        named = {
+            quantity: Limit(**{end: getattr(self, key)})
+            for key, (quantity, end) in _NAMED_LIMITS.items()
+            if getattr(self, key) is not None
+        }
         return named | self.limits
+
+    def key_of_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> str:
+        """Key by which a limit was given."""
+        for key, place in _NAMED_LIMITS.items():
+            if place == (quantity, end) and getattr(self, key) is not None:
+                return key
+        return f"limits.{quantity}.{end}"
+
+    def with_limit(
+        self, quantity: LimitedQuantity, end: LimitEnd, value: float | None
+    ) -> DesignSpace:
+        """Same space with a limit that it has at another value, or without it; not validated."""
+        key = self.key_of_limit(quantity, end)
+        if key in _NAMED_LIMITS:
+            return self.model_copy(update={key: value})
+        limit = self.limits[quantity].model_copy(update={end: value})
+        return self.model_copy(update={"limits": self.limits | {quantity: limit}})
 
     @model_validator(mode="after")
     def _check_mass(self) -> DesignSpace:
         heaviest, battery = self.maximum_total_mass_kg, self.battery_mass_kg.minimum
         twice = [
             key
-            for key, name in (
-                ("maximum_wing_loading_kg_per_m2", "wing_loading_kg_per_m2"),
-                ("minimum_stall_margin", "stall_margin"),
-                ("minimum_climb_rate_m_per_s", "climb_rate_m_per_s"),
-                ("maximum_climb_discharge_rate_per_h", "climb_discharge_rate_per_h"),
-            )
-            if getattr(self, key) is not None and name in self.limits
+            for key, (quantity, _) in _NAMED_LIMITS.items()
+            if getattr(self, key) is not None and quantity in self.limits
         ]
         if twice:
             raise ValueError(f"{twice[0]} and the same quantity in limits: give one of them")

@@ -25,7 +25,7 @@ from sizing.performance import SolarDay
 # 10 min apart on a day of 16 h.
 NODES = 97
 SUN_PARAMETERS = 2 * NODES + 2
-_LOWEST_SUN = 1.0 - 1e-5
+_INSTANT_H = 0.0024  # of night: 1e-4 of the day
 # Keeps an interval without any charge from dividing by zero [state of charge].
 _NOTHING = 1e-12
 
@@ -57,15 +57,15 @@ def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
 def lowest_sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
     """Like :func:`sun_parameters`, with the lowest sun of the day and its highest thermals all day.
 
-    An aircraft that closes such a day needs no battery in the real one. A hair less than the lowest
-    sun keeps it so in spite of rounding.
+    An aircraft that closes such a day needs no battery in the real one. A few seconds of night ask
+    for a hair more than the load: at equality rounding decides, and prices have a kink.
     """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
-    lowest = _LOWEST_SUN * day.specific_power_w_per_m2.min(axis=-1)
+    lowest = day.specific_power_w_per_m2.min(axis=-1)
     highest = np.broadcast_to(np.max(thermal, axis=-1), lowest.shape)
     columns = [np.repeat(lowest[:, np.newaxis], NODES, axis=1)]
     columns.append(np.repeat(highest[:, np.newaxis], NODES, axis=1))
-    columns.append(np.tile([24.0 / (NODES - 1), 0.0], (len(lowest), 1)))
+    columns.append(np.tile([24.0 / (NODES - 1), _INSTANT_H], (len(lowest), 1)))
     return np.concatenate(columns, axis=1)
 
 

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.agreement import GOAL_CUSHION_H, SLACK_TOLERANCE, Agreed, Agreement, telling_scenarios
-from sizing.aircraft import Aircraft
+from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
 from sizing.cell_sizing import size_cells
 from sizing.design import DesignVariables
 from sizing.energy_balance import FloatArray
+from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
 from sizing.parameters import parameter_value, with_parameter
@@ -63,6 +64,7 @@ _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
 _SLOTS = 2
 _AT_ONCE = 4  # latitudes that are sized together
+_HALVINGS, _NEAR_ENOUGH = 14, 0.003  # of a bisection, and where it may end: relative
 _STEPS_BEYOND = 3  # where the scenarios left out ask for a little more
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
@@ -157,6 +159,9 @@ class _Remedies:
         self.nearest, self.required_h = result.nearest, result.required_excess_time_h
         self.objective = result.objective
         self.others_missed = {v.requirement for v in result.violations} - {"excess_time"}
+        # A requirement that is met at the expense of another one stands in the way as well.
+        held = {label.partition(" (")[0] for label in result.active_constraints}
+        self.in_the_way = self.others_missed | held
         self.day = result.nearest.day
         self.solver = ProgramSolver(problems, mission, self.day)
         self.start = result.nearest.design.variables.mapped(float)
@@ -167,7 +172,8 @@ class _Remedies:
         found = [self._technology(key) for key in technology_keys(self.aircraft)]
         found += [self._payload(name) for name in _PAYLOADS]
         found += [self._bound(name) for name in self._bounds_reached()]
-        found += [self._latitude(), self._required_excess()]
+        found += [self._latitude(), self._required_excess(), self._wind()]
+        found += [self._limit(*place) for place in self._limits_in_the_way()]
         return [remedy for remedy in found if remedy is not None]
 
     # --- one parameter in the program ----------------------------------------------------------
@@ -403,21 +409,96 @@ class _Remedies:
 
     def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
         """Largest worst excess time over all scenarios; None if it is not enough."""
-        found = size_aircraft(
-            self.aircraft,
-            self._moved(latitude),
+        return self._reached_h(self._largest_excess(self.aircraft, self._moved(latitude)))
+
+    def _largest_excess(self, aircraft: Aircraft, mission: Mission) -> SizingResult:
+        """Sizing of another aircraft or mission for the largest excess time."""
+        return size_aircraft(
+            aircraft,
+            mission,
             Objective.max_excess_time,
             self.solar,
             required_excess_time_h=0.0,
-            problems=self.problems,
+            problems=self.problems if aircraft is self.aircraft else None,
             start=self.start,
             explain=False,
         )
-        worst_h = found.objective_value
+
+    def _reached_h(self, result: SizingResult) -> float | None:
+        """Worst excess time of a sizing; None if it is not enough."""
+        worst_h = result.objective_value
         return worst_h if worst_h is not None and worst_h >= self.required_h else None
 
     def _moved(self, latitude: float | LatitudeRange) -> Mission:
         return self.mission.model_copy(update={"latitude_deg": latitude})
+
+    # --- what the program holds fixed -----------------------------------------------------------
+
+    def _wind(self) -> Remedy | None:
+        """Strongest wind that can be flown in, where the airspeed does not suffice."""
+        present = self.mission.wind_m_per_s
+        if "airspeed_above_wind" not in self.in_the_way:
+            return None
+
+        def reached_h(wind: float) -> float | None:
+            weaker = self.mission.model_copy(update={"wind_m_per_s": wind})
+            return self._reached_h(self._largest_excess(self.aircraft, weaker))
+
+        return _bisected("mission.wind_m_per_s", "m/s", present, 0.0, reached_h)
+
+    def _limits_in_the_way(self) -> list[tuple[LimitedQuantity, LimitEnd]]:
+        limits = self.aircraft.design_space.all_limits()
+        ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
+        return [
+            (quantity, end)
+            for quantity in limits
+            for end in ends
+            if f"{quantity}_{end}" in self.in_the_way
+        ]
+
+    def _limit(self, quantity: LimitedQuantity, end: LimitEnd) -> Remedy | None:
+        """Value to which a limit must be eased: no further than what is reached without it."""
+        space = self.aircraft.design_space
+
+        def sized(value: float | None) -> SizingResult:
+            eased = space.with_limit(quantity, end, value)
+            aircraft = self.aircraft.model_copy(update={"design_space": eased})
+            return self._largest_excess(aircraft, self.mission)
+
+        free = sized(None)
+        if free.design is None or self._reached_h(free) is None:
+            return None
+        flown = DesignInFlight(self.aircraft, free.design, self.solver.conditions)
+        return _bisected(
+            f"design_space.{space.key_of_limit(quantity, end)}",
+            QUANTITIES[quantity].unit,
+            getattr(space.all_limits()[quantity], end),
+            float(QUANTITIES[quantity].of(flown)),
+            lambda value: self._reached_h(sized(value)),
+        )
+
+
+def _bisected(
+    key: str,
+    unit: str,
+    present: float,
+    enough: float,
+    reached_h: Callable[[float], float | None],
+) -> Remedy | None:
+    """Value nearest to the present one at which the excess time suffices, as it does at another."""
+    direction: Direction = "at least" if enough > present else "at most"
+    bad, good = present, enough
+    for _ in range(_HALVINGS):
+        if abs(bad - good) <= _NEAR_ENOUGH * abs(good):
+            break
+        middle = (good + bad) / 2.0
+        if reached_h(middle) is None:
+            bad = middle
+        else:
+            good = middle
+    value = _rounded(good, direction)
+    worst_h = reached_h(value)
+    return None if worst_h is None else Remedy(key, unit, present, direction, value, worst_h)
 
 
 class _SoftAgreement(Agreement):

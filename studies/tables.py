@@ -210,7 +210,7 @@ def _print_prices(console: Console, prices: list[ConstraintPrice], objective: Ob
 
 def _print_remedies(console: Console, remedies: tuple[Remedy, ...]) -> None:
     if not remedies:
-        console.print("no single parameter would make it feasible")
+        console.print("no single parameter that was tried would make it feasible")
         return
     console.print("feasible with one of these, all else unchanged:")
     for remedy in remedies:

@@ -14,6 +14,9 @@ from missions.mission import Mission, Scenarios
 from missions.problems import InputError
 from missions.yaml_document import parse_yaml
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
+from sizing.cell_sizing import CellStatus, size_cells
+from sizing.certificate import certify
+from sizing.cycle import Status
 from sizing.design import FlightConditions, variables_of
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.objectives import Objective
@@ -21,6 +24,7 @@ from sizing.optimiser import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.performance import SolarModel, performance, performance_of_designs, solar_day
 from sizing.remedies import remedies
+from sizing.sensitivity import sensitivities
 from sizing.sizing_problem import SizingProblems
 from sizing.sizing_result import SizingResult
 from sizing.widest_range import DAYS, widest_range
@@ -417,6 +421,86 @@ def test_less_required_time_is_no_remedy_for_another_requirement() -> None:
     assert "mission.required_excess_time_h" not in {
         remedy.parameter for remedy in remedies(plane, mission(), result)
     }
+
+
+@pytest.mark.parametrize(
+    ("where", "key", "unit"),
+    [
+        ("mission", "wind_m_per_s", "m/s"),
+        ("aircraft", "design_space.limits.module_coverage.minimum", "1"),
+        ("aircraft", "design_space.minimum_climb_rate_m_per_s", "m/s"),
+    ],
+)
+def test_wind_and_limits_in_the_way_are_told(where: str, key: str, unit: str) -> None:
+    of_mission = where == "mission"
+    asked = 15.0 if of_mission else (0.9 if "coverage" in key else 5.0)
+
+    def sizing(value: float) -> tuple[Aircraft, Mission, SizingResult]:
+        plane = aircraft() if of_mission else aircraft(f"{key}={value}")
+        flight = mission(**{key: value}) if of_mission else mission()
+        return plane, flight, size_aircraft(plane, flight, Objective.max_excess_time)
+
+    plane, flight, result = sizing(asked)
+    assert result.status == "infeasible"
+    name = f"mission.{key}" if of_mission else key
+    (remedy,) = (r for r in remedies(plane, flight, result) if r.parameter == name)
+    assert (remedy.direction, remedy.unit, remedy.present) == ("at most", unit, asked)
+    assert sizing(remedy.value)[2].feasible
+    # It is found to within 0.3 % and rounded to three digits.
+    assert not sizing(1.015 * remedy.value)[2].feasible
+
+
+MIDNIGHT_SUN = {"latitude_deg": 85.0, "dates": {"on": "07-15"}}
+
+
+@pytest.mark.parametrize(
+    ("objective", "required_h"),
+    [
+        (Objective.max_excess_time, 0.0),
+        (Objective.min_wingspan, 15.0),
+        (Objective.min_mass, 5.0),
+        (Objective.max_payload_mass, 2.0),
+    ],
+)
+def test_midnight_sun_needs_no_battery(objective: Objective, required_h: float) -> None:
+    plane, flight = aircraft(), mission(**MIDNIGHT_SUN)
+    result = size_aircraft(plane, flight, objective, required_excess_time_h=required_h)
+    assert result.feasible
+    assert certify(plane, flight, result).certified
+    if objective is not Objective.max_payload_mass:  # a heavy aircraft may still want one
+        assert result.simulated is not None
+        assert (result.simulated.cycle.status == Status.always_lit).all()
+        assert np.isinf(result.simulated.cycle.excess_time_h).all()
+    scenarios = flight.scenarios()
+    cells = size_cells(plane, flight, scenarios, objective, required_excess_time_h=required_h)
+    assert cells.status.tolist() == [CellStatus.certified]
+    assert cells.objective_value == pytest.approx([result.objective_value], rel=1e-3)
+
+
+def test_battery_is_no_way_to_fly_for_longer_than_the_sun_shines_all_day() -> None:
+    # 40 h of battery are out of reach, and at 85 N in July nobody needs them.
+    flight = mission(**MIDNIGHT_SUN)
+    assert size_aircraft(aircraft(), flight, required_excess_time_h=40.0).feasible
+    later = mission(latitude_deg=60.0, dates={"on": "07-15"})
+    assert not size_aircraft(aircraft(), later, required_excess_time_h=40.0).feasible
+
+
+def test_sensitivities_without_battery_equal_sizing_again() -> None:
+    flight = mission(**MIDNIGHT_SUN)
+
+    def sized(*overrides: str) -> SizingResult:
+        plane = aircraft(*overrides)
+        return size_aircraft(plane, flight, Objective.min_mass, required_excess_time_h=15.0)
+
+    result = sized()
+    found = {s.parameter: s for s in sensitivities(aircraft(), flight, result)}
+    for key in ("power.avionics_w", "modules.efficiency_stc", "airframe.structure.calibration"):
+        value = found[key].value
+        high, low = (sized(f"{key}={value * (1.0 + sign * 2e-3)!r}") for sign in (1.0, -1.0))
+        assert high.objective_value is not None
+        assert low.objective_value is not None
+        slope = (high.objective_value - low.objective_value) / (4e-3 * value)
+        assert found[key].derivative == pytest.approx(slope, rel=0.01)
 
 
 def test_hopeless_mission_has_no_remedies_and_a_feasible_one_is_refused() -> None:
