@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from missions.dates import date_label
 from missions.mission import Mission, Scenarios, latitude_label
@@ -22,6 +21,9 @@ from sizing.energy_balance import FloatArray
 from sizing.performance import day_axis_h, modelled_power
 from solar.correction import REPORTED_ERRORS
 from solar.names import ModelName
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LATITUDES_DEG = (0.0, 15.0, 30.0, 45.0, 55.0, 65.0)
 DAYS = (80, 172, 355)
@@ -111,6 +113,8 @@ def _errors(
 
 def to_table(errors: Sequence[TransferredError]) -> pd.DataFrame:
     """One row for each error, in percent."""
+    import pandas as pd
+
     return pd.DataFrame(
         [
             {

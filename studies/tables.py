@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
-from sizing.certificate import RELATIVE_TOLERANCE, Certificate
 from sizing.objectives import Objective
-from sizing.remedies import Remedy
-from sizing.sensitivity import ConstraintPrice, Sensitivity
-from sizing.sizing_result import SizingResult
 from solar.names import ATTITUDE_MODELS
 from studies.analysis import Analysis, clock_label
-from studies.model_transfer import TransferredError
-from studies.published import Comparison
-from studies.sizing_study import SizingStudy
+
+if TYPE_CHECKING:  # each command prints its own results alone
+    from sizing.certificate import Certificate
+    from sizing.remedies import Remedy
+    from sizing.sensitivity import ConstraintPrice, Sensitivity
+    from sizing.sizing_result import SizingResult
+    from studies.model_transfer import TransferredError
+    from studies.published import Comparison
+    from studies.sizing_study import SizingStudy
 
 _WIDE = 105
 
@@ -415,6 +417,8 @@ def print_sensitivities(
 
 def print_certificate(console: Console, certificate: Certificate, objective: Objective) -> None:
     """Whether the optimum withstood the attack."""
+    from sizing.certificate import RELATIVE_TOLERANCE
+
     verdict = "certified" if certificate.certified else "NOT certified"
     found = (
         f"the best of them has {_with_unit(certificate.best_found, '.5g', objective)} "
