@@ -40,7 +40,7 @@ Effort = Literal["quick", "steady", "patient", "next"]
 _IPOPT_EFFORTS: dict[Effort, dict[str, Any]] = {
     "quick": {
         "ipopt.hessian_approximation": "limited-memory",
-        "ipopt.mu_strategy": "adaptive",
+        "ipopt.mu_strategy": "monotone",
         "ipopt.max_iter": 120,
     },
     "steady": {
