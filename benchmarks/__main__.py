@@ -40,9 +40,13 @@ PARTS: tuple[Callable[[], list[dict[str, Any]]], ...] = (
     type=click.Choice([part.__name__ for part in PARTS]),
     help="Part to run; may be repeated.",
 )
-def main(as_json: bool, markdown_file: str | None, names: tuple[str, ...]) -> None:
+@click.option("--long", "with_long", is_flag=True, help="Also maps of 10^6 and 10^7 cells.")
+def main(as_json: bool, markdown_file: str | None, names: tuple[str, ...], with_long: bool) -> None:
     """Run the benchmarks and print a table, or JSON."""
-    rows = [r for part in PARTS if not names or part.__name__ in names for r in part()]
+    rows = []
+    for part in PARTS:
+        if not names or part.__name__ in names:
+            rows += map_scaling(long=with_long) if part is map_scaling else part()
     if markdown_file is not None:
         from missions.output_files import write_text_atomically
 

@@ -44,9 +44,8 @@ _METRICS = (
 )
 
 
-def map_scaling() -> list[dict[str, Any]]:
-    """All entries of this module; sizes of 10^6 and 10^7 cells with ``--long`` alone."""
-    long = "--long" in sys.argv
+def map_scaling(*, long: bool = False) -> list[dict[str, Any]]:
+    """All entries of this module; sizes of 10^6 and 10^7 cells if they may take long."""
     return [*_full_map(), _endurance(), _two_processes(), _memory(), *_cost_against_size(long)]
 
 
