@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import IntEnum
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from sizing.aircraft import Aircraft
 from sizing.cell_sizing import CellSizings, CellStatus
 from sizing.objectives import Objective
 from sizing.performance import SolarModel
+from sizing.sizing_problem import SizingProblems
 from sizing.sizing_result import SizingResult
 
 __all__ = [
@@ -129,12 +131,21 @@ def size_cells(
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
     )
-    found = cell_sizing.size_cells(aircraft, mission, scenarios, objective, solar)
+    problems = _programs(aircraft)
+    found = cell_sizing.size_cells(
+        problems.aircraft, mission, scenarios, objective, solar, problems=problems
+    )
     columns = _columns(found)
     for index in np.flatnonzero(scenarios.in_polar_night()):
         for name, blank in BLANKS.items():
             columns[name][index] = _POLAR_NIGHT.get(name, blank)
     return columns
+
+
+@lru_cache(maxsize=1)
+def _programs(aircraft: Aircraft) -> SizingProblems:
+    """Programs of an aircraft, kept for the next chunk of the same map in this process."""
+    return SizingProblems(aircraft)
 
 
 _STATUS_OF_CELL = {
