@@ -90,9 +90,10 @@ def test_angle_of_incidence_equals_pvlib(
     dec, w = declination(172.5), hour_angle(hour)
     sun = sun_vector_ned(latitude, dec, w)
     ours = np.degrees(np.arccos(np.clip(cos_angle_of_incidence(normal, sun), -1.0, 1.0)))
-    tilt = np.degrees(np.arccos(np.clip(-normal[2], -1.0, 1.0)))
+    # From both components: the arc cosine alone takes small tilts for none.
+    tilt = np.degrees(np.arctan2(np.hypot(normal[0], normal[1]), -normal[2]))
     azimuth = np.degrees(np.arctan2(normal[1], normal[0])) % 360.0
-    zenith = np.degrees(np.arccos(np.clip(cos_zenith(latitude, dec, w), -1.0, 1.0)))
+    zenith = np.degrees(np.arctan2(np.hypot(sun[0], sun[1]), cos_zenith(latitude, dec, w)))
     sun_azimuth = np.degrees(np.arctan2(sun[1], sun[0])) % 360.0
     theirs = irradiance.aoi_projection(tilt, azimuth, zenith, sun_azimuth)
     # 1e-9 in the cosine: arccos loses half the digits at grazing and head-on angles.
