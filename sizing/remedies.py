@@ -444,6 +444,8 @@ class _Remedies:
             weaker = self.mission.model_copy(update={"wind_m_per_s": wind})
             return self._reached_h(self._largest_excess(self.aircraft, weaker))
 
+        if reached_h(0.0) is None:
+            return None
         return _bisected("mission.wind_m_per_s", "m/s", present, 0.0, reached_h)
 
     def _limits_in_the_way(self) -> list[tuple[LimitedQuantity, LimitEnd]]:
