@@ -18,6 +18,7 @@ from sizing.polar_table import shipped_airfoils
 from sizing.smooth import Value
 from sizing.wing_polar import WingPolar
 from solar.sun import FloatArray
+from studies.figure_script import write_figure
 from studies.plots import CHARGE, LOAD, SUN, to_bytes
 
 _COLOURS = (LOAD, CHARGE, SUN, "#CC79A7", "#56B4E9", "#D55E00")
@@ -223,3 +224,13 @@ def markdown() -> str:
                 f"| {residuals} |"
             )
     return "\n".join(lines) + "\n"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line: write the figure; the exit code is 1 where it cannot."""
+    prog = "python -m studies.power_curve"
+    return write_figure(power_curve_image, arguments, prog=prog, description=__doc__)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

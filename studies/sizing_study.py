@@ -13,7 +13,8 @@ from missions.output_files import to_yaml
 from missions.yaml_document import Document
 from sizing.aircraft import Aircraft
 from sizing.certificate import Certificate, certify
-from sizing.design import Design, DesignVariables
+from sizing.design import Design, DesignVariables, FlightConditions
+from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.objectives import Objective
 from sizing.optimiser import size_aircraft
 from sizing.performance import (
@@ -160,6 +161,11 @@ def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[
         "version": __version__,
     }
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
+    record["quantities"] = None
+    if result.design is not None:
+        conditions = FlightConditions.of(mission).with_payload_of(result.design.variables)
+        flown = DesignInFlight(aircraft, result.design, conditions)
+        record["quantities"] = {name: float(q.of(flown)) for name, q in QUANTITIES.items()}
     return record | _design_record(result.design) | _simulated_record(result.simulated)
 
 

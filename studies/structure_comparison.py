@@ -6,14 +6,9 @@ docs/structure.md. One aircraft, AtlantikSolar, gives the calibration; any other
 
 from __future__ import annotations
 
-import argparse
-import sys
-from pathlib import Path
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from missions.output_files import OutputError, write_bytes_atomically
 from sizing.rib_wing import RibWingStructure, StructureParts
 from sizing.smooth import Value
 from sizing.structure import (
@@ -22,7 +17,7 @@ from sizing.structure import (
     SparStructure,
     StructureModel,
 )
-from studies.formats import IMAGE_FORMATS, image_format
+from studies.figure_script import write_figure
 from studies.known_structures import (
     ATLANTIKSOLAR,
     KNOWN,
@@ -171,21 +166,8 @@ def _against(case: StructureCase, model: StructureModel) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line: write the figure; the exit code is 1 where it cannot."""
-    parser = argparse.ArgumentParser(
-        prog="python -m studies.structure_comparison", description=__doc__
-    )
-    parser.add_argument("--out", required=True, type=Path, help="PNG, SVG or PDF file to write")
-    given = parser.parse_args(arguments)
-    drawn_as = image_format(str(given.out))
-    if drawn_as is None:
-        allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
-        parser.error(f"--out must end in one of {allowed} (got {given.out})")
-    try:
-        write_bytes_atomically(given.out, structure_image(drawn_as))
-    except OutputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    return 0
+    prog = "python -m studies.structure_comparison"
+    return write_figure(structure_image, arguments, prog=prog, description=__doc__)
 
 
 if __name__ == "__main__":

@@ -234,6 +234,7 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
     table.add_column(justify="right")
     simulated = record["simulated"]
     worst = record["worst_scenario"]["label"]
+    quantities = record["quantities"]
     for label, text in (
         ("wingspan", f"{record['wingspan_m']:.3f} m"),
         ("aspect ratio", f"{record['aspect_ratio']:.2f}"),
@@ -241,6 +242,9 @@ def print_sizing(console: Console, result: SizingResult, record: dict[str, Any])
         ("module area", f"{record['module_area_m2']:.3f} m2"),
         ("total mass", f"{record['total_mass_kg']:.3f} kg"),
         ("airspeed", f"{record['airspeed_m_per_s']:.2f} m/s"),
+        ("stall speed", f"{quantities['stall_speed_m_per_s']:.2f} m/s"),
+        ("wing loading", f"{quantities['wing_loading_kg_per_m2']:.2f} kg/m2"),
+        ("climb rate at rated power", f"{quantities['climb_rate_m_per_s']:.2f} m/s"),
         ("load", f"{record['power_out_w']:.1f} W"),
         (
             f"objective {result.objective.value}",

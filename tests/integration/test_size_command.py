@@ -227,3 +227,21 @@ def test_wing_covered_whole_is_written_and_read_again(run: Run) -> None:
     assert (outcome.code, outcome.err) == (0, "")
     again = run("analyse", "whole/aircraft.yaml", "-m", "rafz-july")
     assert (again.code, again.err) == (0, "")
+
+
+def test_quantities_of_a_design_are_told(run: Run) -> None:
+    record = run("size", DESIGN, "-m", "rafz-july", "--json").json()
+    told = record["quantities"]
+    assert told["wing_loading_kg_per_m2"] == pytest.approx(
+        record["total_mass_kg"] / record["wing_area_m2"]
+    )
+    assert told["stall_margin"] == pytest.approx(
+        record["airspeed_m_per_s"] / told["stall_speed_m_per_s"]
+    )
+    assert told["cruise_discharge_rate_per_h"] == pytest.approx(
+        record["power_out_w"] / told["battery_energy_wh"]
+    )
+    text = run("size", DESIGN, "-m", "rafz-july").out
+    assert f"{told['stall_speed_m_per_s']:.2f} m/s" in text
+    heavy = run("size", DESIGN, "-m", "rafz-july", "--set", "mission.payload.mass_kg=1e6", "--json")
+    assert heavy.json()["quantities"] is None

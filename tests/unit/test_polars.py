@@ -31,6 +31,7 @@ from studies.power_curve import (
     power_curve_image,
     wing_polar,
 )
+from studies.power_curve import main as draw_power_curve
 
 SHIPPED = shipped_airfoils()
 HEADER = "# airfoil: test\n# source: made up\n" + ",".join(COLUMNS) + "\n"
@@ -455,3 +456,13 @@ def test_figure_draws_the_flight_and_every_model() -> None:
 
 def test_image_is_a_png() -> None:
     assert power_curve_image().startswith(b"\x89PNG")
+
+
+def test_figure_is_drawn_by_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / "curve.svg"
+    assert draw_power_curve(["--out", str(target)]) == 0
+    assert b"<svg" in target.read_bytes()[:1000]
+    with pytest.raises(SystemExit) as stopped:
+        draw_power_curve(["--out", str(tmp_path / "curve.doc")])
+    assert stopped.value.code == 2
+    assert ".png, .svg, .pdf" in capsys.readouterr().err
