@@ -169,6 +169,7 @@ class ChunkStore:
         """
         buffer = io.BytesIO()
         failures = np.array(json.dumps({str(k): v for k, v in part.failures.items()}))
+        # The stub takes every keyword for the flag that may stand among them.
         np.savez(buffer, **part.columns, **{_FAILURES: failures})  # type: ignore[arg-type]
         body = buffer.getvalue()
         scratch = self.folder / f"{key}{_SCRATCH}"
@@ -264,7 +265,8 @@ def _try_lock(descriptor: int) -> bool:
         import msvcrt
 
         try:
-            # Far behind the text that names the holder, which others read.
+            # Far behind the text that names the holder, which others read. The module is known on
+            # Windows alone.
             os.lseek(descriptor, 1 << 20, os.SEEK_SET)
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
         except OSError:

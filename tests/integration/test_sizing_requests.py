@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from itertools import product
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -159,11 +159,12 @@ def test_every_quantity_has_a_formula_and_a_sound_value() -> None:
     plane, where = aircraft(), mission(payload={"mass_kg": 0.5})
     perf = performance(plane, where)
     it = DesignInFlight(plane, perf.design, FlightConditions.of(where))
-    assert set(QUANTITIES) == set(LimitedQuantity.__args__)  # type: ignore[attr-defined]
+    assert set(QUANTITIES) == set(get_args(LimitedQuantity))
     for quantity in QUANTITIES.values():
         assert float(quantity.of(it)) > 0.0
     # Lift equals weight at the stall margin's speeds.
-    ratio = plane.airframe.aerodynamics  # type: ignore[union-attr]
+    assert isinstance(plane.airframe, ParametricAirframe)
+    ratio = plane.airframe.aerodynamics
     expected = (ratio.maximum_lift_coefficient / ratio.flight_lift_coefficient) ** 0.5
     assert float(it.stall_margin) == pytest.approx(expected, rel=1e-12)
 
