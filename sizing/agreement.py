@@ -28,11 +28,9 @@ _ROUNDS = 12
 # The program is asked for a little more than required, and asked again for less where that was too
 # much [h]. Its time step flatters a design by up to 0.003 h, the simulator's by another 0.002.
 GOAL_CUSHION_H = 0.006
-_WASTE_H = 0.012
+WASTE_H = 0.012
 # Price of a missed requirement: far above what one is worth, so that none is missed for a gain.
 _PENALTY = 300.0
-# A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
-SLACK_TOLERANCE = 1e-5
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 
@@ -77,9 +75,16 @@ class Agreement:
         self.best: Agreed | None = None
         self.cushion_h = GOAL_CUSHION_H
 
-    def ask(self, starts: Sequence[DesignVariables], *, effort: Effort = "quick") -> Answer | None:
-        """Answer of the program alone."""
-        return self.solver.ask(self.question, self.chosen, self.slots, starts, effort=effort)
+    def ask(
+        self,
+        starts: Sequence[DesignVariables],
+        *,
+        effort: Effort = "quick",
+        question: Question | None = None,
+    ) -> Answer | None:
+        """Answer of the program alone, to another question if one is given."""
+        asked = question or self.question
+        return self.solver.ask(asked, self._filled(), starts, effort=effort)
 
     def ask_softly(
         self,
@@ -87,17 +92,28 @@ class Agreement:
         *,
         previous: Answer | None = None,
         efforts: Sequence[Effort] = ("quick", "steady"),
+        question: Question | None = None,
     ) -> Answer | None:
         """Answer of the program where missing a requirement has a high price.
 
         It says nearly as fast that nothing meets all of them as what does best. A question that is
         elastic asks for the least miss alone.
         """
-        filled = [self.chosen[i % len(self.chosen)] for i in range(self.slots)]
-        penalty = None if self.question.elastic else _PENALTY
+        asked = question or self.question
+        penalty = None if asked.elastic else _PENALTY
         return self.solver.ask_softly(
-            self.question, filled, penalty, held={}, start=start, previous=previous, efforts=efforts
+            asked,
+            self._filled(),
+            penalty,
+            held={},
+            start=start,
+            previous=previous,
+            efforts=efforts,
         )
+
+    def _filled(self) -> list[int]:
+        """Scenarios in the slots; spare ones repeat them."""
+        return [self.chosen[i % len(self.chosen)] for i in range(self.slots)]
 
     def settle(self, answer: Answer) -> Agreed | None:
         """Best design that the simulator accepts, from a first answer on."""
@@ -140,7 +156,7 @@ class Agreement:
         """Whether a design has more excess time than it was asked for, where that costs."""
         if self.question.best_excess:
             return False
-        return self.question.goal_h > 0.0 and found_h - self.required_h > _WASTE_H
+        return self.question.goal_h > 0.0 and found_h - self.required_h > WASTE_H
 
     def _tighten(self, worst: int, found_h: float) -> None:
         question = self.question
@@ -148,14 +164,25 @@ class Agreement:
             self.chosen.append(worst)
             if len(self.chosen) > self.slots:
                 self.slots = min(2 * self.slots, len(self.solver.day.scenarios))
-        elif found_h <= 0.0:
-            # The battery runs empty over many days: the day must return more.
-            self.question = replace(
-                question, margin=3.0 * question.margin, goal_h=question.goal_h + self.cushion_h
-            )
         else:
-            shifted_h = question.goal_h + self.required_h - found_h + self.cushion_h
-            self.question = replace(question, goal_h=max(shifted_h, 0.0))
+            goal_h, margin = shifted(
+                question.goal_h,
+                question.margin,
+                required_h=self.required_h,
+                found_h=found_h,
+                cushion_h=self.cushion_h,
+            )
+            self.question = replace(question, goal_h=goal_h, margin=margin)
+
+
+def shifted(
+    goal_h: float, margin: float, *, required_h: float, found_h: float, cushion_h: float
+) -> tuple[float, float]:
+    """Goal and margin for the next program, where the simulator found another excess time."""
+    if found_h <= 0.0:
+        # The battery runs empty over many days: the day must return more.
+        return goal_h + cushion_h, 3.0 * margin
+    return max(goal_h + required_h - found_h + cushion_h, 0.0), margin
 
 
 def _same(before: Answer | None, answer: Answer) -> bool:

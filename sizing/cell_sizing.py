@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
-from sizing.agreement import GOAL_CUSHION_H, SLACK_TOLERANCE
+from sizing.agreement import GOAL_CUSHION_H, WASTE_H, shifted
 from sizing.aircraft import Aircraft
 from sizing.cycle_program import lowest_sun_parameters, never_dark
 from sizing.design import DesignVariables, Masses, variables_of
@@ -40,12 +40,11 @@ from sizing.performance import (
 from sizing.program_solver import FIRST_MARGIN, Answer, ProgramSolver, Question
 from sizing.sizing_problem import Effort, SizingProblems
 from sizing.sizing_result import objective_value
-from sizing.structure import Value
+from sizing.smooth import Value
 
 # Prices of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, 300.0)
 _ROUNDS = 6
-_WASTE_H = 0.012
 # Certification: random neighbours of every optimum, and by how much one may be better.
 _NEIGHBOURS = 24
 _SPREADS = (0.03, 0.004)
@@ -251,19 +250,19 @@ class _Cells:
         self.slacks[cell] = {}
         for penalty in _PENALTIES:
             answer = self._softly(cell, penalty, previous)
-            if answer is not None and not _missed(answer):
+            if answer is not None and not answer.missed():
                 return answer
             # The penalty may have been too low, or too high for the solver: what must be missed?
             least = self._softly(cell, None, answer, efforts=("quick", "steady"))
             nearest = least if answer is None else answer
             if nearest is None:
                 return None
-            if least is None or _missed(least):
-                self.slacks[cell] = _missed(nearest)
+            if least is None or least.missed():
+                self.slacks[cell] = nearest.missed()
                 return nearest
             previous = nearest
         last = self._softly(cell, _PENALTIES[-1], previous, efforts=("steady",))
-        return None if last is None or _missed(last) else last
+        return None if last is None or last.missed() else last
 
     def _softly(
         self,
@@ -308,15 +307,16 @@ class _Cells:
             if accepted and (i not in best or merit[k] > best[i][0]):
                 best[int(i)] = (float(merit[k]), answer)
             costs = self.objective is not Objective.max_excess_time
-            wasteful = costs and self.goals_h[i] > 0.0 and found_h - required_h > _WASTE_H
+            wasteful = costs and self.goals_h[i] > 0.0 and found_h - required_h > WASTE_H
             if accepted and not wasteful:
                 continue
-            if found_h <= 0.0:
-                self.margins[i] *= 3.0
-                self.goals_h[i] += GOAL_CUSHION_H
-            else:
-                shifted = self.goals_h[i] + required_h - found_h + GOAL_CUSHION_H
-                self.goals_h[i] = max(shifted, 0.0)
+            self.goals_h[i], self.margins[i] = shifted(
+                self.goals_h[i],
+                self.margins[i],
+                required_h=required_h,
+                found_h=found_h,
+                cushion_h=GOAL_CUSHION_H,
+            )
             again.append(i)
         return np.array(again, int)
 
@@ -420,11 +420,6 @@ class _Cells:
             requirement=requirement,
             shortfall=shortfall,
         )
-
-
-def _missed(answer: Answer) -> dict[str, float]:
-    """Requirements that an answer misses, and by how much."""
-    return {name: s for name, s in answer.slack().items() if s > SLACK_TOLERANCE}
 
 
 def _stacked(designs: list[DesignVariables]) -> DesignVariables:

@@ -8,13 +8,7 @@ from functools import partial
 import numpy as np
 
 from missions.mission import Mission
-from sizing.agreement import (
-    GOAL_CUSHION_H,
-    SLACK_TOLERANCE,
-    Agreed,
-    Agreement,
-    telling_scenarios,
-)
+from sizing.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.cycle_program import lowest_sun_parameters, never_dark
 from sizing.design import Design, DesignVariables, Masses, variables_of
@@ -112,32 +106,18 @@ def size_aircraft(
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     problems = problems or SizingProblems(aircraft)
-    solver = ProgramSolver(problems, mission, lit)
-    asked = (solver, solar, objective, required, start)
     endless = None
     if never_dark(lit).all() and (required > 0.0 or objective is Objective.max_excess_time):
-        endless = _sized_without_battery(ProgramSolver(problems, mission, lit), *asked[1:])
-        if endless is not None and objective is Objective.max_excess_time:
+        without = ProgramSolver(problems, mission, lit)
+        without.suns = lowest_sun_parameters(lit, mission)
+        search = _Search(without, solar, objective, required, start, explain=False, battery=False)
+        endless = search.run()
+        if endless.feasible and objective is Objective.max_excess_time:
             return endless
-    found = _Search(*asked, explain=explain and endless is None).run()
-    return found if endless is None else _better(found, endless)
-
-
-def _sized_without_battery(
-    solver: ProgramSolver,
-    solar: SolarModel,
-    objective: Objective,
-    required_h: float,
-    start: DesignVariables | None,
-) -> SizingResult | None:
-    """Best design that flies by the sun alone at all times, under a midnight sun; none if none can.
-
-    Its excess time has no end. Where that is the objective, the lightest of these designs.
-    """
-    solver.suns = lowest_sun_parameters(solver.day, solver.mission)
-    search = _Search(solver, solar, objective, required_h, start, explain=False, battery=False)
-    found = search.run()
-    return found if found.feasible else None
+    solver = ProgramSolver(problems, mission, lit)
+    if endless is None or not endless.feasible:
+        return _Search(solver, solar, objective, required, start, explain).run()
+    return _better(_Search(solver, solar, objective, required, start, explain=False).run(), endless)
 
 
 def _better(one: SizingResult, other: SizingResult) -> SizingResult:
@@ -187,20 +167,22 @@ class _Search:
         if answer is None:
             answer = self.agreement.ask([self.start])
             return self._failure(first) if answer is None else self._settled(answer)
-        if _missed(answer) and self.explain:
+        if answer.missed() and self.explain:
             return self._explain_failure([answer.variables])
-        if _missed(answer):
+        if answer.missed():
             answer = self._met_after_all(answer)
         return self._given_up(first) if answer is None else self._settled(answer)
 
     def _met_after_all(self, answer: Answer) -> Answer | None:
         """Answer where the price of a miss was too low to keep it from being paid."""
         agreement = self.agreement
-        strict = agreement.question
-        agreement.question = strict.elastically()
-        least = agreement.ask_softly(answer.variables, previous=answer, efforts=("quick",))
-        agreement.question = strict
-        if least is not None and _missed(least):
+        least = agreement.ask_softly(
+            answer.variables,
+            previous=answer,
+            efforts=("quick",),
+            question=agreement.question.elastically(),
+        )
+        if least is not None and least.missed():
             return None
         return agreement.ask([answer.variables if least is None else least.variables])
 
@@ -362,30 +344,27 @@ class _Search:
 
     def _explain_by_slack(self, starts: list[DesignVariables]) -> SizingResult:
         agreement = self.agreement
-        strict = agreement.question
-        agreement.question = strict.elastically()
         elastic = self._least_missed(starts)
-        agreement.question = strict
         if elastic is None:
             answer = agreement.ask(starts)
             nearest = self._simulate_design(starts[0])
             return self._given_up(nearest) if answer is None else self._last(answer)
-        slack = elastic.slack()
+        missed = elastic.missed()
         nearest = self._simulate(elastic)
-        if not _missed(elastic) or agreement.accepts(nearest):
+        if not missed or agreement.accepts(nearest):
             answer = agreement.ask([elastic.variables, *starts])
             return self._given_up(nearest) if answer is None else self._last(answer)
         self.held = self._active(elastic)
         violations = tuple(
             Violation(name, value, self._words(name, value, nearest))
-            for name, value in slack.items()
-            if value > SLACK_TOLERANCE
+            for name, value in missed.items()
         )
         return self._failed("infeasible", violations, nearest)
 
     def _least_missed(self, starts: list[DesignVariables]) -> Answer | None:
+        question = self.agreement.question.elastically()
         for effort in _ELASTIC_EFFORTS:
-            elastic = self.agreement.ask(starts, effort=effort)
+            elastic = self.agreement.ask(starts, effort=effort, question=question)
             if elastic is not None:
                 return elastic
         return None
@@ -434,10 +413,6 @@ class _Search:
             violations=violations,
             solver=self.solver.report(),
         )
-
-
-def _missed(answer: Answer) -> bool:
-    return max(answer.slack().values()) > SLACK_TOLERANCE
 
 
 def _free_bound_prices(answer: Answer) -> dict[str, float]:

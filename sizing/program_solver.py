@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from sizing.sizing_problem import (
 )
 from sizing.sizing_result import SolverReport
 
+# A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
+_SLACK_TOLERANCE = 1e-5
 FIRST_MARGIN = 1e-3  # of the recharge, to begin with
 
 # Sequential quadratic programming ends where the point is feasible and the prices balance the cost.
@@ -128,6 +130,24 @@ class Answer:
         values = self.x[self.problem.places()["slack"]]
         return dict(zip(self.problem.slack_names, values.tolist(), strict=True))
 
+    def missed(self) -> dict[str, float]:
+        """Requirements that are missed by more than the solver's tolerance, and by how much."""
+        return {name: slack for name, slack in self.slack().items() if slack > _SLACK_TOLERANCE}
+
+
+class _Posed(NamedTuple):
+    """A question as arguments of a program, all but the start."""
+
+    problem: SizingProblem
+    question: Question
+    filled: tuple[int, ...]
+    weights: FloatArray
+    limits: dict[str, Any]
+
+    def within(self, x: FloatArray) -> FloatArray:
+        """Point moved into the bounds."""
+        return np.clip(x, self.limits["lbx"], self.limits["ubx"])
+
 
 class ProgramSolver:
     """Asks the program of an aircraft about one mission, and counts the work.
@@ -158,30 +178,20 @@ class ProgramSolver:
         self,
         question: Question,
         scenarios: Sequence[int],
-        slots: int,
         starts: Sequence[DesignVariables],
         *,
         effort: Effort = "quick",
     ) -> Answer | None:
         """Answer from the first start that converges; None where none does.
 
-        Spare slots repeat the scenarios.
+        ``scenarios`` are indices, one for each slot.
         """
-        begun = time.perf_counter()
-        problem = self.problems.of(slots)
-        self.build_s += time.perf_counter() - begun
-        filled = tuple(scenarios[i % len(scenarios)] for i in range(slots))
-        weights = problem.weights(_elastic_cost(problem) if question.elastic else question.cost)
-        parameters = problem.parameters(
-            weights, self.conditions, self.suns[list(filled)], margin=question.margin
-        )
-        lower, upper = self._bounds(problem, question)
-        limits = _limits(problem, parameters, lower, upper)
+        cost = _elastic_cost if question.elastic else lambda _: question.cost
+        posed = self._posed(question, scenarios, cost)
         for variables in starts:
-            start = np.clip(self._start(problem, question, variables), lower, upper)
-            found = self._solve(problem, effort, limits | {"x0": start})
-            if found is not None:
-                return Answer(problem, question, found[0], weights, *found[1:], filled)
+            answer = self._solved(posed, effort, self._cold(posed, variables))
+            if answer is not None:
+                return answer
         return None
 
     def ask_softly(
@@ -215,30 +225,56 @@ class ProgramSolver:
         efforts : sequence of Effort
             What is tried from the first guess, one after the other.
         """
-        filled = tuple(scenarios)
-        problem = self.problems.of(len(filled))
-        weights = problem.weights(_soft_cost(problem, question, penalty))
-        parameters = problem.parameters(
-            weights, self.conditions, self.suns[list(filled)], margin=question.margin
+        posed = self._posed(
+            question, scenarios, lambda it: _soft_cost(it, question, penalty), held, soft=True
         )
-        lower, upper = self._bounds(problem, question, held)
-        upper[problem.places()["slack"]] = np.inf
-        limits = _limits(problem, parameters, lower, upper)
         if previous is not None:
-            warm = {
-                "x0": np.clip(previous.x, lower, upper),
-                "lam_x0": _NOT_QUITE * previous.bound_prices,
-                "lam_g0": _NOT_QUITE * previous.constraint_prices,
-            }
-            found = self._solve(problem, "next", limits | warm)
-            if found is not None:
-                return Answer(problem, question, found[0], weights, *found[1:], filled)
-        cold = {"x0": np.clip(self._start(problem, question, start), lower, upper)}
+            answer = self._solved(posed, "next", _warm(posed, previous))
+            if answer is not None:
+                return answer
+        cold = self._cold(posed, start)
         for effort in efforts:
-            found = self._solve(problem, effort, limits | cold)
-            if found is not None:
-                return Answer(problem, question, found[0], weights, *found[1:], filled)
+            answer = self._solved(posed, effort, cold)
+            if answer is not None:
+                return answer
         return None
+
+    def _posed(
+        self,
+        question: Question,
+        scenarios: Sequence[int],
+        cost: Callable[[SizingProblem], Mapping[str, float]],
+        held: Mapping[str, float] | None = None,
+        *,
+        soft: bool = False,
+    ) -> _Posed:
+        """Question as arguments of the program with these scenarios in its slots."""
+        begun = time.perf_counter()
+        problem = self.problems.of(len(scenarios))
+        self.build_s += time.perf_counter() - begun
+        weights = problem.weights(cost(problem))
+        suns = self.suns[list(scenarios)]
+        parameters = problem.parameters(weights, self.conditions, suns, margin=question.margin)
+        lower, upper = self._bounds(problem, question, held)
+        if soft:
+            upper[problem.places()["slack"]] = np.inf
+        limits = _limits(problem, parameters, lower, upper)
+        return _Posed(problem, question, tuple(scenarios), weights, limits)
+
+    def _cold(self, posed: _Posed, variables: DesignVariables) -> dict[str, FloatArray]:
+        """Start of the solver from a design."""
+        return {"x0": posed.within(self._start(posed.problem, posed.question, variables))}
+
+    def _solved(
+        self, posed: _Posed, effort: Effort, start: Mapping[str, FloatArray]
+    ) -> Answer | None:
+        """Answer of the solver from a start; None where it fails."""
+        found = self._solve(posed.problem, effort, posed.limits | dict(start))
+        if found is None:
+            return None
+        return Answer(
+            posed.problem, posed.question, found[0], posed.weights, *found[1:], posed.filled
+        )
 
     def _solve(
         self, problem: SizingProblem, effort: Effort, arguments: dict[str, Any]
@@ -314,6 +350,15 @@ class ProgramSolver:
         start[places["dawn"]] = 0.2
         start[places[WORST_EXCESS]] = question.goal_h + 1.0
         return start
+
+
+def _warm(posed: _Posed, previous: Answer) -> dict[str, FloatArray]:
+    """Start of the solver from the point and the prices of an answer."""
+    return {
+        "x0": posed.within(previous.x),
+        "lam_x0": _NOT_QUITE * previous.bound_prices,
+        "lam_g0": _NOT_QUITE * previous.constraint_prices,
+    }
 
 
 def _limits(

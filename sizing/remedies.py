@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missions.mission import LatitudeRange, Mission, Scenarios
-from sizing.agreement import GOAL_CUSHION_H, SLACK_TOLERANCE, Agreed, Agreement, telling_scenarios
+from sizing.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
 from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
 from sizing.cell_sizing import size_cells
 from sizing.design import DesignVariables
@@ -248,10 +248,8 @@ class _Remedies:
         )
         agreement = _SoftAgreement(
             self.solver,
-            Question(
-                cost=Question.of(Objective.max_excess_time, 0.0).cost,
-                goal_h=0.0,
-                best_excess=True,
+            replace(
+                Question.of(Objective.max_excess_time, 0.0),
                 freed=(name,),
                 bounds={name: ends if furthest is None else (furthest, furthest)},
             ),
@@ -508,13 +506,20 @@ class _SoftAgreement(Agreement):
 
     previous: Answer | None = None
 
-    def ask(self, starts: Sequence[DesignVariables], *, effort: Effort = "quick") -> Answer | None:
+    def ask(
+        self,
+        starts: Sequence[DesignVariables],
+        *,
+        effort: Effort = "quick",
+        question: Question | None = None,
+    ) -> Answer | None:
         """Answer of the program alone; none where it misses a requirement."""
-        answer = self.ask_softly(starts[0], previous=self._fitting(self.previous))
+        previous = self._fitting(self.previous)
+        answer = self.ask_softly(starts[0], previous=previous, question=question)
         if answer is None:
             return None
         self.previous = answer
-        return None if max(answer.slack().values()) > SLACK_TOLERANCE else answer
+        return None if answer.missed() else answer
 
     def _fitting(self, answer: Answer | None) -> Answer | None:
         """An answer of the same program; others have other variables."""
