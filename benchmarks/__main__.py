@@ -48,7 +48,7 @@ def main(as_json: bool, markdown_file: str | None, names: tuple[str, ...], with_
         if not names or part.__name__ in names:
             rows += map_scaling(long=with_long) if part is map_scaling else part()
     if markdown_file is not None:
-        from missions.output_files import write_text_atomically
+        from missions.files.writing import write_text_atomically
 
         write_text_atomically(markdown_file, markdown(rows))
     if as_json:

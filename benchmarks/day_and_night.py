@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measuring import best_time_s, row
+from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.battery import Battery, NoChargeLimit
-from sizing.cycle import simulate_cycle
-from sizing.energy_balance import FloatArray, Store
+from sizing.energy.battery import Battery, NoChargeLimit
+from sizing.energy.cycle import simulate_cycle
+from sizing.energy.march import FloatArray, Store
+from sizing.library import load_aircraft
 from sizing.performance import solar_day
-from studies.library import load_aircraft, load_mission
 
 _COUNT = 500
 _LOAD_W = 42.0
@@ -24,8 +25,8 @@ _AGREEMENT = 0.005
 
 def one_day() -> list[dict[str, Any]]:
     """A day: ours in a batch and alone, against scipy's integrator and a plain Python loop."""
-    aircraft = load_aircraft("atlantiksolar-as2").aircraft
-    mission = load_mission("rafz-july").mission
+    aircraft = load_aircraft("atlantiksolar-as2")
+    mission = load_mission("rafz-july")
     scenarios = Scenarios(np.linspace(20.0, 50.0, _COUNT), np.full(_COUNT, 172))
     day = solar_day(aircraft, mission, scenarios=scenarios)
     solar_w = aircraft.modules.area_m2 * day.specific_power_w_per_m2

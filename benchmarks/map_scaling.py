@@ -17,15 +17,16 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measuring import best_time_s, row
+from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.cycle import Status
 from sizing.design import design_of
-from sizing.energy_balance import Store
+from sizing.energy.cycle import Status
+from sizing.energy.march import Store
+from sizing.library import load_aircraft
 from sizing.performance import SolarModel, day_axis_h
 from solar.clearsky import coefficients, pressure_ratio
 from solar.sun import declination, hour_angle, sun_arc
-from studies.feasibility_map import map_block
-from studies.library import load_aircraft, load_mission
+from studies.maps.feasibility import map_block
 
 _AIRCRAFT, _MISSION = "atlantiksolar-as2", "rafz-july"
 _LATITUDES, _DAYS = np.linspace(-90.0, 90.0, 181), np.arange(1, 366)
@@ -56,7 +57,7 @@ def _row(
 
 
 def _map(latitudes: Any, days: Any) -> dict[str, Any]:
-    aircraft, mission = load_aircraft(_AIRCRAFT).aircraft, load_mission(_MISSION).mission
+    aircraft, mission = load_aircraft(_AIRCRAFT), load_mission(_MISSION)
     return map_block(aircraft, mission, latitudes, days, SolarModel())
 
 
@@ -74,7 +75,7 @@ def _full_map() -> list[dict[str, Any]]:
 
 
 def _endurance() -> dict[str, Any]:
-    aircraft, mission = load_aircraft(_AIRCRAFT).aircraft, load_mission(_MISSION).mission
+    aircraft, mission = load_aircraft(_AIRCRAFT), load_mission(_MISSION)
     begun = time.process_time()
     part = map_block(aircraft, mission, _LATITUDES[::3], _DAYS[::3], SolarModel(), True)
     used = time.process_time() - begun
@@ -157,7 +158,7 @@ class _Bound:
         return array.ctypes.data_as(_DOUBLES)
 
     def _described(self) -> _Craft:
-        aircraft, mission = load_aircraft(_AIRCRAFT).aircraft, load_mission(_MISSION).mission
+        aircraft, mission = load_aircraft(_AIRCRAFT), load_mission(_MISSION)
         modules, store = aircraft.modules, Store.of(aircraft.battery)
         design, clock = design_of(aircraft, mission), store.clock
         assert clock is not None  # of this aircraft

@@ -5,15 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 from benchmarks.measuring import best_time_s, row
-from sizing.objectives import Objective
-from sizing.optimiser import size_aircraft
-from studies.library import load_aircraft, load_mission
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.search import size_aircraft
 
 
 def sizing() -> list[dict[str, Any]]:
     """Sizing for nine scenarios: whole call, and time in the solver."""
-    aircraft = load_aircraft("atlantiksolar-design").aircraft
-    mission = load_mission("central-europe-summer").mission
+    aircraft = load_aircraft("atlantiksolar-design")
+    mission = load_mission("central-europe-summer")
     solves: list[float] = []
 
     def work() -> None:

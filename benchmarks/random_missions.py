@@ -17,14 +17,14 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe, Range
-from sizing.certificate import certify, design_grid
 from sizing.design import FlightConditions, variables_of
+from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
-from sizing.objectives import Objective
-from sizing.optimiser import size_aircraft
+from sizing.optimisation.cross_check import certify, design_grid
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs, solar_day
-from studies.library import load_aircraft
 
 _OBJECTIVES = [o for o in Objective if not o.of_range]
 _GRID_STEP_H = 0.25
@@ -33,7 +33,7 @@ _GRID_STEP_H = 0.25
 def random_case(seed: int) -> tuple[Aircraft, Mission, Objective, float]:
     """Aircraft, mission, objective and required excess time [h] of a seed."""
     rng = np.random.default_rng(seed)
-    aircraft = load_aircraft(str(rng.choice(["atlantiksolar-design", "sky-sailor"]))).aircraft
+    aircraft = load_aircraft(str(rng.choice(["atlantiksolar-design", "sky-sailor"])))
     mission = _random_mission(rng)
     for key, low, high in (
         ("battery.specific_energy_wh_per_kg", 180.0, 450.0),

@@ -44,7 +44,8 @@ includes the simulation that confirms the optimum. The run fails if the optima d
 its own aerodynamics, is not measured here.""",
     "sizing, solve again": """More requirements for the same aircraft. AeroSandbox keeps its
 program, sets the parameter and starts from the last solution. Ours keeps its program as well and
-goes from one answer to the next by sequential quadratic programming (`sizing.cell_sizing`); the
+goes from one answer to the next by sequential quadratic programming (`sizing.optimisation.cells`);
+the
 simulator confirms every design.""",
     "map of 240 sizings": """Twenty latitudes times twelve payloads, three dates each; in the
 southern winter there is no design for heavy payloads. Ours sizes all cells at once, with the

@@ -13,12 +13,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sizing.objectives import Objective
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.optimisation.objectives import Objective
 from sizing.performance import SolarModel
-from studies.engine import Columns, run
-from studies.library import load_aircraft, load_mission
-from studies.map_jobs import SizedMapConfiguration, sized_map_job
-from studies.workers import Crew, DaskCrew, ProcessCrew, SerialCrew, available_cores
+from studies.engine.run import Columns, run
+from studies.engine.workers import Crew, DaskCrew, ProcessCrew, SerialCrew, available_cores
+from studies.maps.jobs import SizedMapConfiguration, sized_map_job
 
 _REPEATS = 2
 
@@ -40,8 +41,8 @@ def main(arguments: list[str]) -> None:
     """Measure and print a table."""
     job = sized_map_job(
         SizedMapConfiguration(
-            load_aircraft("atlantiksolar-design").aircraft,
-            load_mission("rafz-july").mission,
+            load_aircraft("atlantiksolar-design"),
+            load_mission("rafz-july"),
             SolarModel(),
             Objective.min_wingspan,
         ),

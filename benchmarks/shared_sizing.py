@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import (
@@ -27,12 +28,12 @@ from sizing.design import (
     parametric_design,
     variables_of,
 )
-from sizing.energy_balance import FloatArray
+from sizing.energy.march import FloatArray
+from sizing.library import load_aircraft
 from sizing.limits import design_requirements
-from sizing.objectives import Objective
-from sizing.optimiser import SizingResult, size_aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.performance import SolarDay, solar_day
-from studies.library import load_aircraft, load_mission
 
 POINTS_PER_DAY = 150
 REQUIRED_H = 3.0
@@ -51,13 +52,13 @@ def shared_aircraft() -> Aircraft:
     return load_aircraft(
         "atlantiksolar-design",
         [f"airframe.structure={{{law}}}", "battery.charge_limit={kind: none}"],
-    ).aircraft
+    )
 
 
 def shared_mission(latitude_deg: float = 47.6, payload_kg: float = 0.0) -> Mission:
     """1 May, 23 June and 15 August at a latitude, with a payload."""
     overrides = [f"latitude_deg={latitude_deg}", f"payload.mass_kg={payload_kg}"]
-    return load_mission("central-europe-summer", overrides).mission
+    return load_mission("central-europe-summer", overrides)
 
 
 def sun_of(aircraft: Aircraft, mission: Mission) -> SolarDay:

@@ -3,15 +3,16 @@
 Run with: python examples/analyse_atlantiksolar.py
 """
 
+from missions.library import load_mission
+from sizing.library import load_aircraft
 from sizing.performance import SolarModel, performance, perpetual_days
-from studies.library import load_aircraft, load_mission
 
 
 def main() -> None:
     """Print metrics by solar model, then the effect of heavier avionics and of the season."""
     # Shipped files are found by name; a path to a file of your own works too.
-    aircraft = load_aircraft("atlantiksolar-as2").aircraft
-    mission = load_mission("rafz-july").mission
+    aircraft = load_aircraft("atlantiksolar-as2")
+    mission = load_mission("rafz-july")
 
     # The optimistic model, the default one, and the default one corrected by flight data.
     for solar in (SolarModel("CDM"), SolarModel("CAM"), SolarModel("CAM", "report")):
@@ -25,7 +26,7 @@ def main() -> None:
         )
 
     # Overrides use the keys of the file, as --set does on the command line.
-    hungry = load_aircraft("atlantiksolar-as2", ["power.avionics_w=12"]).aircraft
+    hungry = load_aircraft("atlantiksolar-as2", ["power.avionics_w=12"])
     excess_h = performance(hungry, mission).cycle.excess_time_h[0]
     print(f"with 12 W of avionics instead of 6 W: excess time {excess_h:.2f} h")
 

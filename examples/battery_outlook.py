@@ -9,10 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from missions.dates import day_of_year
+from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.cell_sizing import size_cells
+from sizing.library import load_aircraft
+from sizing.optimisation.cells import size_cells
 from sizing.performance import SolarModel
-from studies.library import load_aircraft, load_mission
 
 SPECIFIC_ENERGIES_WH_PER_KG = np.arange(200.0, 501.0, 25.0)
 DATES = {"21 June": "06-21", "15 August": "08-15", "23 September": "09-23"}
@@ -25,8 +26,8 @@ def smallest_wingspans_m(specific_energy_wh_per_kg: float) -> np.ndarray:
     energy = f"battery.specific_energy_wh_per_kg={specific_energy_wh_per_kg}"
     # Every date is a cell of its own; cells are sized for the least wingspan unless told otherwise.
     found = size_cells(
-        load_aircraft("atlantiksolar-design", [energy]).aircraft,
-        load_mission("rafz-july").mission,
+        load_aircraft("atlantiksolar-design", [energy]),
+        load_mission("rafz-july"),
         Scenarios(np.full(len(days), LATITUDE_DEG), days),
         solar=SolarModel("CAM", "report"),
         required_excess_time_h=3.0,

@@ -3,9 +3,10 @@
 Run with: python examples/climb_and_ceiling.py
 """
 
-from sizing.ceiling import highest_perpetual_altitude
-from sizing.climb_cycle import climb_performance
-from studies.library import load_aircraft, load_mission
+from missions.library import load_mission
+from sizing.altitude.ceiling import highest_perpetual_altitude
+from sizing.altitude.climb_cycle import climb_performance
+from sizing.library import load_aircraft
 
 # 47.6 N on 21 June in standard air; empty brackets take out what the file says of the air.
 JUNE = ["dates={on: 06-21}", "air={}"]
@@ -13,8 +14,8 @@ JUNE = ["dates={on: 06-21}", "air={}"]
 
 def main() -> None:
     """Print the ceiling of flight at constant altitude, then the gain of climbs by day."""
-    aircraft = load_aircraft("atlantiksolar-as2").aircraft
-    mission = load_mission("rafz-july", JUNE).mission
+    aircraft = load_aircraft("atlantiksolar-as2")
+    mission = load_mission("rafz-july", JUNE)
 
     found = highest_perpetual_altitude(aircraft, mission, step_m=1000.0)
     if found.highest is None:
@@ -27,7 +28,7 @@ def main() -> None:
 
     # Height as a second store: climb once the battery is full, glide in the evening.
     for ceiling_m in (1536, 3536, 6536):
-        climbs = load_mission("rafz-july", [*JUNE, f"climb={{ceiling_m: {ceiling_m}}}"]).mission
+        climbs = load_mission("rafz-july", [*JUNE, f"climb={{ceiling_m: {ceiling_m}}}"])
         result = climb_performance(aircraft, climbs)
         print(
             f"climbing to {ceiling_m} m stores {result.climb.maximum_height_wh[0]:.1f} Wh, "

@@ -5,18 +5,19 @@ Run with: python examples/compare_models.py [figure.png]
 
 import sys
 
-from studies.comparison import compare
-from studies.comparison_plots import comparison_figure
-from studies.comparison_sentence import fate, sentence
-from studies.library import load_aircraft, load_mission
-from studies.solar_models import model_label
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from studies.models.comparison import compare
+from studies.models.plots import comparison_figure
+from studies.models.solar_models import model_label
+from studies.models.summary import fate, sentence
 
 
 def main() -> None:
     """Print the fate of every model's design, and the one sentence that sums it up."""
     # A parametric aircraft: every model gets to size its own. Judge of all is corrected FM.
-    aircraft = load_aircraft("atlantiksolar-design").aircraft
-    mission = load_mission("rafz-july").mission
+    aircraft = load_aircraft("atlantiksolar-design")
+    mission = load_mission("rafz-july")
     found = compare(aircraft, mission, required_excess_time_h=3.0)
 
     for case in found.cases:

@@ -7,10 +7,11 @@ import sys
 
 from matplotlib.figure import Figure
 
+from missions.library import load_mission
+from sizing.library import load_aircraft
 from sizing.performance import SolarModel
-from studies.comparison import Comparison, compare
-from studies.library import load_aircraft, load_mission
-from studies.solar_models import model_label
+from studies.models.comparison import Comparison, compare
+from studies.models.solar_models import model_label
 
 MODELS = [SolarModel("CDM"), SolarModel("CAM"), SolarModel("FM", "report")]
 LATITUDES_DEG = [0.0, 30.0, 55.0]
@@ -18,10 +19,10 @@ LATITUDES_DEG = [0.0, 30.0, 55.0]
 
 def main() -> None:
     """Size with three models at every latitude, let corrected FM judge, print and draw."""
-    aircraft = load_aircraft("atlantiksolar-design").aircraft
+    aircraft = load_aircraft("atlantiksolar-design")
     found = []
     for latitude in LATITUDES_DEG:
-        mission = load_mission("rafz-july", [f"latitude_deg={latitude}"]).mission
+        mission = load_mission("rafz-july", [f"latitude_deg={latitude}"])
         found.append(compare(aircraft, mission, MODELS, required_excess_time_h=3.0))
     for latitude, comparison in zip(LATITUDES_DEG, found, strict=True):
         print(f"{latitude:g} N, 15 Jul")

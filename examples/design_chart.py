@@ -6,10 +6,10 @@ Run with: python examples/design_chart.py [figure.png]
 import sys
 
 from sizing.performance import SolarModel
-from studies.library import load_aircraft, load_mission
-from studies.sweep import feasible, sweep
-from studies.sweep_axes import parse_axis
-from studies.sweep_plots import figure_of
+from studies.cli.library import open_aircraft, open_mission
+from studies.sweeps.axes import parse_axis
+from studies.sweeps.plots import figure_of
+from studies.sweeps.study import feasible, sweep
 
 
 def main() -> None:
@@ -17,8 +17,8 @@ def main() -> None:
     # Nothing is sized: each point is a design, flown in all scenarios of the mission. Its modules
     # fill the wing as far as they may. Mass, airspeed and power follow from the geometry.
     data = sweep(
-        load_aircraft("atlantiksolar-design"),
-        load_mission("central-europe-summer"),
+        open_aircraft("atlantiksolar-design"),
+        open_mission("central-europe-summer"),
         [
             parse_axis("wingspan_m=3:7:0.25"),
             parse_axis("battery_mass_kg=0.5:10:0.25"),

@@ -9,10 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from missions.dates import day_of_year
+from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.cell_sizing import size_cells
+from sizing.library import load_aircraft
+from sizing.optimisation.cells import size_cells
 from sizing.performance import SolarModel
-from studies.library import load_aircraft, load_mission
 
 LATITUDES_DEG = np.arange(-30.0, 61.0, 10.0)
 PAYLOADS_KG = np.array([0.0, 1.0, 2.0])
@@ -24,8 +25,8 @@ def main() -> None:
     """Size every case at once, print a table and draw a curve for each payload."""
     payload, latitude = (v.ravel() for v in np.meshgrid(PAYLOADS_KG, LATITUDES_DEG, indexing="ij"))
     found = size_cells(
-        load_aircraft("atlantiksolar-design").aircraft,
-        load_mission("central-europe-summer").mission,
+        load_aircraft("atlantiksolar-design"),
+        load_mission("central-europe-summer"),
         Scenarios(np.repeat(latitude, len(DAYS)), np.tile(DAYS, len(latitude))),
         solar=SolarModel("CAM", "report"),
         scenarios_per_cell=len(DAYS),

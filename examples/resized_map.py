@@ -7,18 +7,19 @@ import sys
 
 import numpy as np
 
-from sizing.objectives import Objective
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.optimisation.objectives import Objective
 from sizing.performance import SolarModel
-from studies.engine import run
-from studies.library import load_aircraft, load_mission
-from studies.map_jobs import (
+from studies.engine.run import run
+from studies.engine.workers import AutomaticCrew
+from studies.maps.jobs import (
     SizedMapConfiguration,
     sized_map_dataset,
     sized_map_figure,
     sized_map_job,
 )
-from studies.sizing_columns import SIZED, SizingStatus
-from studies.workers import AutomaticCrew
+from studies.output.columns import SIZED, SizingStatus
 
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
 
@@ -26,9 +27,9 @@ LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
 def main() -> None:
     """Print the range of wingspans at each latitude, and what the cells without one lack."""
     asked = SizedMapConfiguration(
-        load_aircraft("atlantiksolar-design").aircraft,
+        load_aircraft("atlantiksolar-design"),
         # Two hours that remain at dawn; the place and the date are those of the cell.
-        load_mission("rafz-july", ["required_excess_time_h=2"]).mission,
+        load_mission("rafz-july", ["required_excess_time_h=2"]),
         SolarModel("CAM", "report"),
         Objective.min_wingspan,
     )

@@ -10,9 +10,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from missions.library import load_mission
+from sizing.library import load_aircraft
 from sizing.performance import SolarModel
-from studies.feasibility_map import feasibility_map, map_figure, season_length
-from studies.library import load_aircraft, load_mission
+from studies.maps.feasibility import feasibility_map, map_figure, season_length
 
 AIRCRAFT = {"as built": [], "half the battery": ["battery.mass_kg=1.46"]}
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366, 2)
@@ -24,10 +25,10 @@ SOLSTICE, HALF_WINDOW_D, MID_EUROPE_DEG = 172, 91, (45.0, 50.0)
 def main() -> None:
     """Print the days of perpetual flight by latitude, and draw the map."""
     # The mission gives the air and the load; latitudes and days are those of the map.
-    mission, solar = load_mission("rafz-july").mission, SolarModel("CAM", "report")
+    mission, solar = load_mission("rafz-july"), SolarModel("CAM", "report")
     maps = {}
     for name, overrides in AIRCRAFT.items():
-        aircraft = load_aircraft("atlantiksolar-as2", overrides).aircraft
+        aircraft = load_aircraft("atlantiksolar-as2", overrides)
         maps[name] = feasibility_map(aircraft, mission, LATITUDES_DEG, DAYS, solar)
         share = season_length(maps[name]) / len(DAYS)
         print(f"{name}: share of the year flown perpetually")

@@ -3,20 +3,19 @@
 Run with: python examples/size_an_aircraft.py
 """
 
-from sizing.objectives import Objective
-from sizing.optimiser import size_aircraft
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.search import size_aircraft
 from sizing.performance import SolarModel
-from studies.library import load_aircraft, load_mission
 
 
 def main() -> None:
     """Print the sized aircraft for two margins, or what stands in the way."""
     # AtlantikSolar's technology; span, battery and module area are free within its design space.
-    aircraft = load_aircraft("atlantiksolar-design").aircraft
+    aircraft = load_aircraft("atlantiksolar-design")
     # 45 to 50 N, 1 May to 15 August, with a payload.
-    mission = load_mission(
-        "central-europe-summer", ["payload.mass_kg=0.25", "payload.power_w=3"]
-    ).mission
+    mission = load_mission("central-europe-summer", ["payload.mass_kg=0.25", "payload.power_w=3"])
 
     # Hours without sun that remain possible at every dawn. Try 30.
     for margin_h in (2.0, 4.0):

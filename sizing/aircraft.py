@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from sizing.aerodynamics import DragPolar
-from sizing.battery import Battery
+from sizing.aerodynamics.parabolic import DragPolar
+from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.energy.battery import Battery
 from sizing.smooth import Value
-from sizing.structure import SparStructure, Structure
-from sizing.wing_polar import WingPolar
+from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text

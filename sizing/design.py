@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
-from sizing.aerodynamics import DragPolar, Polar, level_flight_power_w, scaled_power_w
+from sizing.aerodynamics.parabolic import DragPolar, Polar, level_flight_power_w, scaled_power_w
+from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
-from sizing.rib_wing import RibWingStructure, StructureParts
 from sizing.smooth import Value
-from sizing.structure_inputs import StructureInputs
-from sizing.wing_polar import WingPolar
+from sizing.structures.inputs import StructureInputs
+from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.cycle import Cycle, simulate_cycle
 from sizing.design import (
     Design,
     DesignVariables,
@@ -18,8 +17,9 @@ from sizing.design import (
     design_of,
     load_profile,
 )
-from sizing.endurance import Endurance, longest_flight
-from sizing.energy_balance import FloatArray, Store
+from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.energy.endurance import Endurance, longest_flight
+from sizing.energy.march import FloatArray, Store
 from solar.correction import correction
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.power import horizontal_specific_power

@@ -17,7 +17,7 @@ HORIZONTAL_MODEL_NAMES: tuple[ModelName, ...] = ("CDM", "CAM")
 # Models that know the attitude: they need module surfaces on the aircraft and a flight path.
 ATTITUDE_MODELS: tuple[ModelName, ...] = ("VM", "FM")
 
-# The objectives of sizing; what they mean is in sizing.objectives.
+# The objectives of sizing; what they mean is in sizing.optimisation.objectives.
 OBJECTIVE_NAMES = (
     "max_excess_time",
     "min_wingspan",

@@ -11,21 +11,22 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from missions.output_files import write_text_atomically
-from studies import (
+from missions.files.writing import write_text_atomically
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from studies.models import comparison
+from studies.models import records as comparison_records
+from studies.models import summary as comparison_sentence
+from studies.models import tables as comparison_tables
+from studies.models import transfer as model_transfer
+from studies.validation import (
     altitude_tables,
     clear_sky_comparison,
-    comparison,
-    comparison_records,
-    comparison_sentence,
-    comparison_tables,
     found_designs,
-    model_transfer,
     published,
     report_reproduction,
     structure_comparison,
 )
-from studies.library import load_aircraft, load_mission
 
 
 def _published() -> str:
@@ -55,8 +56,8 @@ def _structure() -> str:
 
 def _comparison(aircraft: str, mission: str, required_h: float) -> str:
     found = comparison.compare(
-        load_aircraft(aircraft).aircraft,
-        load_mission(mission).mission,
+        load_aircraft(aircraft),
+        load_mission(mission),
         required_excess_time_h=required_h,
     )
     return comparison_tables.markdown(

@@ -1,0 +1,354 @@
+"""Logs of flights: read, and checked before anything is computed from them.
+
+Nothing is repaired: rows that lack a required value are left out and counted, gaps split the log
+and are never interpolated over, everything else that cannot be true is an error that names its
+line. Angles are degrees in files and radians in :class:`FlightLog`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missions.files.errors import InputError, Problem, file_error, shown
+from solar.sun import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int_]
+
+TIME, EPOCH = "time_utc", "time_utc_s"
+ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
+REQUIRED = ("latitude_deg", "longitude_deg", "altitude_m", "solar_power_w")
+OPTIONAL = ("ambient_temperature_c", "mppt_voltage_v", "load_w", "state_of_charge")
+COLUMNS = (TIME, EPOCH, *REQUIRED, *ATTITUDE, *OPTIONAL)
+
+# A step longer than this many median steps is a gap: a logger that skips a few samples is not.
+GAP_STEPS = 5.0
+MAXIMUM_DROPPED = 0.5
+_SHOWN_PROBLEMS = 3
+
+# The almanac behind the sun's position holds from 1950 to 2050.
+_EPOCH_RANGE = (-631152000.0, 2524608000.0)
+_RANGES: dict[str, tuple[float, float]] = {
+    "latitude_deg": (-90.0, 90.0),
+    "longitude_deg": (-180.0, 180.0),
+    "altitude_m": (-500.0, 32000.0),
+    "roll_deg": (-180.0, 180.0),
+    "pitch_deg": (-90.0, 90.0),
+    "yaw_deg": (-360.0, 360.0),
+    "solar_power_w": (-1e3, 1e6),
+    "ambient_temperature_c": (-100.0, 100.0),
+    "mppt_voltage_v": (0.0, 1e4),
+    "load_w": (-1e6, 1e6),
+    "state_of_charge": (-0.05, 1.05),
+}
+_HINTS = {"state_of_charge": "; it is a share, not a percentage"}
+
+
+class EulerAngles(NamedTuple):
+    """Roll, pitch and yaw of the sequence 3-2-1 [rad]."""
+
+    roll_rad: FloatArray
+    pitch_rad: FloatArray
+    yaw_rad: FloatArray
+
+
+class Gap(NamedTuple):
+    """Stretch without samples: times of the samples before and after it [s since 1970, UTC]."""
+
+    start_s: float
+    end_s: float
+
+    @property
+    def duration_s(self) -> float:
+        """Length of the gap [s]."""
+        return self.end_s - self.start_s
+
+
+@dataclass(frozen=True)
+class FlightLog:
+    """Samples of a flight, times strictly increasing; optional quantities are None or hold NaN.
+
+    Attributes
+    ----------
+    source : str
+        File name.
+    time_s : ndarray
+        Universal time [s since 1970-01-01].
+    latitude_deg, longitude_deg, altitude_m : ndarray
+        Position; altitude above mean sea level.
+    solar_power_w : ndarray
+        Power behind the power trackers [W].
+    attitude : EulerAngles or None
+        Attitude, none if the log has none.
+    ambient_temperature_c, mppt_voltage_v, load_w, state_of_charge : ndarray or None
+        What else was logged.
+    rows_read, rows_dropped : int
+        Rows of the file, and those left out because a required value was missing.
+    gaps : tuple of Gap
+        Stretches without samples.
+    notes : tuple of str
+        What the reader of the results should know.
+    """
+
+    source: str
+    time_s: FloatArray
+    latitude_deg: FloatArray
+    longitude_deg: FloatArray
+    altitude_m: FloatArray
+    solar_power_w: FloatArray
+    attitude: EulerAngles | None
+    ambient_temperature_c: FloatArray | None
+    mppt_voltage_v: FloatArray | None
+    load_w: FloatArray | None
+    state_of_charge: FloatArray | None
+    rows_read: int
+    rows_dropped: int
+    gaps: tuple[Gap, ...]
+    notes: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    @property
+    def step_s(self) -> float:
+        """Median step of time [s]."""
+        return float(np.median(np.diff(self.time_s)))
+
+    def segment(self) -> IntArray:
+        """Number of the uninterrupted stretch that each sample belongs to."""
+        ends = np.array([gap.end_s for gap in self.gaps])
+        return np.searchsorted(ends, self.time_s, side="right").astype(int)
+
+
+def first_few(items: Sequence[Any]) -> list[tuple[Any, str]]:
+    """First few items, the last of them with the number of those not shown."""
+    chosen = list(items[:_SHOWN_PROBLEMS])
+    more = len(items) - len(chosen)
+    tails = ["" for _ in chosen]
+    if more:
+        tails[-1] = f" (and {more} more rows)"
+    return list(zip(chosen, tails, strict=True))
+
+
+def log_from_table(
+    table: pd.DataFrame,
+    source: str,
+    lines: IntArray | None = None,
+    notes: Iterable[str] = (),
+) -> FlightLog:
+    """Check a table with the columns of the CSV format and make it a log.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Columns as in the CSV format.
+    source : str
+        File name for messages.
+    lines : ndarray of int, optional
+        Line of each row; without, rows are counted from 2 like those below a header.
+    notes : iterable of str
+        Notes to keep with the log.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong.
+    """
+    at = np.arange(2, len(table) + 2) if lines is None else lines
+    problems: list[Problem] = []
+    epoch = TIME not in table
+    time_s = _times(table[EPOCH if epoch else TIME], epoch, source, at, problems)
+    values = {
+        name: _numbers(table[name], source, at, problems)
+        for name in (*REQUIRED, *ATTITUDE, *OPTIONAL)
+        if name in table
+    }
+    if problems:
+        raise InputError(problems)
+    if all(name in values and np.isnan(values[name]).all() for name in ATTITUDE):
+        for name in ATTITUDE:
+            del values[name]
+    keep = _complete(time_s, values, source)
+    time_s, values, at = time_s[keep], {n: v[keep] for n, v in values.items()}, at[keep]
+    _check_order(time_s, at, source)
+    dropped = int(np.count_nonzero(~keep))
+    return _assembled(source, time_s, values, dropped, notes)
+
+
+def _times(
+    column: pd.Series, epoch: bool, source: str, lines: IntArray, problems: list[Problem]
+) -> FloatArray:
+    import pandas as pd
+
+    if epoch:
+        return _numbers(column, source, lines, problems, _EPOCH_RANGE)
+    if pd.api.types.is_numeric_dtype(column) and column.notna().any():
+        message = f"must be text like 2015-07-01T05:30:00Z; epoch seconds are the column {EPOCH}"
+        problems.append(Problem(source, int(lines[0]), None, TIME, message))
+        return np.full(len(column), np.nan)
+    text = column.astype("string").str.strip()
+    given = column.notna().to_numpy(bool)
+    zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
+    # A bare date ends like an offset does.
+    zoned &= text.str.contains("T|t| |:", regex=True, na=False).to_numpy(bool)
+    parsed = pd.to_datetime(text, format="ISO8601", utc=True, errors="coerce")
+    wrong = given & parsed.isna().to_numpy(bool)
+    _complain(
+        problems, source, lines, TIME, wrong, "must be ISO 8601 like 2015-07-01T05:30:00Z", column
+    )
+    message = "has no time zone; write UTC like 2015-07-01T05:30:00Z or +02:00"
+    _complain(problems, source, lines, TIME, given & ~wrong & ~zoned, message, column)
+    seconds = parsed.dt.tz_localize(None).to_numpy("datetime64[us]").astype(np.int64) / 1e6
+    time_s = np.where(parsed.notna().to_numpy(bool), seconds, np.nan)
+    low, high = _EPOCH_RANGE
+    outside = (time_s < low) | (time_s > high)
+    _complain(problems, source, lines, TIME, outside, "must be from 1950 to 2049", column)
+    return np.asarray(time_s, float)
+
+
+def _numbers(
+    column: pd.Series,
+    source: str,
+    lines: IntArray,
+    problems: list[Problem],
+    limits: tuple[float, float] | None = None,
+) -> FloatArray:
+    """Column as numbers, NaN where a field is empty."""
+    import pandas as pd
+
+    name = str(column.name)
+    if pd.api.types.is_bool_dtype(column):
+        column = column.astype("string")
+    numeric = pd.to_numeric(column, errors="coerce").astype(float)
+    values = np.asarray(numeric.to_numpy(float, na_value=np.nan), float)
+    wrong = np.isnan(values) & column.notna().to_numpy(bool)
+    _complain(problems, source, lines, name, wrong, "must be a number", column)
+    infinite = np.isinf(values)
+    _complain(problems, source, lines, name, infinite, "must be a finite number", column)
+    low, high = limits or _RANGES[name]
+    outside = ((values < low) | (values > high)) & ~infinite
+    message = f"must be from {low:g} to {high:g}{_HINTS.get(name, '')}"
+    _complain(problems, source, lines, name, outside, message, column)
+    return values
+
+
+def _complain(
+    problems: list[Problem],
+    source: str,
+    lines: IntArray,
+    name: str,
+    wrong: NDArray[Any],
+    message: str,
+    column: pd.Series,
+) -> None:
+    rows = np.flatnonzero(wrong).tolist()
+    problems += [
+        Problem(
+            source, int(lines[row]), None, name, f"{message} (got {_cell(column.iloc[row])}){rest}"
+        )
+        for row, rest in first_few(rows)
+    ]
+
+
+def _cell(value: object) -> str:
+    return shown(value.item() if isinstance(value, np.generic) else value)
+
+
+def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) -> BoolArray:
+    """Rows in which nothing required is missing."""
+    required = {TIME: time_s} | {n: values[n] for n in (*REQUIRED, *ATTITUDE) if n in values}
+    lacking = {name: int(np.count_nonzero(np.isnan(v))) for name, v in required.items()}
+    keep = ~np.any([np.isnan(v) for v in required.values()], axis=0)
+    total, dropped = len(time_s), int(np.count_nonzero(~keep))
+    if dropped > MAXIMUM_DROPPED * total:
+        counts = ", ".join(f"{name} in {n}" for name, n in lacking.items() if n)
+        raise file_error(
+            source,
+            f"{dropped} of {total} rows lack a required value ({counts}); "
+            f"allowed: at most {MAXIMUM_DROPPED:.0%}",
+        )
+    if total - dropped < 2:
+        raise file_error(source, "has fewer than two complete rows")
+    return np.asarray(keep, bool)
+
+
+def _check_order(time_s: FloatArray, lines: IntArray, source: str) -> None:
+    step = np.diff(time_s)
+    wrong = np.flatnonzero(step <= 0.0).tolist()
+    if wrong:
+        raise InputError(
+            Problem(
+                source,
+                int(lines[i + 1]),
+                None,
+                TIME,
+                f"time must increase: {_backwards(step[i])} line {lines[i]}{rest}",
+            )
+            for i, rest in first_few(wrong)
+        )
+
+
+def _backwards(step_s: float) -> str:
+    return "it is the same as on" if step_s == 0.0 else f"it is {-step_s:g} s before that of"
+
+
+def _assembled(
+    source: str,
+    time_s: FloatArray,
+    values: dict[str, FloatArray],
+    dropped: int,
+    notes: Iterable[str],
+) -> FlightLog:
+    step = np.diff(time_s)
+    after = np.flatnonzero(step > GAP_STEPS * np.median(step))
+    gaps = tuple(Gap(float(time_s[i]), float(time_s[i + 1])) for i in after)
+    attitude = None
+    if "roll_deg" in values:
+        attitude = EulerAngles(*(np.radians(values[name]) for name in ATTITUDE))
+    total = len(time_s) + dropped
+    told = [*notes, *_remarks(values, dropped, total, gaps)]
+    return FlightLog(
+        source=source,
+        time_s=time_s,
+        attitude=attitude,
+        rows_read=total,
+        rows_dropped=dropped,
+        gaps=gaps,
+        notes=tuple(told),
+        latitude_deg=values["latitude_deg"],
+        longitude_deg=values["longitude_deg"],
+        altitude_m=values["altitude_m"],
+        solar_power_w=values["solar_power_w"],
+        ambient_temperature_c=_if_any(values.get("ambient_temperature_c")),
+        mppt_voltage_v=_if_any(values.get("mppt_voltage_v")),
+        load_w=_if_any(values.get("load_w")),
+        state_of_charge=_if_any(values.get("state_of_charge")),
+    )
+
+
+def _if_any(values: FloatArray | None) -> FloatArray | None:
+    return None if values is None or np.isnan(values).all() else values
+
+
+def _remarks(
+    values: dict[str, FloatArray], dropped: int, total: int, gaps: Sequence[Gap]
+) -> list[str]:
+    notes = []
+    if dropped:
+        notes.append(f"{dropped} of {total} rows left out: a required value is missing")
+    if gaps:
+        longest = max(gap.duration_s for gap in gaps)
+        plural = "gap splits" if len(gaps) == 1 else "gaps split"
+        notes.append(f"{len(gaps)} {plural} the log, the longest of {longest:.1f} s")
+    angles = [values[name] for name in ATTITUDE if name in values]
+    if angles and np.ptp(angles[-1]) > 3.0 and all(np.abs(a).max() <= 2 * np.pi for a in angles):
+        notes.append("no angle of the attitude exceeds 2 pi: are these radians? degrees are read")
+    return notes

@@ -1,0 +1,310 @@
+"""Smooth polar of an airfoil section, fitted to a table.
+
+From the table the linear branch up to the stall is taken, and drag is fitted once as a smooth
+function of lift coefficient and Reynolds number. The fit is evaluated by arithmetic only, so that
+floats, arrays and symbolic expressions pass alike, and it has derivatives of every order
+everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import e, pi
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from missions.files.errors import file_error
+from sizing.aerodynamics.polar_table import PolarTable, parse_polar_table, shipped_table
+from sizing.smooth import Value
+from solar.sun import FloatArray
+
+# The branch ends where the slope of lift falls to a tenth of a thin airfoil's, 2 pi/rad [1/deg].
+_LEAST_SLOPE_PER_DEG = 0.1 * 2.0 * pi * pi / 180.0
+# A Reynolds number at the low end whose maximum lift lies this far below the next one's has stalled
+# by laminar separation; drag there is no continuation of the branch.
+_STALLED_RATIO = 0.85
+_LEAST_REYNOLDS_NUMBERS, _LEAST_ANGLES = 4, 12
+_LIFT_DEGREE, _REYNOLDS_DEGREE, _MAXIMUM_LIFT_DEGREE = 14, 6, 4
+_RIDGE = 1e-4  # keeps coefficients small that the table does not determine
+_REFUSED_MEDIAN, _REFUSED_MAXIMUM = 0.05, 0.3
+# The fit ends this far below the maximum lift, where drag turns upwards ever more steeply.
+_STALL_DISTANCE = 0.03
+# Half-widths of the smooth clamps, of lift and of the normalised Reynolds coordinate.
+_LIFT_BLEND, _REYNOLDS_BLEND = 0.02, 0.02
+# Excess at which drag has doubled: lift beyond the stall, lift below the branch, and Reynolds.
+_STALL_SCALE, _NEGATIVE_SCALE, _REYNOLDS_SCALE = 0.1, 0.5, 1.0
+_CHECKED_LIFT = 0.2  # the fit error counts from here ...
+_CHECKED_DISTANCE = 0.1  # ... to this far below the maximum lift
+
+
+class FitError(NamedTuple):
+    """Relative error of the fitted drag against the table, over the branch that aircraft use."""
+
+    median: float
+    maximum: float
+
+
+class _Branch(NamedTuple):
+    """Attached flow at one Reynolds number: lift rises with every step."""
+
+    reynolds: float
+    alpha_deg: FloatArray
+    cl: FloatArray
+    cd: FloatArray
+
+    @property
+    def maximum_lift(self) -> float:
+        return float(self.cl[-1])
+
+    def refined(self) -> tuple[FloatArray, FloatArray]:
+        """Lift and logarithm of drag between the rows, by cubic splines over the angle."""
+        from scipy.interpolate import CubicSpline
+
+        alpha = np.linspace(self.alpha_deg[0], self.alpha_deg[-1], 8 * len(self.alpha_deg))
+        lift = CubicSpline(self.alpha_deg, self.cl)(alpha)
+        return np.asarray(lift), np.asarray(CubicSpline(self.alpha_deg, np.log(self.cd))(alpha))
+
+
+class _ReynoldsScale(NamedTuple):
+    """Coordinate of the Reynolds number: Re^-1/4, from 1 at the lowest to -1 at the highest.
+
+    Over the range of a table it is nearly linear in log Re, and it takes arithmetic only.
+    """
+
+    middle: float
+    half: float
+
+    @classmethod
+    def between(cls, lowest: float, highest: float) -> _ReynoldsScale:
+        low, high = lowest**-0.25, highest**-0.25
+        return cls((low + high) / 2.0, (low - high) / 2.0)
+
+    def at(self, reynolds: Value) -> Value:
+        return (reynolds**-0.25 - self.middle) / self.half
+
+
+@dataclass(frozen=True)
+class AirfoilPolar:
+    """Smooth drag and maximum lift of an airfoil section.
+
+    ``log c_d`` is a tensor product of Chebyshev polynomials in the lift, scaled between the lower
+    end of the branch and the stall at that Reynolds number, and in Re^-1/4. Outside the table both
+    coordinates are clamped, smoothly, and drag grows with the square of the excess: below the
+    lowest Reynolds number, beyond the stall, and below the branch. Above the highest Reynolds
+    number drag keeps its last value. Drag is never zero and never negative. What lies outside the
+    table is a fence for optimisers, not physics.
+
+    Attributes
+    ----------
+    name : str
+        Airfoil as the table names it.
+    reynolds_range : tuple of float
+        Lowest and highest Reynolds number of the fit. Rows at the low end whose maximum lift
+        collapses (laminar separation without reattachment) are left out.
+    least_lift : float
+        Lift coefficient at which the branch starts at all these Reynolds numbers.
+    """
+
+    name: str
+    reynolds_range: tuple[float, float]
+    least_lift: float
+    _scale: _ReynoldsScale
+    _maximum_lift: tuple[float, ...]
+    _log_drag: tuple[tuple[float, ...], ...]
+    _branches: tuple[_Branch, ...]
+
+    @classmethod
+    def load(cls, airfoil: str) -> AirfoilPolar:
+        """Read a polar: the name of a shipped one, or the path of a CSV file.
+
+        Raises
+        ------
+        ValueError
+            If no shipped polar has that name, or the file is no polar table
+            (:class:`missions.files.errors.InputError`, with line numbers).
+        OSError
+            If the file cannot be read.
+        """
+        if airfoil.endswith(".csv"):
+            text = Path(airfoil).read_text(encoding="utf-8")
+            return cls.from_table(parse_polar_table(text, airfoil))
+        return _shipped_polar(airfoil)
+
+    @classmethod
+    def from_table(cls, table: PolarTable) -> AirfoilPolar:
+        """Fit a table.
+
+        Raises
+        ------
+        InputError
+            If the table has no branch of attached flow at enough Reynolds numbers, or is too rough
+            for a smooth fit.
+        """
+        branches = _attached_branches(table)
+        least_lift = max(float(b.cl[0]) for b in branches)
+        scale = _ReynoldsScale.between(branches[0].reynolds, branches[-1].reynolds)
+        peak = _fit_maximum_lift(branches, scale)
+        polar = cls(
+            name=table.name,
+            reynolds_range=(branches[0].reynolds, branches[-1].reynolds),
+            least_lift=least_lift,
+            _scale=scale,
+            _maximum_lift=peak,
+            _log_drag=_fit_log_drag(branches, scale, peak, least_lift),
+            _branches=branches,
+        )
+        error = polar.fit_error
+        if error.median > _REFUSED_MEDIAN or error.maximum > _REFUSED_MAXIMUM:
+            raise file_error(
+                table.source,
+                f"too rough for a smooth polar: the fit misses the table by {error.median:.1%} in "
+                f"the median and {error.maximum:.1%} at most",
+            )
+        return polar
+
+    def maximum_lift(self, reynolds: Value) -> Value:
+        """Maximum lift coefficient of the section [-], for Reynolds numbers above zero."""
+        inside, below = self._reynolds_coordinates(reynolds)
+        return _chebyshev(self._maximum_lift, inside) / (1.0 + below * below)
+
+    def profile_drag(self, cl: Value, reynolds: Value) -> Value:
+        """Drag coefficient of the section [-] on the branch up to the stall.
+
+        Parameters
+        ----------
+        cl
+            Lift coefficient of the section [-].
+        reynolds
+            Reynolds number of the chord [-], above zero.
+        """
+        inside, below = self._reynolds_coordinates(reynolds)
+        top = _chebyshev(self._maximum_lift, inside) - _STALL_DISTANCE
+        lifted = self.least_lift + _ramp(cl - self.least_lift, _LIFT_BLEND)
+        clamped = top - _ramp(top - lifted, _LIFT_BLEND)
+        share = 2.0 * (clamped - self.least_lift) / (top - self.least_lift) - 1.0
+        rows = [_chebyshev(row, inside) for row in self._log_drag]
+        stalled = _ramp(cl - top, _LIFT_BLEND) / _STALL_SCALE
+        negative = _ramp(self.least_lift - cl, _LIFT_BLEND) / _NEGATIVE_SCALE
+        fence = (1.0 + stalled * stalled) * (1.0 + negative * negative)
+        return e ** _chebyshev(rows, share) * fence * (1.0 + below * below)
+
+    def _reynolds_coordinates(self, reynolds: Value) -> tuple[Value, Value]:
+        """Coordinate clamped to the table, and the excess below the lowest Reynolds number."""
+        z = self._scale.at(reynolds)
+        inside = -1.0 + _ramp(z + 1.0, _REYNOLDS_BLEND)
+        inside = 1.0 - _ramp(1.0 - inside, _REYNOLDS_BLEND)
+        return inside, _ramp(z - 1.0, _REYNOLDS_BLEND) / _REYNOLDS_SCALE
+
+    @cached_property
+    def fit_error(self) -> FitError:
+        """Error against the rows of the table from ``c_l`` 0.2 to 0.1 below the maximum."""
+        errors = []
+        for branch in self._branches:
+            top = branch.maximum_lift - _CHECKED_DISTANCE
+            used = (branch.cl >= max(_CHECKED_LIFT, self.least_lift)) & (branch.cl <= top)
+            fitted = self.profile_drag(branch.cl[used], branch.reynolds)
+            errors.append(np.abs(fitted / branch.cd[used] - 1.0))
+        joined = np.concatenate(errors)
+        return FitError(float(np.median(joined)), float(np.max(joined)))
+
+
+@lru_cache(maxsize=32)
+def _shipped_polar(name: str) -> AirfoilPolar:
+    return AirfoilPolar.from_table(shipped_table(name))
+
+
+def _ramp(x: Value, width: float) -> Value:
+    """Smooth maximum of ``x`` and 0: a hyperbola, ``width / 2`` high at 0."""
+    return (x + (x * x + width * width) ** 0.5) / 2.0
+
+
+def _chebyshev(coefficients: Iterable[Value], x: Value) -> Value:
+    """Chebyshev series by Clenshaw's recurrence; coefficients may be expressions themselves."""
+    first, *others = coefficients
+    one: Value = 0.0
+    two: Value = 0.0
+    for coefficient in reversed(others):
+        one, two = coefficient + 2.0 * x * one - two, one
+    return first + x * one - two
+
+
+def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
+    columns = table.columns
+    branches = []
+    for reynolds in np.unique(columns["reynolds"]):
+        rows = np.flatnonzero(columns["reynolds"] == reynolds)
+        rows = rows[np.argsort(columns["alpha_deg"][rows])]
+        if len(rows) < _LEAST_ANGLES:
+            raise file_error(
+                table.source,
+                f"{len(rows)} angles of attack at Reynolds number {reynolds:g}; "
+                f"at least {_LEAST_ANGLES} are needed",
+            )
+        alpha, cl, cd = (columns[name][rows] for name in ("alpha_deg", "cl", "cd"))
+        branches.append(_attached_branch(float(reynolds), alpha, cl, cd))
+    while len(branches) > 1 and (
+        branches[0].maximum_lift < _STALLED_RATIO * branches[1].maximum_lift
+    ):
+        branches.pop(0)
+    if len(branches) < _LEAST_REYNOLDS_NUMBERS:
+        raise file_error(
+            table.source,
+            f"attached flow at {len(branches)} Reynolds numbers; "
+            f"at least {_LEAST_REYNOLDS_NUMBERS} are needed",
+        )
+    if max(b.cl[0] for b in branches) > 0.5 * min(b.maximum_lift for b in branches):
+        raise file_error(table.source, "the branch of attached flow is too short; extend alpha_deg")
+    return tuple(branches)
+
+
+def _attached_branch(
+    reynolds: float, alpha_deg: FloatArray, cl: FloatArray, cd: FloatArray
+) -> _Branch:
+    """Rows around half the greatest lift between which lift keeps rising."""
+    rising = np.diff(cl) > _LEAST_SLOPE_PER_DEG * np.diff(alpha_deg)
+    first = last = int(np.argmax(cl >= 0.5 * np.max(cl)))
+    while last < len(rising) and rising[last]:
+        last += 1
+    while first > 0 and rising[first - 1]:
+        first -= 1
+    rows = slice(first, last + 1)
+    return _Branch(reynolds, alpha_deg[rows], cl[rows], cd[rows])
+
+
+def _fit_maximum_lift(branches: tuple[_Branch, ...], scale: _ReynoldsScale) -> tuple[float, ...]:
+    z = [scale.at(b.reynolds) for b in branches]
+    degree = min(_MAXIMUM_LIFT_DEGREE, len(branches) - 2)
+    fitted = chebyshev.chebfit(z, [b.maximum_lift for b in branches], degree)
+    return tuple(float(value) for value in fitted)
+
+
+def _fit_log_drag(
+    branches: tuple[_Branch, ...],
+    scale: _ReynoldsScale,
+    peak: tuple[float, ...],
+    least_lift: float,
+) -> tuple[tuple[float, ...], ...]:
+    """Chebyshev coefficients of log drag, by lift (outer) and Reynolds number (inner)."""
+    shares, coordinates, logs = [], [], []
+    for branch in branches:
+        z = scale.at(branch.reynolds)
+        top = _chebyshev(peak, z) - _STALL_DISTANCE
+        lift, log_drag = branch.refined()
+        used = (lift >= least_lift) & (lift <= top)
+        shares.append(2.0 * (lift[used] - least_lift) / (top - least_lift) - 1.0)
+        coordinates.append(np.full(np.count_nonzero(used), z))
+        logs.append(log_drag[used])
+    u, v, target = (np.concatenate(parts) for parts in (shares, coordinates, logs))
+    degrees = (_LIFT_DEGREE, min(_REYNOLDS_DEGREE, len(branches) - 2))
+    basis = chebyshev.chebvander2d(u, v, degrees)
+    ridge = _RIDGE * np.sqrt(len(target)) * np.eye(basis.shape[1])
+    fitted, *_ = np.linalg.lstsq(
+        np.vstack((basis, ridge)), np.concatenate((target, np.zeros(len(ridge)))), rcond=None
+    )
+    table = fitted.reshape(degrees[0] + 1, degrees[1] + 1)
+    return tuple(tuple(float(value) for value in row) for row in table)

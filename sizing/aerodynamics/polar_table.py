@@ -1,0 +1,140 @@
+"""Tables of airfoil polars: read from CSV and checked, and those that ship with the package.
+
+A polar is a CSV table, whoever made it: a program, a wind tunnel, a paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import resources
+
+import numpy as np
+
+from missions.files.errors import InputError, Problem, file_error
+from solar.sun import FloatArray
+
+COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
+
+
+@dataclass(frozen=True)
+class PolarTable:
+    """Rows of a polar file, with what its header says (keys of :attr:`header` in lower case)."""
+
+    source: str
+    header: dict[str, str]
+    columns: dict[str, FloatArray]
+
+    @property
+    def name(self) -> str:
+        """Airfoil as the header names it."""
+        return self.header["airfoil"]
+
+
+def shipped_airfoils() -> tuple[str, ...]:
+    """Names of the polars that ship with the package."""
+    folder = resources.files("sizing").joinpath("data", "polars")
+    names = (item.name for item in folder.iterdir())
+    return tuple(sorted(name.removesuffix(".csv") for name in names if name.endswith(".csv")))
+
+
+def shipped_table(name: str) -> PolarTable:
+    """Read one of the tables that ship with the package.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name; the message lists the names.
+    """
+    if name not in shipped_airfoils():
+        known = ", ".join(shipped_airfoils())
+        raise ValueError(
+            f"unknown airfoil {name!r}; shipped are {known}, and a path ending in .csv is read"
+        )
+    file = resources.files("sizing").joinpath("data", "polars", f"{name}.csv")
+    return parse_polar_table(file.read_text(encoding="utf-8"), f"{name}.csv")
+
+
+def parse_polar_table(text: str, source: str) -> PolarTable:
+    """Read the text of a polar table.
+
+    The header is comment lines ``# key: value``, of which ``airfoil`` and ``source`` are required;
+    then come the line of column names and the rows, in any order.
+
+    Parameters
+    ----------
+    text : str
+        Contents of the file.
+    source : str
+        File name, for messages.
+
+    Raises
+    ------
+    InputError
+        With every line that is wrong.
+    """
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
+    comments = [(number, line) for number, line in lines if line.startswith("#")]
+    content = [(number, line) for number, line in lines if line and not line.startswith("#")]
+    header = dict(_header_entries(comments))
+    problems = [
+        Problem(source, None, None, "", f"the header has no line '# {key}: ...'")
+        for key in ("airfoil", "source")
+        if not header.get(key)
+    ]
+    expected = ",".join(COLUMNS)
+    if not content or content[0][1].replace(" ", "") != expected:
+        line = content[0][0] if content else None
+        problems.append(Problem(source, line, None, "", f"column names must be {expected}"))
+        raise InputError(problems)
+    rows, mistakes = _read_rows(content[1:], source)
+    if problems or mistakes:
+        raise InputError([*problems, *mistakes])
+    if not rows:
+        raise file_error(source, "the table has no rows")
+    values = np.asarray(rows)
+    return PolarTable(source, header, {name: values[:, i] for i, name in enumerate(COLUMNS)})
+
+
+def _header_entries(comments: list[tuple[int, str]]) -> Iterable[tuple[str, str]]:
+    for _, line in comments:
+        key, colon, value = line.lstrip("# ").partition(":")
+        if colon:
+            yield key.strip().lower(), value.strip()
+
+
+def _read_rows(
+    content: list[tuple[int, str]], source: str
+) -> tuple[list[list[float]], list[Problem]]:
+    rows: list[list[float]] = []
+    problems: list[Problem] = []
+    seen: dict[tuple[float, float], int] = {}
+    for number, line in content:
+        row = line.split(",")
+        try:
+            values = [float(field) for field in row]
+        except ValueError:
+            values = []
+        complaint = _complaint(values, line)
+        if not complaint:
+            earlier = seen.setdefault((values[0], values[1]), number)
+            if earlier != number:
+                complaint = f"same alpha_deg and reynolds as in line {earlier}"
+        if complaint:
+            problems.append(Problem(source, number, None, "", complaint))
+        else:
+            rows.append(values)
+    return rows, problems
+
+
+def _complaint(values: list[float], line: str) -> str:
+    if len(values) != len(COLUMNS) or not np.all(np.isfinite(values)):
+        return f"{len(COLUMNS)} finite numbers are needed (got {line[:60]!r})"
+    _, reynolds, _, cd, _, confidence = values
+    if reynolds <= 0.0:
+        return f"reynolds must be above 0 (got {reynolds:g})"
+    if cd <= 0.0:
+        return f"cd must be above 0 (got {cd:g})"
+    if not 0.0 <= confidence <= 1.0:
+        return f"confidence must be from 0 to 1 (got {confidence:g})"
+    return ""

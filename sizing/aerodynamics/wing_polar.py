@@ -1,0 +1,162 @@
+"""Drag of an aircraft whose wing has an airfoil with a polar."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from math import pi
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field, Strict, model_validator
+
+from missions.air import GRAVITY_M_PER_S2
+from sizing.aerodynamics.airfoil_polar import AirfoilPolar
+from sizing.smooth import Value
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
+
+
+class DragBuildUp(NamedTuple):
+    """Drag coefficients of the parts, on the wing area [-]; before any calibration."""
+
+    profile: Value
+    induced: Value
+    tail: Value
+    fuselage: Value
+    parasitic: Value
+
+    @property
+    def total(self) -> Value:
+        """Sum of the parts."""
+        return sum(self[1:], self[0])
+
+
+class WingPolar(Record):
+    """Drag of an aircraft from its airfoil's polar, its tail and its fuselage.
+
+    ``C_D = calibration (c_d(c_l, Re) + C_L^2 / (pi e AR) + C_D,tail + C_D,fuselage + C_D,other)``
+
+    * Wing: the polar at ``c_l = section_lift_ratio C_L`` and the Reynolds number of the mean chord.
+      The ratio is that of the most loaded section to the whole wing. Prandtl's lifting line at
+      aspect ratio 18.5 gives 1.05 for a straight centre section with tips tapered to 0.6 over the
+      outer 40 % of the span, and 1.08 for a rectangle; an elliptic wing has 1.
+    * Tail: laminar flat plate with the form factor of a section, Hoerner, S. F. (1965),
+      Fluid-Dynamic Drag, chapters 2 and 6: ``2 x 1.328 Re^-1/2 (1 + 2 t/c + 60 (t/c)^4)``, on
+      tails of (0.35 + 0.045)/4 of the wing area (AtlantikSolar's volume ratios with a fuselage of
+      four chords). About 0.0105 at a wing Reynolds number of 158 000.
+    * Fuselage: turbulent flat plate ``0.074 Re^-1/5`` (Schlichting, Boundary-Layer Theory) on its
+      length and wetted area with a form factor (Raymer, D. P., Aircraft Design, section 12.5).
+    * Other: whatever the build-up misses, such as interference, gaps, antennas, sensors.
+
+    A lift coefficient of null means the best one: least power of level flight at the design point,
+    no slower than ``stall_margin`` times the stall speed. Like a given one it stays the same for
+    whatever aircraft is sized. ``design_reynolds`` is the Reynolds number at ``C_L = 1``: at one
+    weight level flight keeps ``Re C_L^1/2`` constant (XFOIL's polars of type 2).
+    """
+
+    model: Literal["wing_polar"]
+    airfoil: Text
+    design_aspect_ratio: PositiveReal
+    design_reynolds: PositiveReal
+    lift_coefficient: PositiveReal | None = None
+    stall_margin: Annotated[float, Strict(), Field(ge=1.0, allow_inf_nan=False)] = 1.1
+    section_lift_ratio: PositiveReal = 1.05
+    span_efficiency: Fraction = 0.92
+    tail_area_ratio: NonNegativeReal = (0.35 + 0.045) / 4.0
+    tail_chord_ratio: PositiveReal = 0.57
+    tail_thickness_ratio: NonNegativeReal = 0.08
+    fuselage_wetted_area_ratio: NonNegativeReal = 0.15
+    fuselage_length_chords: PositiveReal = 4.0
+    fuselage_form_factor: PositiveReal = 1.2
+    parasitic_drag_coefficient: NonNegativeReal = 0.0
+    calibration: PositiveReal = 1.0
+
+    @model_validator(mode="after")
+    def _check_airfoil_and_stall(self) -> WingPolar:
+        try:
+            highest = self.highest_lift_coefficient
+        except OSError as error:
+            raise ValueError(f"cannot read {self.airfoil!r}: {error.strerror}") from error
+        if self.lift_coefficient is not None and self.lift_coefficient > highest:
+            raise ValueError(
+                f"lift_coefficient must be at most {highest:.3g}, which is {self.stall_margin:g} "
+                f"times the stall speed (got {self.lift_coefficient:g})"
+            )
+        return self
+
+    @cached_property
+    def polar(self) -> AirfoilPolar:
+        """Polar of the section."""
+        return AirfoilPolar.load(self.airfoil)
+
+    @cached_property
+    def maximum_lift_coefficient(self) -> float:
+        """Lift coefficient of the wing at the stall, at the design point [-]."""
+        lift = 1.0
+        # Maximum lift hardly changes with the Reynolds number, so that this settles at once.
+        for _ in range(40):
+            reynolds = self.design_reynolds / lift**0.5
+            lift = float(self.polar.maximum_lift(reynolds)) / self.section_lift_ratio
+        return lift
+
+    @property
+    def highest_lift_coefficient(self) -> float:
+        """Lift coefficient that keeps the stall margin, at the design point [-]."""
+        return self.maximum_lift_coefficient / self.stall_margin**2
+
+    @cached_property
+    def flight_lift_coefficient(self) -> float:
+        """Lift coefficient of level flight: the given one, or the best at the design point [-]."""
+        if self.lift_coefficient is not None:
+            return self.lift_coefficient
+        from scipy.optimize import minimize_scalar
+
+        highest = self.highest_lift_coefficient
+        grid = np.linspace(0.1 * highest, highest, 200)
+        best = int(np.argmin(self._power_measure(grid)))
+        bounds = (float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)]))
+        found = minimize_scalar(
+            self._power_measure, bounds=bounds, method="bounded", options={"xatol": 1e-9}
+        )
+        candidates = (float(found.x), highest)
+        return min(candidates, key=lambda lift: float(self._power_measure(lift)))
+
+    def _power_measure(self, lift: Value) -> Value:
+        """Power of level flight up to a factor, ``C_D / C_L^1.5``, at the design point."""
+        reynolds = self.design_reynolds * lift**-0.5
+        return self.drag_at(lift, self.design_aspect_ratio, reynolds) * lift**-1.5
+
+    def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
+        """Drag coefficient of the aircraft in level flight [-]."""
+        return self.drag_at(self.flight_lift_coefficient, aspect_ratio, reynolds)
+
+    def drag_at(self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value) -> Value:
+        """Drag coefficient of the aircraft at a lift coefficient [-]."""
+        return self.calibration * self.build_up(lift_coefficient, aspect_ratio, reynolds).total
+
+    def build_up(
+        self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value
+    ) -> DragBuildUp:
+        """Drag of the parts before calibration."""
+        thickness = self.tail_thickness_ratio
+        tail_form = 1.0 + 2.0 * thickness + 60.0 * thickness**4
+        tail = 2.0 * 1.328 * (self.tail_chord_ratio * reynolds) ** -0.5 * tail_form
+        fuselage = 0.074 * (self.fuselage_length_chords * reynolds) ** -0.2
+        return DragBuildUp(
+            profile=self.polar.profile_drag(self.section_lift_ratio * lift_coefficient, reynolds),
+            induced=lift_coefficient**2 / (pi * self.span_efficiency * aspect_ratio),
+            tail=self.tail_area_ratio * tail,
+            fuselage=self.fuselage_wetted_area_ratio * self.fuselage_form_factor * fuselage,
+            parasitic=self.parasitic_drag_coefficient,
+        )
+
+    def airspeed_m_per_s(
+        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+    ) -> Value:
+        """Airspeed of level flight [m/s]."""
+        pressure = mass_kg * GRAVITY_M_PER_S2 / (wing_area_m2 * self.flight_lift_coefficient)
+        return (2.0 * pressure / density_kg_per_m3) ** 0.5
+
+    def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
+        """Stall speed [m/s] that belongs to an airspeed of level flight, at the design point."""
+        ratio = self.flight_lift_coefficient / self.maximum_lift_coefficient
+        return airspeed_m_per_s * ratio**0.5

@@ -1,0 +1,222 @@
+"""How high an aircraft flies perpetually: excess time over altitude, and where it ends.
+
+Each altitude is a flight at that altitude by day and night, through the same weather
+(:meth:`missions.mission.Mission.at_altitude`). Thin air asks for more power, gives more sunlight
+and colder modules; none of these wins everywhere, so that feasibility need not be monotone. The
+altitudes are scanned, and the highest change from feasible to infeasible is refined. A feasible
+band narrower than the scan's step may be missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import ImpossibleDesignError
+from sizing.energy.march import FloatArray
+from sizing.performance import UNCORRECTED_CAM, SolarModel, performance
+
+DEFAULT_HIGHEST_M = 20000.0
+DEFAULT_STEP_M = 250.0
+_RESOLUTION_M = 0.1
+# Bounds the root finder where excess time is infinite.
+_FAR_H = 1000.0
+_HOPELESS_H = -24.0
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class AltitudeFlight:
+    """Flight at one altitude in the scenario with the least excess time there.
+
+    Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and all but the altitude and the
+    excess time (-24 h) are NaN for an aircraft that cannot carry itself.
+    """
+
+    altitude_m: float
+    excess_time_h: float
+    minimum_state_of_charge: float
+    propulsion_power_w: float
+    solar_energy_wh: float
+    load_energy_wh: float
+    airspeed_m_per_s: float
+    density_kg_per_m3: float
+    module_temperature_c: float
+    worst_scenario: int
+
+
+@dataclass(frozen=True)
+class PerpetualCeiling:
+    """Excess time over altitude and the highest altitude that keeps more than the required one.
+
+    ``highest`` is none where no altitude does. ``at_search_limit`` tells that the aircraft flies
+    perpetually at the end of the search, so that the true ceiling lies higher.
+    """
+
+    flights: tuple[AltitudeFlight, ...]
+    required_excess_time_h: float
+    highest: AltitudeFlight | None
+    best: AltitudeFlight
+    at_search_limit: bool
+
+    def column(self, name: str) -> FloatArray:
+        """One quantity of :class:`AltitudeFlight` over the scanned altitudes."""
+        return np.array([getattr(flight, name) for flight in self.flights], float)
+
+
+def highest_perpetual_altitude(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    highest_m: float = DEFAULT_HIGHEST_M,
+    step_m: float = DEFAULT_STEP_M,
+    progress: Progress | None = None,
+) -> PerpetualCeiling:
+    """Find the highest altitude of perpetual flight in all of a mission's scenarios.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`sizing.performance.performance`. The search starts at the mission's altitude;
+        a parametric aircraft's masses are those of a flight at each altitude.
+    highest_m : float
+        End of the search [m].
+    step_m : float
+        Spacing of the scan [m]; the ceiling itself is found to 0.1 m.
+    progress : callable, optional
+        Told after every scanned altitude how many are done, and of how many.
+
+    Raises
+    ------
+    ValueError
+        If the search has no length or no step.
+    ImpossibleDesignError
+        If the aircraft cannot carry its own mass at any altitude.
+    """
+    if not highest_m > mission.altitude_m:
+        raise ValueError(
+            f"highest_m must be above the mission's altitude of {mission.altitude_m:g} "
+            f"(got {highest_m:g})"
+        )
+    if not step_m > 0.0:
+        raise ValueError(f"step_m must be above 0 (got {step_m:g})")
+    altitudes = scanned_altitudes_m(mission.altitude_m, highest_m, step_m)
+    flights = []
+    for number, altitude_m in enumerate(altitudes):
+        flights.append(flight_at_altitude(aircraft, mission, solar, altitude_m))
+        if progress is not None:
+            progress(number + 1, len(altitudes))
+    if all(np.isnan(flight.propulsion_power_w) for flight in flights):
+        raise ImpossibleDesignError(f"{aircraft.name} cannot carry its own mass at any altitude")
+
+    def flown(altitude_m: float) -> AltitudeFlight:
+        return flight_at_altitude(aircraft, mission, solar, altitude_m)
+
+    required_h = mission.required_excess_time_h
+    highest = _highest(flights, flown, required_h)
+    return PerpetualCeiling(
+        flights=tuple(flights),
+        required_excess_time_h=required_h,
+        highest=highest,
+        best=_best(flights, flown),
+        at_search_limit=highest is flights[-1],
+    )
+
+
+def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> list[float]:
+    """Both ends, and the multiples of the step between them [m]."""
+    first, last = np.floor(lowest_m / step_m) + 1.0, np.ceil(highest_m / step_m) - 1.0
+    between = step_m * np.arange(first, last + 1.0)
+    return [float(lowest_m), *(float(h) for h in between), float(highest_m)]
+
+
+def flight_at_altitude(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, altitude_m: float
+) -> AltitudeFlight:
+    """Worst scenario of a mission flown at another altitude."""
+    there = mission.at_altitude(altitude_m)
+    density_kg_per_m3 = float(there.air_state().density_kg_per_m3)
+    nan = float("nan")
+    try:
+        result = performance(aircraft, there, solar)
+    except ImpossibleDesignError:
+        return AltitudeFlight(
+            altitude_m,
+            _HOPELESS_H,
+            nan,
+            nan,
+            nan,
+            nan,
+            nan,
+            density_kg_per_m3,
+            nan,
+            worst_scenario=0,
+        )
+    worst, cycle, design = result.worst_scenario(), result.cycle, result.design
+    airspeed = design.airspeed_m_per_s
+    return AltitudeFlight(
+        altitude_m=altitude_m,
+        excess_time_h=float(cycle.excess_time_h[worst]),
+        minimum_state_of_charge=float(cycle.minimum_state_of_charge[worst]),
+        propulsion_power_w=float(design.propulsion_power_w),
+        solar_energy_wh=float(cycle.account.solar_wh[worst]),
+        load_energy_wh=float(cycle.account.load_wh[worst]),
+        airspeed_m_per_s=nan if airspeed is None else float(airspeed),
+        density_kg_per_m3=density_kg_per_m3,
+        module_temperature_c=there.module_temperature_c(),
+        worst_scenario=worst,
+    )
+
+
+def _highest(
+    flights: list[AltitudeFlight], flown: Callable[[float], AltitudeFlight], required_h: float
+) -> AltitudeFlight | None:
+    """Last feasible flight, refined up to where it turns infeasible."""
+    feasible = [i for i, flight in enumerate(flights) if flight.excess_time_h > required_h]
+    if not feasible:
+        return None
+    last = feasible[-1]
+    if last == len(flights) - 1:
+        return flights[-1]
+    from scipy.optimize import brentq
+
+    def margin_h(altitude_m: float) -> float:
+        return float(np.clip(flown(altitude_m).excess_time_h - required_h, -_FAR_H, _FAR_H))
+
+    # Excess time jumps where a day's gain turns to a loss; the change of sign is found either way.
+    below, above = flights[last].altitude_m, flights[last + 1].altitude_m
+    edge = float(brentq(margin_h, below, above, xtol=_RESOLUTION_M))
+    # The root is known to its resolution: step down to the feasible side.
+    retreat = _RESOLUTION_M
+    found = flown(edge)
+    while found.excess_time_h <= required_h and edge - retreat > below:
+        found = flown(edge - retreat)
+        retreat *= 2.0
+    return found if found.excess_time_h > required_h else flights[last]
+
+
+def _best(
+    flights: list[AltitudeFlight], flown: Callable[[float], AltitudeFlight]
+) -> AltitudeFlight:
+    """Flight with the largest excess time, refined between the neighbours of the scan's."""
+    index = int(np.argmax([flight.excess_time_h for flight in flights]))
+    best = flights[index]
+    if np.isinf(best.excess_time_h):
+        return best
+    from scipy.optimize import minimize_scalar
+
+    lower, upper = flights[max(index - 1, 0)], flights[min(index + 1, len(flights) - 1)]
+    found = minimize_scalar(
+        lambda altitude_m: -max(flown(float(altitude_m)).excess_time_h, -_FAR_H),
+        bounds=(lower.altitude_m, upper.altitude_m),
+        method="bounded",
+        options={"xatol": 1.0},
+    )
+    refined = flown(float(found.x))
+    return refined if refined.excess_time_h > best.excess_time_h else best

@@ -1,0 +1,439 @@
+"""Metrics of one day of the year repeated for ever: the cycle.
+
+Definitions (times in solar hours):
+
+* ``equal_power_morning_h``, ``equal_power_evening_h``: first and last instant at which solar power
+  equals the nominal load (the load without the extra power of thermals by day).
+* ``excess_time_h``: the energy left at the morning's equal power, once the cycle repeats itself,
+  would keep the aircraft up for so many more hours without any sun. Where the battery runs empty,
+  it is minus the hours of the cycle in which the load cannot be met. Infinite where solar power
+  never falls below the load.
+* ``minimum_state_of_charge``: of the converged cycle; 0 where the battery runs empty.
+* ``charge_margin_h``: from the first full charge to the last instant of full charge; 0 where full
+  charge is not reached.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sizing.energy.march import (
+    BoolArray,
+    ChargingDay,
+    DayRun,
+    FloatArray,
+    IntArray,
+    PowerBalance,
+    Step,
+    Store,
+    crossing_fraction,
+    first_repetition,
+    full_after_h,
+    interval_reaching,
+    repeated_day,
+    running_sum,
+    sum_over_time,
+    surplus_phase_h,
+    unserved_h,
+)
+
+_FULL = 1.0 - 1e-9  # of the capacity: what the clock's table resolves
+# Elements of a batch simulated at once: a day of each array stays near the processor.
+CELLS_AT_ONCE = 1024
+
+
+class Status(IntEnum):
+    """How a cycle ends; the values are flags of gridded results."""
+
+    limited = 0
+    perpetual = 1
+    always_lit = 2
+    never_lit = 3
+
+
+@dataclass(frozen=True)
+class EnergyAccount:
+    """Where the energy of one cycle goes [Wh]; arrays of the batch.
+
+    ``solar + unserved = load + stored + charge_loss + discharge_loss + curtailed``.
+    """
+
+    solar_wh: FloatArray
+    load_wh: FloatArray
+    unserved_wh: FloatArray
+    stored_wh: FloatArray
+    charge_loss_wh: FloatArray
+    discharge_loss_wh: FloatArray
+    curtailed_wh: FloatArray
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """Metrics of a batch of converged cycles; times are solar hours, undefined ones are NaN."""
+
+    status: IntArray
+    excess_time_h: FloatArray
+    minimum_state_of_charge: FloatArray
+    charge_margin_h: FloatArray
+    equal_power_morning_h: FloatArray
+    equal_power_evening_h: FloatArray
+    full_charge_h: FloatArray
+    missing_h: FloatArray
+    account: EnergyAccount
+    time_h: FloatArray
+    energy_wh: FloatArray
+
+    @property
+    def perpetual(self) -> BoolArray:
+        """Mark the cycles that repeat for ever."""
+        return np.isin(self.status, (Status.perpetual, Status.always_lit))
+
+
+@dataclass(frozen=True)
+class EqualPower:
+    """Instants of equal power and where they lie on the time axis."""
+
+    morning_h: FloatArray
+    evening_h: FloatArray
+    morning_index: IntArray
+    morning_fraction: FloatArray
+    always_above: BoolArray
+
+
+def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
+    """First rise and last fall of the net power through zero; time is the first axis.
+
+    Where there is no such instant the time is NaN: the power is then always, or never, enough.
+    """
+    shape = net_w.shape[1:]
+    net = net_w.reshape(len(net_w), -1)
+    below = net < 0.0
+    rise, fall = _first(below[:-1] > below[1:]), _last(below[:-1] < below[1:])
+    fraction = _fraction_at(rise.row, net)
+    morning = np.where(rise.any, _time_at(time_h, rise.row, fraction), np.nan)
+    evening_h = _time_at(time_h, fall.row, _fraction_at(fall.row, net))
+    return EqualPower(
+        morning_h=morning.reshape(shape),
+        evening_h=np.where(fall.any, evening_h, np.nan).reshape(shape),
+        morning_index=rise.row.reshape(shape),
+        morning_fraction=fraction.reshape(shape),
+        always_above=~(below[0] | rise.any | fall.any).reshape(shape),
+    )
+
+
+class _Marked(NamedTuple):
+    """A marked row of every column, 0 where there is none, and whether there is one."""
+
+    row: IntArray
+    any: BoolArray
+
+
+def _first(marks: BoolArray) -> _Marked:
+    """First marked row of every column; fast where marks are rare."""
+    row, column = np.divmod(np.flatnonzero(marks), marks.shape[1])
+    return _marked(row[::-1], column[::-1], marks.shape[1])
+
+
+def _last(marks: BoolArray) -> _Marked:
+    """Last marked row of every column; fast where marks are rare."""
+    row, column = np.divmod(np.flatnonzero(marks), marks.shape[1])
+    return _marked(row, column, marks.shape[1])
+
+
+def _marked(row: IntArray, column: IntArray, columns: int) -> _Marked:
+    found = np.full(columns, -1, np.intp)
+    found[column] = row  # of equal columns the last one stays
+    return _Marked(np.maximum(found, 0), found >= 0)
+
+
+def _fraction_at(index: IntArray, net_w: FloatArray) -> FloatArray:
+    columns = np.arange(net_w.shape[1])
+    return crossing_fraction(net_w[index, columns], net_w[index + 1, columns])
+
+
+def _time_at(time_h: FloatArray, index: IntArray, fraction: FloatArray) -> FloatArray:
+    return np.asarray(time_h[index] + fraction * (time_h[index + 1] - time_h[index]))
+
+
+def simulate_cycle(
+    time_h: ArrayLike,
+    solar_power_w: ArrayLike,
+    load_w: ArrayLike,
+    store: Store,
+    *,
+    nominal_load_w: ArrayLike | None = None,
+    keep_trajectory: bool = True,
+) -> Cycle:
+    """Converge the cycle of a batch and measure it.
+
+    What becomes of an element does not depend on the others, to the last digit.
+
+    Parameters
+    ----------
+    time_h : array_like, shape (time,)
+        Nodes over one day, 0 to 24 [h], both ends included.
+    solar_power_w : array_like, shape (..., time)
+        Electric power of the modules [W].
+    load_w : array_like
+        Power that the aircraft draws [W], broadcasting with ``solar_power_w``.
+    store : Store
+        Batteries; ``energy_max_wh`` broadcasts with the batch ``...``.
+    nominal_load_w : array_like, shape (...), optional
+        Load that defines equal power and excess time [W]; the smallest load of the day if omitted.
+    keep_trajectory : bool
+        Keep the stored energy over time; without it ``energy_wh`` is NaN at a single instant.
+
+    Returns
+    -------
+    Cycle
+        Arrays of shape ``...``; ``energy_wh`` has a last axis of ``time``.
+    """
+    time = np.asarray(time_h, float)
+    solar, load = np.broadcast_arrays(np.asarray(solar_power_w, float), np.asarray(load_w, float))
+    nominal = np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
+    batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, np.shape(store.energy_max_wh))
+    solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
+    nominal, full = (np.broadcast_to(v, batch).reshape(-1) for v in (nominal, store.energy_max_wh))
+    cells = _Cells(time, solar, load, nominal, replace(store, energy_max_wh=full))
+    return _reshaped(_simulated(cells, keep_trajectory), batch)
+
+
+def _time_first(values: FloatArray) -> FloatArray:
+    """Time on the first axis, the whole batch on a second."""
+    return np.moveaxis(values, -1, 0).reshape(values.shape[-1], -1)
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Powers [W] and batteries of a one-dimensional batch; time is the first axis."""
+
+    time_h: FloatArray
+    solar_w: FloatArray
+    load_w: FloatArray
+    nominal_w: FloatArray
+    store: Store
+
+    def select(self, some: IntArray | slice) -> _Cells:
+        return _Cells(
+            self.time_h,
+            self.solar_w[:, some],
+            self.load_w[:, some],
+            self.nominal_w[some],
+            self.store.select(some),
+        )
+
+    def above_nominal_w(self, balance: PowerBalance) -> FloatArray:
+        """Solar power less the nominal load."""
+        if np.array_equal(self.load_w, np.broadcast_to(self.nominal_w, self.load_w.shape)):
+            return balance.net_w
+        return self.solar_w - self.nominal_w
+
+
+def _simulated(cells: _Cells, keep_trajectory: bool) -> Cycle:
+    """Cycle of a one-dimensional batch, in blocks; what does not settle at once comes last."""
+    count = len(cells.nominal_w)
+    parts, late = [], [np.empty(0, np.intp)]
+    for start in range(0, max(count, 1), CELLS_AT_ONCE):
+        some = cells.select(slice(start, start + CELLS_AT_ONCE))
+        balance = PowerBalance.of(some.time_h, some.solar_w.T, some.load_w.T)
+        run, unsettled = first_repetition(ChargingDay.of(balance), some.store)
+        parts.append(_measured(some, balance, run, keep_trajectory))
+        late.append(start + unsettled)
+    cycle, places = _joined(parts), np.concatenate(late)
+    for start in range(0, len(places), CELLS_AT_ONCE):
+        place = places[start : start + CELLS_AT_ONCE]
+        some = cells.select(place)
+        balance = PowerBalance.of(some.time_h, some.solar_w.T, some.load_w.T)
+        run = repeated_day(ChargingDay.of(balance), some.store)
+        _overwrite(cycle, place, _measured(some, balance, run, keep_trajectory))
+    return cycle
+
+
+def _columns(kind: type) -> list[str]:
+    """Names of the fields that have an element for every element of the batch."""
+    return [f.name for f in fields(kind) if f.name not in ("time_h", "account")]
+
+
+def _joined(parts: list[Cycle]) -> Cycle:
+    account = {
+        name: np.concatenate([getattr(p.account, name) for p in parts])
+        for name in _columns(EnergyAccount)
+    }
+    columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in _columns(Cycle)}
+    return Cycle(**columns, account=EnergyAccount(**account), time_h=parts[0].time_h)
+
+
+def _overwrite(cycle: Cycle, places: IntArray, part: Cycle) -> None:
+    for name in _columns(Cycle):
+        getattr(cycle, name)[places] = getattr(part, name)
+    for name in _columns(EnergyAccount):
+        getattr(cycle.account, name)[places] = getattr(part.account, name)
+
+
+def _reshaped(cycle: Cycle, batch: tuple[int, ...]) -> Cycle:
+    def shaped(part: Any, kind: type) -> dict[str, Any]:
+        columns = {name: getattr(part, name) for name in _columns(kind)}
+        return {name: v.reshape(batch + v.shape[1:]) for name, v in columns.items()}
+
+    account = EnergyAccount(**shaped(cycle.account, EnergyAccount))
+    return replace(cycle, **shaped(cycle, Cycle), account=account)
+
+
+def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory: bool) -> Cycle:
+    """Cycle of a one-dimensional batch from the run of its day."""
+    store, nominal = run.store, cells.nominal_w
+    equal = equal_power(cells.time_h, cells.above_nominal_w(balance))
+    missing_h, unserved = _missing(balance, run)
+    account = _account(cells, run, unserved)
+    first_full, last_full = _full_charge_h(balance, run)
+    # A last digit of unserved energy may be left by the fixed point's tolerance.
+    starved = unserved > 1e-9 * store.energy_max_wh
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left_over = _dawn_wh(balance, run, equal) * store.discharge_efficiency
+        surplus_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
+    excess, status = excess_and_status(
+        equal,
+        starved=starved,
+        sunlit=account.solar_wh > 0.0,
+        missing_h=missing_h,
+        reserve_h=surplus_h,
+    )
+    lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
+    state = np.maximum(lowest, 0.0) / store.energy_max_wh
+    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
+    return Cycle(
+        status=status,
+        excess_time_h=excess,
+        minimum_state_of_charge=np.where(excess > 0.0, state, 0.0),
+        charge_margin_h=np.where(np.isnan(first_full), 0.0, last_full - first_full),
+        equal_power_morning_h=equal.morning_h,
+        equal_power_evening_h=equal.evening_h,
+        full_charge_h=first_full,
+        missing_h=missing_h,
+        account=account,
+        time_h=cells.time_h,
+        energy_wh=nodes.T,
+    )
+
+
+def excess_and_status(
+    equal: EqualPower,
+    *,
+    starved: BoolArray,
+    sunlit: BoolArray,
+    missing_h: FloatArray,
+    reserve_h: FloatArray,
+) -> tuple[FloatArray, IntArray]:
+    """Excess time [h] and status of days that repeat themselves.
+
+    Parameters
+    ----------
+    equal : EqualPower
+        When solar power equals the nominal load.
+    starved, sunlit : ndarray of bool
+        Whether energy is missing, and whether there is any solar power.
+    missing_h, reserve_h : ndarray
+        Time without energy, and how long the stores would last from the morning's equal power [h].
+    """
+    lit = equal.always_above
+    dark = np.isnan(equal.morning_h) & ~lit
+    excess_h = np.where(starved | dark, -missing_h, reserve_h)
+    excess_h = np.where(lit & ~starved, np.inf, excess_h)
+    status = np.where(excess_h > 0.0, Status.perpetual, Status.limited)
+    status = np.where(lit & ~starved, Status.always_lit, status)
+    return excess_h, np.where(sunlit, status, Status.never_lit)
+
+
+def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
+    """Stored energy at the morning's equal power [Wh]."""
+    index, fraction = equal.morning_index, equal.morning_fraction
+    columns = np.arange(len(index))
+    left, right = balance.net_w[index, columns], balance.net_w[index + 1, columns]
+    hours = balance.time_h[index + 1] - balance.time_h[index]
+    middle = left + (right - left) * fraction
+    mean_deficit_w = np.maximum(-(left + middle) / 2.0, 0.0)
+    drained = mean_deficit_w * fraction * hours / run.store.discharge_efficiency
+    return np.maximum(run.energy_at_node_wh(index) - drained, 0.0)
+
+
+def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
+    """Hours and energy [Wh] that the load lacks.
+
+    A battery that runs empty stays so until the next surplus, or midnight: what is then lacking
+    tells the instant.
+    """
+    day, eta, count = run.day, run.store.discharge_efficiency, len(run.start_wh)
+    row, cells = np.nonzero(run.drained_wh < 0.0)
+    midnight = run.midnight_wh
+    dark = np.flatnonzero(midnight < 0.0)
+    if not len(cells) and not len(dark):
+        return np.zeros(count), np.zeros(count)
+    falls_first = balance.net_w[row + day.first, cells] < 0.0
+    until = np.concatenate(
+        (row + day.first + falls_first, np.full(len(dark), len(balance.time_h) - 1))
+    )
+    lacking = -eta * np.concatenate((run.drained_wh[row, cells], midnight[dark]))
+    cells = np.concatenate((cells, dark))
+    level = np.maximum(day.cumulative_wh[until, cells] - lacking, 0.0)
+    number = np.minimum(interval_reaching(day.cumulative_wh, level, cells), until - 1)
+    interval = balance.interval_of(number, cells)
+    rest = np.clip(day.cumulative_wh[number + 1, cells] - level, 0.0, None)
+    none = np.zeros_like(rest)
+    hours = running_sum(balance.deficit_h())
+    missing = unserved_h(Step(interval, none, none, none, none, rest))
+    missing = missing + hours[until, cells] - hours[number + 1, cells]
+    return (
+        np.bincount(cells, missing, minlength=count).astype(float),
+        np.bincount(cells, lacking, minlength=count).astype(float),
+    )
+
+
+def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
+    """First and last instant of full charge by the clock [h], NaN where there is none."""
+    full = (run.after_charge_wh >= _FULL * run.store.energy_max_wh) & (run.day.surplus_wh > 0.0)
+    if not len(full):
+        none = np.full(len(run.start_wh), np.nan)
+        return none, none
+    begins, ends = full.copy(), full.copy()
+    begins[1:] = full[1:] > full[:-1]
+    ends[:-1] = full[:-1] > full[1:]
+    begin, end = _first(begins), _last(ends)
+    columns = np.arange(len(begin.row))
+    interval = balance.interval_of(begin.row + run.day.first, columns)
+    before = np.maximum(run.drained_wh[begin.row, columns], 0.0)
+    after = run.after_charge_wh[begin.row, columns]
+    step = Step(interval, before, before, after, after, np.zeros_like(after))
+    first = interval.start_h + full_after_h(step, run.store)
+    interval = balance.interval_of(end.row + run.day.first, columns)
+    last = interval.start_h + surplus_phase_h(interval)[1]
+    return np.where(begin.any, first, np.nan), np.where(end.any, last, np.nan)
+
+
+def _account(cells: _Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyAccount:
+    store = run.store
+    into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
+    surplus = sum_over_time(run.day.surplus_wh)
+    stored = run.end_wh - run.start_wh
+    drawn = into_store - stored
+    taken = into_store / store.charge_efficiency
+    return EnergyAccount(
+        solar_wh=_integral_wh(cells.time_h, cells.solar_w),
+        load_wh=_integral_wh(cells.time_h, cells.load_w),
+        unserved_wh=unserved_wh,
+        stored_wh=stored,
+        charge_loss_wh=taken - into_store,
+        discharge_loss_wh=drawn * (1.0 - store.discharge_efficiency),
+        curtailed_wh=surplus - taken,
+    )
+
+
+def _integral_wh(time_h: FloatArray, power_w: FloatArray) -> FloatArray:
+    """Integral over time by the trapezoidal rule."""
+    halves = np.diff(time_h) / 2.0
+    weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))
+    return sum_over_time(weights[:, np.newaxis] * power_w)

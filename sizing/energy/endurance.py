@@ -1,0 +1,322 @@
+"""Endurance: the longest flight over all launch times that starts full and ends empty.
+
+One day of the year repeats; a flight is marched from its launch until the battery cannot meet the
+load. A launch by surplus is never the best one: the battery stays full, so the same flight may
+begin when the surplus begins. Launches are therefore tried while the load exceeds the sun. Flight
+time jumps where one more night is just survived and is smooth elsewhere: a coarse search, refined
+around the best launch, finds the longest flight to within seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sizing.energy.march import (
+    BoolArray,
+    ChargingDay,
+    FloatArray,
+    IntArray,
+    PowerBalance,
+    Step,
+    Store,
+    deficit_phase_h,
+    empty_after_h,
+    interval_reaching,
+    positive_part_wh,
+    running_sum,
+)
+
+HOURS_PER_DAY = 24.0
+MAXIMUM_DAYS = 366
+# Launches of the coarse search; each refinement divides their distance by four.
+_LAUNCHES = 60
+_REFINEMENTS = 5
+_CLOSER = np.array([-0.75, -0.5, -0.25, 0.25, 0.5, 0.75])
+# Flights marched at once: their day stays near the processor.
+_FLIGHTS_AT_ONCE = 16384
+# The day of the launch and the next: from then on a flight has midnights like any other.
+_DAYS_OF_LAUNCH = 2
+_SHORT = 1e-12  # of the capacity: what counts as an empty battery
+
+
+@dataclass(frozen=True)
+class Endurance:
+    """Longest flight [h] and the solar time of its launch [h, 0 to 24]; arrays of the batch."""
+
+    endurance_h: FloatArray
+    launch_h: FloatArray
+
+
+def longest_flight(
+    time_h: ArrayLike, solar_power_w: ArrayLike, load_w: ArrayLike, store: Store
+) -> Endurance:
+    """Longest flights of a batch that starts with full batteries.
+
+    Parameters
+    ----------
+    time_h, solar_power_w, load_w, store
+        One day as in :func:`sizing.energy.cycle.simulate_cycle`, batch of one dimension or none.
+
+    Returns
+    -------
+    Endurance
+        Infinite where the flight outlasts 366 days, as a perpetual one does.
+    """
+    solar, load = np.asarray(solar_power_w, float), np.asarray(load_w, float)
+    balance = PowerBalance.of(np.asarray(time_h, float), solar, load)
+    shape = balance.batch_shape
+    flights = _Flights.of(balance.flat(), store, shape)
+    dark_h = running_sum(flights.balance.deficit_h())
+    cells = np.arange(dark_h.shape[1])
+    spacing_h = dark_h[-1] / _LAUNCHES
+    tries_h = np.arange(_LAUNCHES)[:, np.newaxis] * spacing_h
+    search = _Search(flights, dark_h, np.broadcast_to(cells, tries_h.shape))
+    hours = search.hours(tries_h)
+    rank, cell = np.nonzero(_promising(hours, spacing_h))
+    found = search.at(cell).refined(tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
+    # The last of equal cells stays, and that is the longest of its flights.
+    order = np.argsort(found.endurance_h, kind="stable")
+    longest, launch_h = np.empty((2, len(cells)))
+    longest[cell[order]], launch_h[cell[order]] = found.endurance_h[order], found.launch_h[order]
+    return Endurance(longest.reshape(shape), launch_h.reshape(shape))
+
+
+def _promising(hours: FloatArray, spacing_h: FloatArray) -> BoolArray:
+    """Tries around which the longest flight may be: the best, and those just after a jump.
+
+    A flight begun earlier by a spacing is longer by a spacing at the most, unless it jumps.
+    """
+    best = np.argmax(hours, axis=0)
+    finite = np.where(np.isinf(hours), 1e9, hours)
+    after_jump = finite > np.roll(finite, 1, axis=0) + spacing_h
+    marks = after_jump & (finite + spacing_h > finite.max(axis=0))
+    marks &= ~np.isinf(hours)
+    marks[best, np.arange(hours.shape[1])] = True
+    return np.asarray(marks)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Launches told by the hours of deficit between midnight and them, in some elements."""
+
+    flights: _Flights
+    dark_h: FloatArray
+    cells: IntArray
+
+    def at(self, cells: IntArray) -> _Search:
+        return replace(self, cells=cells)
+
+    def launch_h(self, level_h: FloatArray) -> FloatArray:
+        """Solar time of launches [h]."""
+        return _launch_h(self.flights.balance, self.dark_h, level_h, self.cells)
+
+    def hours(self, level_h: FloatArray) -> FloatArray:
+        """Flight time from launches [h]."""
+        # Launches of an element side by side: many of them become twins.
+        launch = self.launch_h(level_h).T.reshape(-1)
+        hours = self.flights.hours(self.cells.T.reshape(-1), launch)
+        return hours.reshape(level_h.shape[::-1]).T
+
+    def refined(self, level_h: FloatArray, hours: FloatArray, spacing_h: FloatArray) -> Endurance:
+        """Longest flight around one launch in each element, known to within a spacing."""
+        cells = np.broadcast_to(self.cells, (len(_CLOSER), len(self.cells)))
+        closer, every = self.at(cells), np.arange(len(self.cells))
+        dark_h = np.maximum(self.dark_h[-1][self.cells], 1e-9)
+        for _ in range(_REFINEMENTS):
+            tries_h = (level_h + _CLOSER[:, np.newaxis] * spacing_h) % dark_h
+            tried = closer.hours(tries_h)
+            pick = np.argmax(tried, axis=0)
+            better = tried[pick, every] > hours
+            hours = np.where(better, tried[pick, every], hours)
+            level_h = np.where(better, tries_h[pick, every], level_h)
+            spacing_h = spacing_h / 4.0
+        return Endurance(hours, self.launch_h(level_h) % HOURS_PER_DAY)
+
+
+def _launch_h(
+    balance: PowerBalance, dark_h: FloatArray, level_h: FloatArray, cells: IntArray
+) -> FloatArray:
+    """Solar time at which the hours of deficit since midnight reach some levels [h]."""
+    interval = balance.interval_of(interval_reaching(dark_h, level_h, cells), cells)
+    begin, length = deficit_phase_h(interval)
+    along = np.clip(level_h - dark_h[interval.number, cells], 0.0, length)
+    return np.asarray(interval.start_h + begin + along)
+
+
+def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> FloatArray:
+    """Flight time [h] until the battery is empty, from launches with a full battery.
+
+    ``launch_h`` is the solar time of the launches on the first day, launches on the first axis and
+    the batch on the others.
+    """
+    shape = balance.batch_shape
+    flights = _Flights.of(balance.flat(), store, shape)
+    cells = np.arange(flights.balance.net_w.shape[1]).reshape(shape)
+    places = np.broadcast_to(cells, launch_h.shape).reshape(-1)
+    return flights.hours(places, launch_h.reshape(-1)).reshape(launch_h.shape)
+
+
+class _Aloft(NamedTuple):
+    """Batteries that are aloft at midnight, and what past days have shown of them."""
+
+    cell: IntArray
+    energy_wh: FloatArray
+    paid_wh: FloatArray
+    loss_wh: FloatArray
+    skipped_h: FloatArray
+
+    def select(self, some: IntArray | BoolArray) -> _Aloft:
+        return _Aloft(
+            self.cell[some],
+            self.energy_wh[some],
+            self.paid_wh[some],
+            self.loss_wh[some],
+            self.skipped_h[some],
+        )
+
+    def without_twins(self) -> tuple[_Aloft, IntArray]:
+        """One of each equal battery, and where each is found: what comes is the same for all."""
+        order = np.lexsort((self.energy_wh, self.cell))
+        cell, energy = self.cell[order], self.energy_wh[order]
+        new = np.ones(len(order), bool)
+        new[1:] = (cell[1:] != cell[:-1]) | (energy[1:] != energy[:-1])
+        place = np.empty(len(order), np.intp)
+        place[order] = np.cumsum(new) - 1
+        return self.select(order[new]), place
+
+
+class _FlownDay(NamedTuple):
+    """One more day: where flights ended, on the scale of the deficit since midnight [Wh]."""
+
+    end_level_wh: FloatArray
+    midnight_wh: FloatArray
+    lowest_wh: FloatArray
+
+
+@dataclass(frozen=True)
+class _Flights:
+    """Flights of a batch of days and batteries, any number of launches for each."""
+
+    balance: PowerBalance
+    day: ChargingDay
+    store: Store
+    last_owed_wh: FloatArray
+
+    @classmethod
+    def of(cls, balance: PowerBalance, store: Store, shape: tuple[int, ...]) -> _Flights:
+        energy = np.broadcast_to(store.energy_max_wh, shape).reshape(-1)
+        day = ChargingDay.of(balance)
+        last_owed = np.maximum.reduce(day.owed_wh, axis=0, initial=-np.inf)
+        return cls(balance, day, replace(store, energy_max_wh=energy), last_owed)
+
+    def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
+        """Flight time [h] in some elements of the batch from launches with a full battery."""
+        result = np.empty(len(cells))
+        for start in range(0, len(cells), _FLIGHTS_AT_ONCE):
+            part = slice(start, start + _FLIGHTS_AT_ONCE)
+            result[part] = self._hours(cells[part], launch_h[part])
+        return result
+
+    def _hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
+        flown = np.full(len(cells), np.inf)
+        battery = np.arange(len(cells))  # of every flight, -1 when it is over
+        aloft = _Aloft(
+            cell=cells,
+            energy_wh=self.store.energy_max_wh[cells],
+            # A full battery that owes nothing for the hours before the launch.
+            paid_wh=self._deficit_until_wh(launch_h, cells),
+            loss_wh=np.full(len(cells), np.nan),
+            skipped_h=np.zeros(len(cells)),
+        )
+        for number in range(MAXIMUM_DAYS + 1):
+            if not len(aloft.cell):
+                break
+            day = self._flown_day(aloft)
+            ended = ~np.isnan(day.end_level_wh)
+            end_h = number * HOURS_PER_DAY + aloft.skipped_h
+            end_h[ended] += self._hour_of(day.end_level_wh[ended], aloft.cell[ended])
+            over = (battery >= 0) & ended[battery]
+            flown[over] = end_h[battery[over]] - launch_h[over]
+            goes_on = ~ended & ~self._endless(number, aloft, day)
+            place = np.where(goes_on, np.cumsum(goes_on) - 1, -1)
+            aloft = self._next_day(number, aloft, day).select(goes_on)
+            if number < _DAYS_OF_LAUNCH:
+                aloft, twin = aloft.without_twins()
+                place[goes_on] = twin
+            battery = np.where(battery >= 0, place[battery], -1)
+        return np.where(flown > MAXIMUM_DAYS * HOURS_PER_DAY, np.inf, flown)
+
+    def _deficit_until_wh(self, clock_h: FloatArray, cells: IntArray) -> FloatArray:
+        """Deficit from midnight to an instant of the day [Wh]."""
+        time = self.balance.time_h
+        number = np.clip(np.searchsorted(time, clock_h, side="right") - 1, 0, len(time) - 2)
+        interval = self.balance.interval_of(number, cells)
+        elapsed = np.minimum(clock_h - interval.start_h, interval.hours)
+        here = interval.left_w + (interval.right_w - interval.left_w) * elapsed / interval.hours
+        return np.asarray(
+            self.day.cumulative_wh[number, cells]
+            + positive_part_wh(-interval.left_w, -here, elapsed)
+        )
+
+    def _flown_day(self, aloft: _Aloft) -> _FlownDay:
+        level = np.full(len(aloft.cell), np.nan)
+        energy, paid, lowest = aloft.energy_wh.copy(), aloft.paid_wh.copy(), aloft.energy_wh.copy()
+        # After the last surplus of the day nothing but the deficit is left.
+        lit = np.flatnonzero(self.last_owed_wh[aloft.cell] > aloft.paid_wh)
+        level[lit], energy[lit], paid[lit], lowest[lit] = self._lit_day(aloft.select(lit))
+        store = self.store.select(aloft.cell)
+        deficit = self.day.cumulative_wh[-1][aloft.cell]
+        midnight = energy - (deficit - paid) / store.discharge_efficiency
+        last = (midnight < -_SHORT * store.energy_max_wh) & np.isnan(level)
+        level[last] = (deficit + store.discharge_efficiency * midnight)[last]
+        midnight = np.maximum(midnight, 0.0)
+        return _FlownDay(level, midnight, np.maximum(np.minimum(lowest, midnight), 0.0))
+
+    def _lit_day(self, aloft: _Aloft) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Level of the deficit at the end of flights, energy, deficit paid, and lowest energy."""
+        day, store = self.day.without_nodes().select(aloft.cell), self.store.select(aloft.cell)
+        least = -_SHORT * store.energy_max_wh
+        level = np.full(len(aloft.cell), np.nan)
+        energy, paid, lowest = aloft.energy_wh, aloft.paid_wh, aloft.energy_wh
+        for step in day.charge(store, energy, paid):
+            energy, paid = step.after_charge_wh, step.paid_wh
+            lowest = np.minimum(lowest, step.drained_wh)
+            short = step.drained_wh < least
+            if short.any():
+                first = short & np.isnan(level)
+                level[first] = (paid + store.discharge_efficiency * step.drained_wh)[first]
+        return level, energy, paid, lowest
+
+    def _hour_of(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
+        """Solar time at which the deficit since midnight reaches a level [h]."""
+        sums = self.day.cumulative_wh
+        level = np.maximum(level_wh, 0.0)
+        interval = self.balance.interval_of(interval_reaching(sums, level, cells), cells)
+        rest = np.maximum(sums[interval.number + 1, cells] - level, 0.0)
+        none = np.zeros_like(rest)
+        return np.asarray(interval.start_h + empty_after_h(Step(interval, *(none,) * 4, rest)))
+
+    def _endless(self, number: int, aloft: _Aloft, day: _FlownDay) -> BoolArray:
+        """From the second day on, a day that gives back what it takes repeats for ever."""
+        full = self.store.energy_max_wh[aloft.cell]
+        endless = aloft.energy_wh - day.midnight_wh <= 1e-11 * full
+        return endless & (number >= _DAYS_OF_LAUNCH)
+
+    def _next_day(self, number: int, aloft: _Aloft, day: _FlownDay) -> _Aloft:
+        """Flights at the next midnight; whole days that lose the same energy are skipped."""
+        full = self.store.energy_max_wh[aloft.cell]
+        loss = aloft.energy_wh - day.midnight_wh
+        alike = (np.abs(loss - aloft.loss_wh) <= 1e-9 * full) & (loss > 1e-9 * full)
+        days = np.floor(day.lowest_wh / np.where(alike, loss, 1.0)) - 1.0
+        days = np.where(alike, np.clip(days, 0.0, MAXIMUM_DAYS), 0.0)
+        return aloft._replace(
+            energy_wh=day.midnight_wh - days * loss,
+            paid_wh=np.zeros(len(full)),
+            # The days of the launch are no measure, whatever flights have become twins.
+            loss_wh=loss if number >= _DAYS_OF_LAUNCH else np.full(len(loss), np.nan),
+            skipped_h=aloft.skipped_h + days * HOURS_PER_DAY,
+        )

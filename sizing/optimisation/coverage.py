@@ -1,0 +1,301 @@
+"""The longest season, or the widest band of latitudes, that one design keeps up.
+
+A design stays up in a range if its worst scenario there has the required excess time; the best
+design for a range is the one with the largest worst excess time. Ranges around the easiest day or
+latitude are nested by adding, again and again, the easier one of the two neighbours; the largest
+that has a feasible design is found by bisection. Which neighbour is easier depends on the design,
+but hardly: the order is taken anew from the best design until the range grows no more. Then all
+runs one longer are tried that begin within a few members of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables, variables_of
+from sizing.energy.march import FloatArray
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import SizingResult, Violation
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import (
+    UNCORRECTED_CAM,
+    Performance,
+    SolarModel,
+    performance_of_designs,
+    solar_day,
+)
+
+IntArray = NDArray[np.intp]
+
+DAYS = np.arange(1, 366)
+LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
+_ORDERS = 6
+_OTHER_CENTRES = (1, 2, 4, 8, 16, 32)
+_SHIFTS = (0, -1, 1, -2, 2, -3)
+
+
+@dataclass(frozen=True)
+class WidestRange:
+    """Outcome of the search for the widest range.
+
+    Attributes
+    ----------
+    sizing : SizingResult
+        Design with the largest worst excess time in that range; infeasible where no design stays
+        up on the easiest day or at the easiest latitude.
+    first, last : float or None
+        Ends of the range: days of year (``last`` before ``first`` across the year's end) or
+        latitudes [deg].
+    members : ndarray
+        Every day, or latitude in steps of 1 degree, in the range.
+    """
+
+    sizing: SizingResult
+    first: float | None
+    last: float | None
+    members: FloatArray
+
+    @property
+    def extent(self) -> float:
+        """Number of days, or width of the band [deg]."""
+        if self.first is None or self.last is None:
+            return 0.0
+        if self.sizing.objective is Objective.longest_season:
+            return float(len(self.members))
+        return self.last - self.first
+
+
+def widest_range(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    required_excess_time_h: float | None = None,
+    problems: SizingProblems | None = None,
+) -> WidestRange:
+    """Find the design that stays up for the longest season or in the widest band of latitudes.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`sizing.optimisation.search.size_aircraft`. For ``longest_season`` every day
+        of the year
+        is tried at the latitudes of the mission, for ``widest_latitude_band`` every full degree on
+        its dates.
+    objective : Objective
+        ``longest_season`` or ``widest_latitude_band``.
+    required_excess_time_h : float, optional
+        Overrides the mission's own [h].
+    problems : SizingProblems, optional
+        Programs of this very aircraft.
+
+    Returns
+    -------
+    WidestRange
+
+    Raises
+    ------
+    ValueError
+        For another objective.
+    """
+    if not objective.of_range:
+        raise ValueError(f"{objective.value} is no range: use size_aircraft")
+    required = mission.required_excess_time_h
+    required = required if required_excess_time_h is None else required_excess_time_h
+    return _Growth(
+        aircraft, mission, objective, solar, required, problems or SizingProblems(aircraft)
+    ).run()
+
+
+class _Growth:
+    """Grows the range around its easiest member."""
+
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        objective: Objective,
+        solar: SolarModel,
+        required_h: float,
+        problems: SizingProblems,
+    ) -> None:
+        self.aircraft, self.mission, self.solar = aircraft, mission, solar
+        self.objective, self.required_h, self.problems = objective, required_h, problems
+        self.season = objective is Objective.longest_season
+        self.members = DAYS.astype(float) if self.season else LATITUDES_DEG
+        self.day = solar_day(aircraft, mission, solar, scenarios=self._scenarios())
+        self.start = variables_of(aircraft)
+
+    def _scenarios(self) -> Scenarios:
+        """Every member, with all latitudes or dates of the mission: member by member."""
+        if self.season:
+            latitudes = np.asarray(self.mission.latitudes(), float)
+            return Scenarios(
+                np.tile(latitudes, len(DAYS)), np.repeat(DAYS, len(latitudes)).astype(int)
+            )
+        days = np.asarray(self.mission.dates.days(), int)
+        return Scenarios(np.repeat(LATITUDES_DEG, len(days)), np.tile(days, len(LATITUDES_DEG)))
+
+    def run(self) -> WidestRange:
+        order = self._easiest(self.start)
+        centre, best = order[0], self._sized([order[0]], explain=True)
+        for place in _OTHER_CENTRES:
+            # Where the solver fails, nothing is said about the other members.
+            if best.status != "not_converged" or place >= len(order):
+                break
+            centre, best = order[place], self._sized([order[place]])
+        if not self._enough(best):
+            nothing = np.empty(0)
+            return WidestRange(self._named(best, None), None, None, nothing)
+        held = [centre]
+        for _ in range(_ORDERS):
+            nested = self._nested(best, held)
+            count, found = self._largest(nested, len(held))
+            if found is None:
+                break
+            best, held = found, sorted(nested[:count])
+            if count == len(nested):
+                break
+        return self._result(*self._longer(best, held), centre)
+
+    def _longer(self, best: SizingResult, held: list[int]) -> tuple[SizingResult, list[int]]:
+        """Grow a run by single members, at either end or a little beside it, while that goes."""
+        count = len(self.members)
+        while len(held) < count:
+            first, last = self._ends(held)
+            for shift in _SHIFTS:
+                run = np.arange(first + shift, last + shift + 2)
+                if not self.season and not (run[0] >= 0 and run[-1] < count):
+                    continue
+                found = self._sized([int(i) for i in run % count])
+                if self._enough(found):
+                    best, held = found, sorted(int(i) for i in run % count)
+                    break
+            else:
+                break
+        return best, held
+
+    def _excess_h(self, variables: DesignVariables) -> FloatArray:
+        """Worst excess time of a design at every member."""
+        perf = performance_of_designs(
+            self.aircraft, self.mission, variables, self.solar, day=self.day
+        )
+        each = perf.cycle.excess_time_h.reshape(len(self.members), -1)
+        return np.asarray(each.min(axis=-1))
+
+    def _easiest(self, variables: DesignVariables) -> list[int]:
+        """Members, that of the most excess time first; of those without a night, by their sun."""
+        excess = self._excess_h(variables)
+        power = self.day.specific_power_w_per_m2
+        sun = power.sum(axis=-1).reshape(len(self.members), -1).min(axis=-1)
+        return [int(i) for i in np.lexsort((sun, excess))[::-1]]
+
+    def _nested(self, best: SizingResult, held: list[int]) -> list[int]:
+        """Members in the order in which the best design gives them up, last first."""
+        assert best.design is not None
+        excess = self._excess_h(best.design.variables)
+        count = len(self.members)
+        order = list(held)
+        low, high = self._ends(held)
+        while len(order) < count:
+            left, right = low - 1, high + 1
+            if self.season:
+                left, right = left % count, right % count
+            can_left, can_right = left >= 0, right < count
+            if can_left and (not can_right or excess[left] >= excess[right]):
+                order.append(left)
+                low -= 1
+            else:
+                order.append(right)
+                high += 1
+        return order
+
+    def _ends(self, held: list[int]) -> tuple[int, int]:
+        """First and last index of a run of members, beyond the year's end if need be."""
+        if not self.season:
+            return min(held), max(held)
+        present = np.zeros(len(self.members), bool)
+        present[held] = True
+        if present.all():
+            return 0, len(self.members) - 1
+        starts = np.flatnonzero(present & ~np.roll(present, 1))
+        first = int(starts[0])
+        return first, first + len(held) - 1
+
+    def _largest(self, nested: list[int], held: int) -> tuple[int, SizingResult | None]:
+        """Largest number of members that one design keeps up, above those held already."""
+        low, high, best = held, len(nested) + 1, None
+        while high - low > 1:
+            middle = (low + high) // 2
+            found = self._sized(nested[:middle])
+            if self._enough(found):
+                low, best = middle, found
+            else:
+                high = middle
+        return low, best
+
+    def _sized(self, members: list[int], *, explain: bool = False) -> SizingResult:
+        each = len(self.day.scenarios) // len(self.members)
+        indices = (np.asarray(members)[:, np.newaxis] * each + np.arange(each)).ravel()
+        found = size_aircraft(
+            self.aircraft,
+            self.mission,
+            Objective.max_excess_time,
+            self.solar,
+            required_excess_time_h=0.0,
+            day=self.day.at(indices),
+            problems=self.problems,
+            start=self.start,
+            explain=explain,
+        )
+        if found.design is not None:
+            self.start = found.design.variables
+        return found
+
+    def _enough(self, found: SizingResult) -> bool:
+        return found.objective_value is not None and found.objective_value >= self.required_h
+
+    def _result(self, best: SizingResult, held: list[int], centre: int) -> WidestRange:
+        first, last = self._ends(held)
+        order = np.arange(first, last + 1) % len(self.members)
+        members = self.members[order]
+        ends = (float(members[0]), float(members[-1]))
+        extent = float(len(members)) if self.season else ends[1] - ends[0]
+        return WidestRange(self._named(best, extent), *ends, members)
+
+    def _named(self, sizing: SizingResult, extent: float | None) -> SizingResult:
+        """Sizing under the name of the objective that was asked for."""
+        short = sizing.simulated if extent is None else None
+        violations = sizing.violations
+        if short is not None:  # it flies, but with less excess time than required
+            violations = (*violations, _too_short(short, self.required_h))
+        return replace(
+            sizing,
+            status="infeasible" if extent is None and short is not None else sizing.status,
+            objective=self.objective,
+            required_excess_time_h=self.required_h,
+            objective_value=extent,
+            design=None if extent is None else sizing.design,
+            simulated=None if extent is None else sizing.simulated,
+            nearest=short if short is not None else sizing.nearest,
+            violations=violations,
+            optimum=None,
+        )
+
+
+def _too_short(perf: Performance, required_h: float) -> Violation:
+    worst = perf.worst_scenario()
+    found_h = float(perf.cycle.excess_time_h[worst])
+    where = perf.day.scenarios.label(worst)
+    text = (
+        f"an excess time of {required_h:g} h is out of reach even at {where}: the nearest design "
+        f"has {found_h:.2f} h"
+    )
+    return Violation("excess_time", required_h - found_h, text)

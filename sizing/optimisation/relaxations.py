@@ -1,0 +1,537 @@
+"""What would make an infeasible mission feasible: the value of one parameter at a time.
+
+Each remedy is a sizing of its own: the program frees the parameter besides the design and moves it
+no further than it must. The simulator confirms the design with the parameter at the value told,
+which is rounded away from the edge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missions.mission import LatitudeRange, Mission, Scenarios
+from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
+from sizing.design import DesignVariables
+from sizing.energy.march import FloatArray
+from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.optimisation.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
+from sizing.optimisation.cells import size_cells
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SOLAR_TECHNOLOGY, Effort, SizingProblems, technology_keys
+from sizing.optimisation.result import SizingResult
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.solver import Answer, ProgramSolver, Question
+from sizing.parameters import parameter_value, with_parameter
+from sizing.performance import (
+    UNCORRECTED_CAM,
+    Performance,
+    SolarModel,
+    performance_of_designs,
+    solar_day,
+)
+
+Direction = Literal["at least", "at most"]
+
+# How far each parameter may be moved: about what has been built or is in sight.
+_FURTHEST: dict[str, tuple[str, float]] = {
+    "battery.specific_energy_wh_per_kg": ("Wh/kg", 1000.0),
+    "modules.efficiency_stc": ("1", 0.47),  # best concentrator cells in laboratories
+    "airframe.propulsion.propeller_efficiency": ("1", 0.95),
+    "airframe.structure.calibration": ("1", 0.0),
+    "airframe.structure.coefficient_kg": ("kg", 0.0),
+    "power.avionics_w": ("W", 0.0),
+}
+# A structure lighter than this fraction of today's is no remedy.
+_LEAST_RELATIVE = {"airframe.structure.calibration": 0.5, "airframe.structure.coefficient_kg": 0.5}
+_PAYLOADS = {
+    "payload_mass_kg": "mission.payload.mass_kg",
+    "payload_power_w": "mission.payload.power_w",
+}
+_PAYLOAD_UNITS = {"payload_mass_kg": "kg", "payload_power_w": "W"}
+_BOUNDS = {
+    "wingspan_m": "m",
+    "battery_mass_kg": "kg",
+    "module_area_m2": "m2",
+    "total_mass_kg": "kg",
+}
+_WIDER = 4.0  # bounds of the design space are moved by no more than this factor
+_AT_BOUND = 0.995
+_SLOTS = 2
+_AT_ONCE = 4  # latitudes that are sized together
+_HALVINGS, _NEAR_ENOUGH = 14, 0.003  # of a bisection, and where it may end: relative
+_STEPS_BEYOND = 3  # where the scenarios left out ask for a little more
+_LATITUDE_STEP_DEG = 0.25
+_LATITUDE_REACH_DEG = 60.0
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """A parameter, and the value from which on the mission is feasible, all else unchanged.
+
+    Attributes
+    ----------
+    parameter : str
+        Key of the aircraft's or, behind ``mission.``, of the mission's file.
+    unit : str
+        Of the values.
+    present : float
+        Value now.
+    direction : str
+        ``at least`` or ``at most``.
+    value : float
+        Value that suffices, rounded to three digits away from the edge.
+    excess_time_h : float
+        Worst excess time that the simulator finds there.
+    """
+
+    parameter: str
+    unit: str
+    present: float
+    direction: Direction
+    value: float
+    excess_time_h: float
+
+    @property
+    def text(self) -> str:
+        """Remedy in words, for instance ``battery.specific_energy_wh_per_kg >= 287 Wh/kg``."""
+        sign = ">=" if self.direction == "at least" else "<="
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.parameter} {sign} {self.value:g}{unit} (now {self.present:g})"
+
+    @property
+    def relative_change(self) -> float:
+        """Size of the change relative to the present value, to compare remedies."""
+        return abs(self.value - self.present) / max(abs(self.present), 1e-12)
+
+
+def remedies(
+    aircraft: Aircraft,
+    mission: Mission,
+    result: SizingResult,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    problems: SizingProblems | None = None,
+) -> list[Remedy]:
+    """Find what would make an infeasible mission feasible, one parameter at a time.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        What :func:`sizing.optimisation.search.size_aircraft` was asked.
+    result : SizingResult
+        Its answer.
+    problems : SizingProblems, optional
+        Programs of this very aircraft.
+
+    Returns
+    -------
+    list of Remedy
+        Smallest relative change first; empty where no single parameter suffices.
+
+    Raises
+    ------
+    ValueError
+        If the result is not infeasible.
+    """
+    if result.status != "infeasible" or result.nearest is None:
+        raise ValueError(f"the sizing is {result.status}: only an infeasible one has remedies")
+    search = _Remedies(aircraft, mission, result, solar, problems or SizingProblems(aircraft))
+    return sorted(search.all(), key=lambda remedy: remedy.relative_change)
+
+
+class _Remedies:
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        result: SizingResult,
+        solar: SolarModel,
+        problems: SizingProblems,
+    ) -> None:
+        assert result.nearest is not None
+        self.aircraft, self.mission, self.solar, self.problems = aircraft, mission, solar, problems
+        self.nearest, self.required_h = result.nearest, result.required_excess_time_h
+        self.objective = result.objective
+        self.others_missed = {v.requirement for v in result.violations} - {"excess_time"}
+        # A requirement that is met at the expense of another one stands in the way as well.
+        held = {label.partition(" (")[0] for label in result.active_constraints}
+        self.in_the_way = self.others_missed | held
+        self.day = result.nearest.day
+        self.solver = ProgramSolver(problems, mission, self.day)
+        self.start = result.nearest.design.variables.mapped(float)
+        self.previous: Answer | None = None
+
+    def all(self) -> Iterable[Remedy]:
+        """Every remedy that works."""
+        found = [self._technology(key) for key in technology_keys(self.aircraft)]
+        found += [self._payload(name) for name in _PAYLOADS]
+        found += [self._bound(name) for name in self._bounds_reached()]
+        found += [self._latitude(), self._required_excess(), self._wind()]
+        found += [self._limit(*place) for place in self._limits_in_the_way()]
+        return [remedy for remedy in found if remedy is not None]
+
+    # --- one parameter in the program ----------------------------------------------------------
+
+    def _technology(self, key: str) -> Remedy | None:
+        unit, furthest = _FURTHEST[key]
+        present = parameter_value(self.aircraft, self.mission, key)
+        assert present is not None
+        limit = furthest / present
+        upwards = furthest > 0.0
+        if upwards and limit <= 1.0:
+            return None
+        least = _LEAST_RELATIVE.get(key, 1e-3)
+        ends = (1.0, limit) if upwards else (least, 1.0)
+        agreed = self._settled(
+            key, 1.0 if upwards else -1.0, ends, furthest=ends[1] if upwards else ends[0]
+        )
+        if agreed is None:
+            return None
+        found = present * agreed.answer.value(key)
+        return self._confirmed(
+            key, unit, present, found, "at least" if upwards else "at most", agreed
+        )
+
+    def _payload(self, name: str) -> Remedy | None:
+        key = _PAYLOADS[name]
+        present = parameter_value(self.aircraft, self.mission, key)
+        if not present or self.objective.variable == name:
+            return None
+        agreed = self._settled(name, -1.0, (0.0, present), furthest=0.0)
+        if agreed is None:
+            return None
+        found = agreed.answer.value(name)
+        return self._confirmed(key, _PAYLOAD_UNITS[name], present, found, "at most", agreed)
+
+    def _bounds_reached(self) -> list[str]:
+        """Upper bounds that the nearest design has reached, and always that of the wingspan."""
+        values = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
+        maxima = {v.name: v.maximum for v in self.problems.of(_SLOTS).variables}
+        return [
+            name
+            for name in _BOUNDS
+            if name == "wingspan_m" or values[name] >= _AT_BOUND * maxima[name]
+        ]
+
+    def _bound(self, name: str) -> Remedy | None:
+        maxima = {v.name: v.maximum for v in self.problems.of(_SLOTS).variables}
+        present = maxima[name]
+        agreed = self._settled(name, 1.0, (present, _WIDER * present))
+        if agreed is None:
+            return None
+        key = "design_space." + (
+            "maximum_total_mass_kg" if name == "total_mass_kg" else f"{name}.maximum"
+        )
+        value = _rounded(agreed.answer.value(name), "at least")
+        worst_h = float(np.min(agreed.simulated.cycle.excess_time_h))
+        return Remedy(key, _BOUNDS[name], present, "at least", value, worst_h)
+
+    def _settled(
+        self, name: str, cost: float, ends: tuple[float, float], furthest: float | None = None
+    ) -> Agreed | None:
+        """Design that moves one variable no further than it must.
+
+        Most variables cannot help at all: what the best design reaches with the variable as far as
+        it goes tells this soonest. ``furthest`` is that end, or none where the design chooses.
+        """
+        question = Question(
+            cost={name: cost},
+            goal_h=self.required_h + GOAL_CUSHION_H,
+            freed=(name,),
+            bounds={name: ends},
+        )
+        agreement = _SoftAgreement(
+            self.solver,
+            replace(
+                Question.of(Objective.max_excess_time, 0.0),
+                freed=(name,),
+                bounds={name: ends if furthest is None else (furthest, furthest)},
+            ),
+            self.required_h,
+            self._simulate,
+            lambda answer, _: -cost * answer.value(name),
+        )
+        agreement.slots = min(_SLOTS, len(self.day.scenarios))
+        agreement.chosen = telling_scenarios(self.nearest, agreement.slots)
+        agreement.previous = self.previous
+        reached = agreement.ask([self.start])
+        self.previous = agreement.previous
+        if reached is None or reached.worst_excess_time_h < self.required_h:
+            return None
+        agreement.question = question
+        answer = agreement.ask([reached.variables])
+        return None if answer is None else agreement.settle(answer)
+
+    def _simulate(self, answer: Answer) -> Performance:
+        """Performance with the technology that the program chose."""
+        aircraft, day = self.aircraft, self.day
+        for key in answer.question.freed:
+            present = parameter_value(self.aircraft, self.mission, key)
+            if key in answer.problem.variable_names and present is not None:
+                aircraft, _ = with_parameter(
+                    aircraft, self.mission, key, present * answer.value(key)
+                )
+                if key == SOLAR_TECHNOLOGY:
+                    day = day.scaled(answer.value(key))
+        return performance_of_designs(aircraft, self.mission, answer.variables, self.solar, day=day)
+
+    def _confirmed(
+        self,
+        key: str,
+        unit: str,
+        present: float,
+        found: float,
+        direction: Direction,
+        agreed: Agreed,
+    ) -> Remedy | None:
+        """Remedy at the rounded value, if the simulator finds the design feasible there."""
+        value = _rounded(found, direction)
+        aircraft, mission = with_parameter(self.aircraft, self.mission, key, value)
+        variables = agreed.answer.variables
+        if key in _PAYLOADS.values():
+            variables = variables._replace(payload_mass_kg=None, payload_power_w=None)
+        day = solar_day(aircraft, mission, self.solar, scenarios=self.day.scenarios)
+        perf = performance_of_designs(aircraft, mission, variables, self.solar, day=day)
+        worst_h = float(np.min(perf.cycle.excess_time_h))
+        if not (worst_h > 0.0 and worst_h >= self.required_h):
+            return None
+        return Remedy(key, unit, present, direction, value, worst_h)
+
+    # --- latitude and required time ------------------------------------------------------------
+
+    def _required_excess(self) -> Remedy | None:
+        """Largest excess time there is, where more is required."""
+        worst_h = float(np.min(self.nearest.cycle.excess_time_h))
+        # Missing anything else means that even without a required time no design exists.
+        if self.others_missed or not 0.0 < worst_h < self.required_h:
+            return None
+        value = _rounded(worst_h, "at most")
+        return Remedy(
+            "mission.required_excess_time_h", "h", self.required_h, "at most", value, worst_h
+        )
+
+    def _latitude(self) -> Remedy | None:
+        """Latitude nearest to the mission's at which a design stays up."""
+        latitude = self.mission.latitude_deg
+        if isinstance(latitude, LatitudeRange):
+            return self._narrower_band(latitude)
+        places = self._easier_latitudes(latitude)
+        return self._least_move(latitude, places, "mission.latitude_deg", lambda place: place)
+
+    def _narrower_band(self, band: LatitudeRange) -> Remedy | None:
+        """End of the band that holds back, moved towards the other one."""
+        worst = float(self.day.scenarios.latitude_deg[self.nearest.worst_scenario()])
+        at_end = abs(worst - band.to_deg) < abs(worst - band.from_deg)
+        moved, other = (band.to_deg, band.from_deg) if at_end else (band.from_deg, band.to_deg)
+        count = round(abs(other - moved) / _LATITUDE_STEP_DEG)
+        places = np.linspace(moved, other, count + 1)[1:-1]
+        name = "to_deg" if at_end else "from_deg"
+
+        def narrowed(place: float) -> LatitudeRange:
+            return band.model_copy(update={name: place})
+
+        return self._least_move(moved, places, f"mission.latitude_deg.{name}", narrowed)
+
+    def _easier_latitudes(self, latitude: float) -> FloatArray:
+        """Latitudes from the mission's to where the nearest design does best, in steps."""
+        reach = np.arange(_LATITUDE_STEP_DEG, _LATITUDE_REACH_DEG, _LATITUDE_STEP_DEG)
+        sides = [np.clip(latitude + sign * reach, -90.0, 90.0) for sign in (-1.0, 1.0)]
+        tried = np.stack(sides)[:, 3::20]
+        days = np.asarray(self.mission.dates.days(), int)
+        scenarios = Scenarios(np.repeat(tried.ravel(), len(days)), np.tile(days, tried.size))
+        day = solar_day(self.aircraft, self.mission, self.solar, scenarios=scenarios, step_h=0.5)
+        perf = performance_of_designs(self.aircraft, self.mission, self.start, self.solar, day=day)
+        excess = perf.cycle.excess_time_h.reshape(*tried.shape, -1).min(axis=-1)
+        side, peak = np.unravel_index(int(np.argmax(excess)), excess.shape)
+        return sides[side][: 4 + 20 * int(peak)]
+
+    def _least_move(
+        self,
+        present: float,
+        places: FloatArray,
+        key: str,
+        as_latitude: Callable[[float], float | LatitudeRange],
+    ) -> Remedy | None:
+        """First of the places, ordered from hard to easy, at which a design stays up.
+
+        The easiest tells whether there is any. Of the others a few are sized at once, and then a
+        few between the two that matter.
+        """
+        if not len(places) or not self._enough(as_latitude, places[-1:])[0]:
+            return None
+        low, high = -1, len(places) - 1
+        while high - low > 1:
+            some = np.unique(np.linspace(low + 1, high - 1, _AT_ONCE).round().astype(int))
+            first = int(np.argmax([*self._enough(as_latitude, places[some]), True]))
+            if first > 0:
+                low = int(some[first - 1])
+            if first < len(some):
+                high = int(some[first])
+        for place in places[high : high + _STEPS_BEYOND]:
+            worst_h = self._confirmed_excess_h(as_latitude(float(place)))
+            if worst_h is not None:
+                direction: Direction = "at most" if place < present else "at least"
+                return Remedy(key, "deg", present, direction, float(place), worst_h)
+        return None
+
+    def _enough(
+        self, as_latitude: Callable[[float], float | LatitudeRange], places: FloatArray
+    ) -> NDArray[np.bool_]:
+        """Whether the required excess time is reached at each of some places.
+
+        Of the scenarios only those count that matter most to the nearest design.
+        """
+        latitudes = [as_latitude(float(place)) for place in places]
+        telling = telling_scenarios(self.nearest, min(_SLOTS, len(self.day.scenarios)))
+        moved = [self._moved(latitude).scenarios() for latitude in latitudes]
+        found = size_cells(
+            self.aircraft,
+            self.mission,
+            Scenarios(
+                np.concatenate([one.latitude_deg[telling] for one in moved]),
+                np.concatenate([one.day_of_year[telling] for one in moved]),
+            ),
+            Objective.max_excess_time,
+            self.solar,
+            scenarios_per_cell=len(telling),
+            required_excess_time_h=0.0,
+            problems=self.problems,
+        )
+        return np.asarray(found.objective_value >= self.required_h)
+
+    def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
+        """Largest worst excess time over all scenarios; None if it is not enough."""
+        return self._reached_h(self._largest_excess(self.aircraft, self._moved(latitude)))
+
+    def _largest_excess(self, aircraft: Aircraft, mission: Mission) -> SizingResult:
+        """Sizing of another aircraft or mission for the largest excess time."""
+        return size_aircraft(
+            aircraft,
+            mission,
+            Objective.max_excess_time,
+            self.solar,
+            required_excess_time_h=0.0,
+            problems=self.problems if aircraft is self.aircraft else None,
+            start=self.start,
+            explain=False,
+        )
+
+    def _reached_h(self, result: SizingResult) -> float | None:
+        """Worst excess time of a sizing; None if it is not enough."""
+        worst_h = result.objective_value
+        return worst_h if worst_h is not None and worst_h >= self.required_h else None
+
+    def _moved(self, latitude: float | LatitudeRange) -> Mission:
+        return self.mission.model_copy(update={"latitude_deg": latitude})
+
+    # --- what the program holds fixed -----------------------------------------------------------
+
+    def _wind(self) -> Remedy | None:
+        """Strongest wind that can be flown in, where the airspeed does not suffice."""
+        present = self.mission.wind_m_per_s
+        if "airspeed_above_wind" not in self.in_the_way:
+            return None
+
+        def reached_h(wind: float) -> float | None:
+            weaker = self.mission.model_copy(update={"wind_m_per_s": wind})
+            return self._reached_h(self._largest_excess(self.aircraft, weaker))
+
+        if reached_h(0.0) is None:
+            return None
+        return _bisected("mission.wind_m_per_s", "m/s", present, 0.0, reached_h)
+
+    def _limits_in_the_way(self) -> list[tuple[LimitedQuantity, LimitEnd]]:
+        limits = self.aircraft.design_space.all_limits()
+        ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
+        return [
+            (quantity, end)
+            for quantity in limits
+            for end in ends
+            if f"{quantity}_{end}" in self.in_the_way
+        ]
+
+    def _limit(self, quantity: LimitedQuantity, end: LimitEnd) -> Remedy | None:
+        """Value to which a limit must be eased: no further than what is reached without it."""
+        space = self.aircraft.design_space
+
+        def sized(value: float | None) -> SizingResult:
+            eased = space.with_limit(quantity, end, value)
+            aircraft = self.aircraft.model_copy(update={"design_space": eased})
+            return self._largest_excess(aircraft, self.mission)
+
+        free = sized(None)
+        if free.design is None or self._reached_h(free) is None:
+            return None
+        flown = DesignInFlight(self.aircraft, free.design, self.solver.conditions)
+        return _bisected(
+            f"design_space.{space.key_of_limit(quantity, end)}",
+            QUANTITIES[quantity].unit,
+            getattr(space.all_limits()[quantity], end),
+            float(QUANTITIES[quantity].of(flown)),
+            lambda value: self._reached_h(sized(value)),
+        )
+
+
+def _bisected(
+    key: str,
+    unit: str,
+    present: float,
+    enough: float,
+    reached_h: Callable[[float], float | None],
+) -> Remedy | None:
+    """Value nearest to the present one at which the excess time suffices, as it does at another."""
+    direction: Direction = "at least" if enough > present else "at most"
+    bad, good = present, enough
+    for _ in range(_HALVINGS):
+        if abs(bad - good) <= _NEAR_ENOUGH * abs(good):
+            break
+        middle = (good + bad) / 2.0
+        if reached_h(middle) is None:
+            bad = middle
+        else:
+            good = middle
+    value = _rounded(good, direction)
+    worst_h = reached_h(value)
+    return None if worst_h is None else Remedy(key, unit, present, direction, value, worst_h)
+
+
+class _SoftAgreement(Agreement):
+    """Agreement by a program whose requirements have a price, each answer from the one before."""
+
+    previous: Answer | None = None
+
+    def ask(
+        self,
+        starts: Sequence[DesignVariables],
+        *,
+        effort: Effort = "quick",
+        question: Question | None = None,
+    ) -> Answer | None:
+        """Answer of the program alone; none where it misses a requirement."""
+        previous = self._fitting(self.previous)
+        answer = self.ask_softly(starts[0], previous=previous, question=question)
+        if answer is None:
+            return None
+        self.previous = answer
+        return None if answer.missed() else answer
+
+    def _fitting(self, answer: Answer | None) -> Answer | None:
+        """An answer of the same program; others have other variables."""
+        return answer if answer is not None and answer.problem.slots == self.slots else None
+
+
+def _rounded(value: float, direction: Direction) -> float:
+    """Value with three digits, on the safe side."""
+    if value <= 0.0:
+        return 0.0
+    digits = 10.0 ** (math.floor(math.log10(value)) - 2)
+    steps = value / digits
+    return float(
+        f"{(math.ceil(steps) if direction == 'at least' else math.floor(steps)) * digits:.6g}"
+    )

@@ -1,0 +1,167 @@
+"""Structural mass of the airframe: wing, tails and fuselage without systems.
+
+The formulas use arithmetic only, so that floats, arrays and symbolic expressions pass alike.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated, Literal, Protocol
+
+from pydantic import Field
+
+from missions.air import GRAVITY_M_PER_S2
+from sizing.smooth import Value, smooth_absolute
+from sizing.structures.inputs import StructureInputs
+from sizing.structures.loads import limit_load_factor
+from sizing.structures.rib_wing import RibWingStructure
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
+
+__all__ = [
+    "AllPowerLawStructure",
+    "PowerLawStructure",
+    "RibWingStructure",
+    "SparStructure",
+    "Structure",
+    "StructureInputs",
+    "StructureModel",
+    "Value",
+    "limit_load_factor",
+    "root_bending_moment_nm",
+]
+
+
+class StructureModel(Protocol):
+    """What the mass budget asks of a model of the structure."""
+
+    def mass_kg(self, inputs: StructureInputs) -> Value:
+        """Structural mass [kg]."""
+        ...
+
+
+class _PowerLaw(Record):
+    """Airframe mass as a power law, ``m = k b^x AR^y``."""
+
+    coefficient_kg: PositiveReal
+    span_exponent: Real
+    aspect_ratio_exponent: Real
+
+    def mass_kg(self, inputs: StructureInputs) -> Value:
+        """Structural mass [kg]; the masses it carries and how it flies play no part."""
+        return (
+            self.coefficient_kg
+            * inputs.wingspan_m**self.span_exponent
+            * inputs.aspect_ratio**self.aspect_ratio_exponent
+        )
+
+
+class PowerLawStructure(_PowerLaw):
+    """Airframe mass as a power law of wingspan and aspect ratio.
+
+    ``m = coefficient_kg b^span_exponent AR^aspect_ratio_exponent``. The defaults are the airframe
+    law used for Sky-Sailor, which is that of the best 5 % of the sailplanes in a statistic: Noth,
+    A. (2008), Design of Solar Powered Airplanes for Continuous Flight, ETH Zurich: weight
+    0.44 S^1.55 AR^1.30 = 0.44 b^3.1 AR^-0.25 in newton. It is far too heavy above 4 m of span.
+    """
+
+    model: Literal["power_law"] = "power_law"
+    coefficient_kg: PositiveReal = 0.44 / 9.81
+    span_exponent: Real = 3.1
+    aspect_ratio_exponent: Real = -0.25
+
+
+class AllPowerLawStructure(_PowerLaw):
+    """The power law of all 415 sailplanes of the same statistic.
+
+    Noth (2008): weight 5.58 S^1.59 AR^0.71 = 5.58 b^3.18 AR^-0.88 in newton. Far too heavy for
+    solar aircraft; for comparison.
+    """
+
+    model: Literal["power_law_all"]
+    coefficient_kg: PositiveReal = 5.58 / 9.81
+    span_exponent: Real = 3.18
+    aspect_ratio_exponent: Real = -0.88
+
+
+class SparStructure(Record):
+    """Spar caps sized by root bending, shell and tails by area; simpler than ``rib_wing``.
+
+    * Limit load factor ``n = 2.1 + 10900/(m + 4536)`` (m in kg), the form of CS 23.337 in SI units.
+    * Root bending moment from an elliptic lift distribution, relieved by the mass spread along the
+      span (battery and modules): ``n g b (2 m / (3 pi) - m_span / 4) / 2``,
+      never less than ``minimum_moment_fraction`` of the unrelieved one (handling and landing).
+    * Spar caps at their allowable compression stress with a safety factor, a fraction of the
+      section's depth apart; cap area falls from root to tip so that the caps weigh
+      ``cap_volume_factor`` of two full-length root caps. Shear web, resin joints and minimum
+      gauges are in the linear mass.
+    * Shell (ribs, skins, edges) by wing area and tail area; tail areas follow from the volume
+      ratios at a fuselage of ``fuselage_chords`` chords, the boom from its length.
+
+    ``calibration`` multiplies everything: it is the one factor that fits the built aircraft. The
+    areal and linear masses are assumptions for built-up wings of 3 to 8 m span, not measurements.
+    Sources of the form and of the material data: CS-23; unidirectional carbon fibre, 368 MPa in
+    compression; tail volume ratios of AtlantikSolar.
+    """
+
+    model: Literal["spar"] = "spar"
+    calibration: PositiveReal = 1.0
+    shell_kg_per_m2: PositiveReal = 0.45
+    tail_shell_kg_per_m2: PositiveReal = 0.35
+    boom_kg_per_m: PositiveReal = 0.12
+    spar_web_kg_per_m: NonNegativeReal = 0.03
+    thickness_ratio: Annotated[float, Field(gt=0.02, lt=0.3)] = 0.125
+    spar_depth_fraction: Fraction = 0.9
+    cap_volume_factor: Fraction = 0.45
+    allowable_stress_pa: PositiveReal = 368e6
+    spar_density_kg_per_m3: PositiveReal = 1600.0
+    safety_factor: PositiveReal = 1.5
+    minimum_moment_fraction: Fraction = 0.25
+    fuselage_chords: PositiveReal = 4.0
+    horizontal_tail_ratio: PositiveReal = 0.35
+    vertical_tail_ratio: PositiveReal = 0.045
+
+    def mass_kg(self, inputs: StructureInputs) -> Value:
+        """Structural mass [kg]; airspeed and air play no part."""
+        chord_m = inputs.wingspan_m / inputs.aspect_ratio
+        area_m2 = inputs.wingspan_m * chord_m
+        tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
+        shell_kg = area_m2 * (self.shell_kg_per_m2 + tail_ratio * self.tail_shell_kg_per_m2)
+        boom_kg = self.boom_kg_per_m * self.fuselage_chords * chord_m
+        web_kg = self.spar_web_kg_per_m * inputs.wingspan_m
+        caps_kg = self._spar_caps_kg(inputs, chord_m)
+        return self.calibration * (shell_kg + boom_kg + web_kg + caps_kg)
+
+    def _spar_caps_kg(self, inputs: StructureInputs, chord_m: Value) -> Value:
+        moment = root_bending_moment_nm(
+            inputs.wingspan_m,
+            inputs.total_mass_kg,
+            inputs.span_load_kg,
+            self.minimum_moment_fraction,
+        )
+        depth_m = self.spar_depth_fraction * self.thickness_ratio * chord_m
+        cap_area_m2 = self.safety_factor * moment / (depth_m * self.allowable_stress_pa)
+        volume_m3 = 2.0 * cap_area_m2 * inputs.wingspan_m * self.cap_volume_factor
+        return self.spar_density_kg_per_m3 * volume_m3
+
+
+Structure = Annotated[
+    PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure,
+    Field(discriminator="model"),
+]
+
+
+def root_bending_moment_nm(
+    wingspan_m: Value, total_mass_kg: Value, span_load_kg: Value, minimum_fraction: float
+) -> Value:
+    """Root bending moment at limit load [N m], relieved by the mass along the span.
+
+    An elliptic lift of one half-wing acts at 4/(3 pi) of the half-span, an even mass at 1/2 of it.
+    The larger of the relieved moment and the floor is taken by a smooth maximum, which lies above
+    both by at most 2 % of the unrelieved moment.
+    """
+    newton = limit_load_factor(total_mass_kg) * GRAVITY_M_PER_S2
+    unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * pi)
+    relieved = unrelieved - newton * span_load_kg * wingspan_m / 8.0
+    floor = minimum_fraction * unrelieved
+    gap = relieved - floor
+    return floor + (gap + smooth_absolute(gap, unrelieved, 0.04)) / 2.0

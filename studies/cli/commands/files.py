@@ -1,0 +1,71 @@
+"""Commands about files: ``solar-uav list``, ``init`` and ``validate``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from studies.cli.options import EXIT_BAD_INPUT, print_json
+
+
+@click.command(name="list", short_help="Shipped aircraft and missions.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def list_(as_json: bool) -> None:
+    """List the aircraft and missions that ship with the package."""
+    from missions.files.shipped import find_document, shipped_names
+
+    shipped = {
+        kind: {
+            name: str(find_document(kind, name).data.get("description", ""))
+            for name in shipped_names(kind)
+        }
+        for kind in ("aircraft", "mission")
+    }
+    if as_json:
+        print_json(shipped)
+        return
+    for kind, entries in shipped.items():
+        click.secho(kind if kind == "aircraft" else "missions", bold=True)
+        for name, description in entries.items():
+            click.echo(f"  {name:24} {description}")
+
+
+@click.command(short_help="Commented files to start your own aircraft from.")
+@click.argument("name")
+def init(name: str) -> None:
+    """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
+    from studies.cli.starters import write_starters
+
+    for path in write_starters(name, Path.cwd()):
+        click.echo(f"wrote {path.name}")
+    click.echo(f"try: solar-uav size {name}.yaml --mission {name}-mission.yaml")
+
+
+@click.command(short_help="Everything that is wrong with files.")
+@click.argument("files", nargs=-1, required=True)
+def validate(files: tuple[str, ...]) -> None:
+    """Check aircraft and mission FILES and say everything that is wrong with them."""
+    from missions.files.errors import InputError
+    from missions.files.shipped import document_kind
+    from missions.files.validation import validate as check
+    from missions.files.yaml import read_yaml
+    from missions.mission import Mission
+    from sizing.aircraft import Aircraft
+
+    wrong = False
+    for file in files:
+        try:
+            document = read_yaml(file)
+            kind = document_kind(document)
+            if kind == "aircraft":
+                check(document, Aircraft)
+            else:
+                check(document, Mission)
+            click.echo(f"{file}: valid {kind}")
+        except InputError as error:
+            click.echo(str(error), err=True)
+            wrong = True
+    if wrong:
+        sys.exit(EXIT_BAD_INPUT)

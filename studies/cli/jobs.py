@@ -1,0 +1,152 @@
+"""Commands that may take long: their common options, kept parts, and how they are stopped."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from studies.cli.options import EXIT_FAILED
+
+if TYPE_CHECKING:
+    from studies.engine.chunk_store import ChunkStore
+    from studies.engine.run import Job, Outcome
+
+__all__ = ["WorkOptions", "completed", "work_options"]
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+_MAXIMUM_WORKERS = 1000
+
+
+def work_options(command: Command) -> Command:
+    """Options of commands that compute in chunks."""
+    for option in (
+        click.option(
+            "--keep-parts",
+            is_flag=True,
+            help="Keep the finished chunks when the result is written.",
+        ),
+        click.option(
+            "--work",
+            "work_dir",
+            type=click.Path(),
+            help="Folder for finished chunks.  [default: the name of --out with .parts]",
+        ),
+        click.option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
+            "machine.",
+        ),
+        click.option(
+            "--workers",
+            type=click.IntRange(1, _MAXIMUM_WORKERS),
+            help="Processes that compute; 1 starts none.  [default: as many as there are cores, "
+            "where the work is worth their start]",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True)
+class WorkOptions:
+    """What the options say."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+    work_dir: str | None = None
+    keep_parts: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what does not go together."""
+        if self.scheduler not in (None, "local-cluster"):
+            if self.workers is not None:
+                raise click.UsageError(
+                    "--workers: the scheduler's workers are those that were started for it; "
+                    "allowed with --scheduler local-cluster"
+                )
+            if "://" not in str(self.scheduler):
+                raise click.BadParameter(
+                    f"must be tcp://HOST:PORT or local-cluster (got {self.scheduler!r})",
+                    param_hint="--scheduler",
+                )
+        if self.keep_parts and self.work_dir is None:
+            context = click.get_current_context(silent=True)
+            if context is not None and context.params.get("out_file") is None:
+                raise click.UsageError("--keep-parts needs --out or --work")
+
+    def folder(self, target: str | os.PathLike[str] | None) -> Path | None:
+        """Folder for parts; none without a result file or a folder."""
+        from studies.engine.chunk_store import parts_folder
+
+        if self.work_dir is not None:
+            return Path(self.work_dir)
+        return None if target is None else parts_folder(target)
+
+
+@contextmanager
+def completed(
+    job: Job, options: WorkOptions, target: str | os.PathLike[str] | None, unit: str
+) -> Iterator[Outcome]:
+    """Compute a job; inside the context its result is to be written, after it the parts go.
+
+    A signal ends the command with 128 plus its number and the way to go on; so does a disk that
+    fills up, as an error. Cells that failed are told on standard error, and where all of them did
+    there is no result.
+    """
+    from missions.files.writing import OutputError
+    from studies.cli.progress import progress_of
+    from studies.engine.chunk_store import ChunkStore
+    from studies.engine.run import Stopped, run
+    from studies.engine.workers import crew_of
+
+    folder = options.folder(target)
+    with ExitStack() as stack:
+        store = None
+        if folder is not None:
+            opened = ChunkStore(folder).opened(job.size_bytes, len(job.chunks))
+            store = stack.enter_context(opened)
+        try:
+            crew = crew_of(options.workers, options.scheduler)
+            with progress_of(unit) as progress:
+                outcome = run(job, crew, store, progress)
+            _tell_failures(job, outcome, unit)
+            yield outcome
+        except (Stopped, KeyboardInterrupt) as stopped:
+            number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
+            click.echo(f"stopped; {_kept(job, store)}", err=True)
+            sys.exit(128 + number)
+        except OutputError as error:
+            click.echo(f"solar-uav: {error}; {_kept(job, store)}", err=True)
+            sys.exit(EXIT_FAILED)
+        if store is not None and not options.keep_parts and not outcome.failures:
+            store.remove_parts()
+
+
+def _kept(job: Job, store: ChunkStore | None) -> str:
+    if store is None:
+        return "nothing is kept (--out or --work would keep what is finished)"
+    keys = job.keys()
+    count = sum(store.path(key).is_file() for key in keys)
+    command = shlex.join(["solar-uav", *sys.argv[1:]])
+    return f"{count} of {len(job.chunks)} chunks are kept in {store.folder}; to go on:\n  {command}"
+
+
+def _tell_failures(job: Job, outcome: Outcome, unit: str) -> None:
+    if not outcome.failures:
+        return
+    first = min(outcome.failures)
+    message = f"{len(outcome.failures)} of {job.cells} {unit} failed; the first: "
+    click.echo(f"solar-uav: {message}{outcome.failures[first]}", err=True)
+    if len(outcome.failures) == job.cells:
+        sys.exit(EXIT_FAILED)

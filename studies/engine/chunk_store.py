@@ -1,0 +1,281 @@
+"""Finished chunks of a long computation, kept in a folder so that a later run goes on from them.
+
+A part is one file, named by the key of its chunk and written beside its place before it takes it.
+Its first line holds the key and a checksum of the rest, a NumPy archive. A part that was cut short,
+changed or renamed is not believed and computed anew; therefore parts need no flush to the disk.
+
+One run at a time uses a folder: the lock is one of the operating system and ends with its process,
+however that ends.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import re
+import shutil
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from missions.files.errors import printable
+from missions.files.writing import OutputError
+
+__all__ = ["ChunkStore", "Part", "check_target", "parts_folder"]
+
+_MAGIC = b"solar-uav part 1"
+_KEY = re.compile("[0-9a-f]{40}")
+_SUFFIX = ".part"
+_SCRATCH = ".scratch"
+_LOCK = "lock"
+_FAILURES = "failures as JSON"  # no column has a name with spaces
+# Parts and the file made of them stand side by side for a moment, and the file twice.
+_COPIES = 3
+_PART_BYTES = 4096
+
+
+@dataclass(frozen=True)
+class Part:
+    """Result of one chunk: columns of one value per cell, and messages of the cells that failed."""
+
+    columns: Mapping[str, Any]
+    failures: Mapping[int, str] = field(default_factory=dict)
+
+
+def parts_folder(target: str | os.PathLike[str]) -> Path | None:
+    """Folder for the parts of a result file; none for a device or a pipe, which none stands by."""
+    path = Path(target)
+    if path.exists() and not path.is_file():
+        return None
+    return path.with_name(path.name + ".parts")
+
+
+def check_target(target: str | os.PathLike[str]) -> None:
+    """Refuse a file that cannot be written, before any work is done for it.
+
+    Raises
+    ------
+    OutputError
+        If the file's folder does not exist or takes no file, or the path is a folder.
+    """
+    path = Path(target)
+    name = printable(os.fspath(target))
+    if path.is_dir():
+        raise OutputError(f"cannot write {name}: it is a folder")
+    if path.exists() and not path.is_file():
+        return  # a device or a pipe
+    if not path.parent.is_dir():
+        above = next((p for p in path.parents if p.exists()), path.parent)
+        file = "a part of the path is a file, not a folder"
+        why = "its folder does not exist" if above.is_dir() else file
+        raise OutputError(f"cannot write {name}: {why}")
+    _probe(path.parent, name)
+
+
+def _probe(folder: Path, name: str) -> None:
+    """Put a file into a folder and take it away again: permissions alone do not tell everything."""
+    scratch = folder / f".{os.urandom(8).hex()}.tmp"
+    try:
+        scratch.write_bytes(b"probe")
+    except OSError as error:
+        raise OutputError(f"cannot write {name}: {_trouble(error)}") from error
+    finally:
+        with suppress(OSError):
+            scratch.unlink(missing_ok=True)
+
+
+def _trouble(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
+
+
+@dataclass(frozen=True)
+class ChunkStore:
+    """Folder of parts; use it inside :meth:`opened`."""
+
+    folder: Path
+
+    @contextmanager
+    def opened(self, needed_bytes: int = 0, parts: int = 0) -> Iterator[ChunkStore]:
+        """Make and lock the folder, and refuse a disk without room for the result.
+
+        Parameters
+        ----------
+        needed_bytes : int
+            Estimated size of all columns.
+        parts : int
+            Number of chunks.
+
+        Raises
+        ------
+        OutputError
+            If the folder cannot be made or written to, is in use, or the disk is too full.
+        """
+        made = not self.folder.exists()
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"cannot make {self.folder}: {_trouble(error)}") from error
+        with _locked(self.folder):
+            try:
+                _probe(self.folder, f"to {printable(os.fspath(self.folder))}")
+                self._check_room(needed_bytes, parts)
+                self._remove_scratch()
+                yield self
+            finally:
+                if made:
+                    self._remove_if_empty()
+
+    def _check_room(self, needed_bytes: int, parts: int) -> None:
+        needed = _COPIES * needed_bytes + _PART_BYTES * parts
+        free = shutil.disk_usage(self.folder).free
+        if free < needed:
+            raise OutputError(
+                f"not enough room in {self.folder}: about {needed / 1e6:.3g} MB are needed, "
+                f"{free / 1e6:.3g} MB are free"
+            )
+
+    def path(self, key: str) -> Path:
+        """File of a chunk."""
+        return self.folder / f"{key}{_SUFFIX}"
+
+    def read(self, key: str) -> Part | None:
+        """Part of a chunk; none if there is no whole and unchanged one."""
+        try:
+            data = self.path(key).read_bytes()
+        except OSError:
+            return None
+        head, _, body = data.partition(b"\n")
+        if head != _head(key, body):
+            return None
+        with np.load(io.BytesIO(body), allow_pickle=False) as archive:
+            columns = {name: archive[name] for name in archive.files}
+        failures = json.loads(str(columns.pop(_FAILURES)))
+        return Part(columns, {int(cell): text for cell, text in failures.items()})
+
+    def write(self, key: str, part: Part) -> None:
+        """Keep a part.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written; parts that exist are unchanged.
+        """
+        buffer = io.BytesIO()
+        failures = np.array(json.dumps({str(k): v for k, v in part.failures.items()}))
+        # The stub takes every keyword for the flag that may stand among them.
+        np.savez(buffer, **part.columns, **{_FAILURES: failures})  # type: ignore[arg-type]
+        body = buffer.getvalue()
+        scratch = self.folder / f"{key}{_SCRATCH}"
+        try:
+            scratch.write_bytes(_head(key, body) + b"\n" + body)
+            scratch.replace(self.path(key))
+        except OSError as error:
+            with suppress(OSError):
+                scratch.unlink(missing_ok=True)
+            raise OutputError(f"cannot write to {self.folder}: {_trouble(error)}") from error
+
+    def remove_parts(self) -> None:
+        """Delete all parts; the folder goes with the lock if nothing else is in it."""
+        for path in self.folder.glob(f"*{_SUFFIX}"):
+            if _is_ours(path):
+                path.unlink(missing_ok=True)
+        self._remove_scratch()
+        with suppress(OSError):  # an open file cannot be deleted everywhere
+            (self.folder / _LOCK).unlink(missing_ok=True)
+        self._remove_if_empty()
+
+    def _remove_scratch(self) -> None:
+        for path in self.folder.glob(f"*{_SCRATCH}"):
+            if _is_ours(path):
+                path.unlink(missing_ok=True)
+
+    def _remove_if_empty(self) -> None:
+        """Remove a folder that holds no part, for instance after a refusal at the start."""
+        with suppress(OSError):
+            if [path.name for path in self.folder.iterdir()] == [_LOCK]:
+                (self.folder / _LOCK).unlink()
+            self.folder.rmdir()
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether a file was written by a store: the folder may be one that others use as well."""
+    if _KEY.fullmatch(path.stem):
+        return True
+    try:
+        with path.open("rb") as file:
+            return file.read(len(_MAGIC)) == _MAGIC
+    except OSError:
+        return False
+
+
+def _head(key: str, body: bytes) -> bytes:
+    return b" ".join((_MAGIC, key.encode(), hashlib.sha256(body).hexdigest().encode()))
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Hold the folder's lock.
+
+    Raises
+    ------
+    OutputError
+        If another process holds it.
+    """
+    path = folder / _LOCK
+    while True:
+        try:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        except OSError as error:
+            raise OutputError(f"cannot write to {folder}: {_trouble(error)}") from error
+        try:
+            if not _try_lock(descriptor):
+                holder = os.read(descriptor, 200).decode(errors="replace").strip()
+                who = f" ({holder})" if holder else ""
+                raise OutputError(
+                    f"another run{who} works in {folder}: wait for it, or choose another place"
+                )
+            if _is_at(path, descriptor):
+                os.ftruncate(descriptor, 0)
+                os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
+                yield
+                return
+        finally:
+            os.close(descriptor)
+
+
+def _is_at(path: Path, descriptor: int) -> bool:
+    """Whether the locked file still stands at its path: its last holder may have deleted it."""
+    try:
+        return os.path.samestat(path.stat(), os.fstat(descriptor))
+    except OSError:
+        return False
+
+
+def _try_lock(descriptor: int) -> bool:
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        import msvcrt
+
+        try:
+            # Far behind the text that names the holder, which others read. The module is known on
+            # Windows alone.
+            os.lseek(descriptor, 1 << 20, os.SEEK_SET)
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+        except OSError:
+            return False
+        finally:
+            os.lseek(descriptor, 0, os.SEEK_SET)
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,197 @@
+"""Errors of solar power models over the windows and days of a flight log.
+
+Errors are those of Oettershagen's report on solar power models, section 4: modelled minus measured
+power, negative where the model underestimates; relative to the mean measured power; RMS and maximum
+of data that passed a two-sided moving average.
+"""
+
+from __future__ import annotations
+
+import datetime
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.logs.table import BoolArray, IntArray
+from solar.almanac import SECONDS_PER_DAY
+from solar.names import ModelName
+from solar.sun import FloatArray
+from studies.flight_logs.samples import Samples, numbered_runs
+
+_WINDOW = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d+(?:\.\d*)?):(\d+(?:\.\d*)?)")
+
+
+@dataclass(frozen=True)
+class Window:
+    """Period of solar time [h], on every day or on one (days since 1970-01-01)."""
+
+    start_h: float
+    end_h: float
+    day: int | None = None
+
+    @property
+    def label(self) -> str:
+        """Readable name."""
+        hours = f"{self.start_h:g} to {self.end_h:g} h"
+        return hours if self.day is None else f"{_iso_date(self.day)}, {hours}"
+
+
+def parse_window(text: str) -> Window:
+    """Read a window ``5.71:5.79``, or ``2015-07-01@5.71:5.79`` of one day.
+
+    Raises
+    ------
+    ValueError
+        If the text is no such window.
+    """
+    match = _WINDOW.fullmatch(text.strip())
+    form = "a:b in solar hours, for instance 5.71:5.79 or 2015-07-01@5.71:5.79"
+    if match is None:
+        raise ValueError(f"must be {form} (got {text!r})")
+    start, end = float(match[2]), float(match[3])
+    if not start < end <= 24.0:
+        raise ValueError(f"must be {form}, a below b and both from 0 to 24 (got {text!r})")
+    if match[1] is None:
+        return Window(start, end)
+    try:
+        date = datetime.date.fromisoformat(match[1])
+    except ValueError:
+        raise ValueError(f"there is no date {match[1]}") from None
+    return Window(start, end, (date - datetime.date(1970, 1, 1)).days)
+
+
+@dataclass(frozen=True)
+class ModelErrors:
+    """Errors of one model [W]: average, RMS and largest; relative ones by ``measured_mean_w``."""
+
+    modelled_mean_w: float
+    measured_mean_w: float
+    average_w: float
+    rms_w: float
+    maximum_w: float
+
+    def relative(self, error_w: float) -> float | None:
+        """Error over the mean measured power, none if nothing was measured."""
+        return error_w / self.measured_mean_w if self.measured_mean_w > 0.0 else None
+
+
+@dataclass(frozen=True)
+class Section:
+    """Errors over one window or day; ``excluded`` samples are not in them."""
+
+    label: str
+    start_s: float
+    end_s: float
+    samples: int
+    excluded: int
+    semi_window: int
+    errors: Mapping[ModelName, ModelErrors]
+
+
+def moving_average(values: FloatArray, run: IntArray, semi_window: int) -> FloatArray:
+    """Two-sided moving average over ``2 semi_window + 1`` samples that never leaves a run.
+
+    Towards the ends of a run the window is cut, not mirrored.
+    """
+    place = np.arange(len(values))
+    first = np.searchsorted(run, run, side="left")
+    last = np.searchsorted(run, run, side="right")
+    low = np.maximum(place - semi_window, first)
+    high = np.minimum(place + semi_window + 1, last)
+    total = np.concatenate(([0.0], np.cumsum(values)))
+    return np.asarray((total[high] - total[low]) / (high - low))
+
+
+def day_masks(samples: Samples) -> Iterator[tuple[str, BoolArray]]:
+    """Dates of the log's days (UTC), and which samples are theirs."""
+    days = np.floor(samples.time_s / SECONDS_PER_DAY).astype(int)
+    for day in np.unique(days):
+        yield _iso_date(int(day)), days == day
+
+
+def used_runs(samples: Samples, used: BoolArray) -> IntArray:
+    """Runs of the samples that are used, numbered anew where others were left out."""
+    return numbered_runs(np.flatnonzero(used), samples.run[used])
+
+
+def in_window(samples: Samples, window: Window) -> BoolArray:
+    """Samples that lie in a window."""
+    hours = samples.time_solar_h
+    inside = (hours >= window.start_h) & (hours <= window.end_h)
+    if window.day is not None:
+        inside &= samples.solar_day == window.day
+    return np.asarray(inside, bool)
+
+
+def solar_span(samples: Samples) -> str:
+    """Solar days and hours that the samples cover, for messages."""
+    days = np.unique(samples.solar_day)
+    spans = []
+    for day in days:
+        hours = samples.time_solar_h[samples.solar_day == day]
+        spans.append(f"{_iso_date(int(day))} {hours.min():.2f} to {hours.max():.2f} h")
+    return ", ".join(spans)
+
+
+def _iso_date(day: int) -> str:
+    return (datetime.date(1970, 1, 1) + datetime.timedelta(days=day)).isoformat()
+
+
+def sections(
+    samples: Samples,
+    excluded: BoolArray,
+    semi_window: int,
+    masks: Iterable[tuple[str, BoolArray]],
+) -> tuple[Section, ...]:
+    """Errors of all models in several parts of a log.
+
+    Parameters
+    ----------
+    samples : Samples
+        Measured and modelled power.
+    excluded : ndarray of bool
+        Samples that are left out of the errors.
+    semi_window : int
+        Samples on either side in the moving average.
+    masks : iterable of (str, ndarray of bool)
+        Name of every part, and which samples are its own.
+    """
+    used = ~excluded
+    run = used_runs(samples, used)
+    measured = samples.measured_w[used]
+    raw = {m: power[used] - measured for m, power in samples.modelled_w.items()}
+    smooth = {m: moving_average(error, run, semi_window) for m, error in raw.items()}
+    result = []
+    for label, mask in masks:
+        inside = mask[used]
+        times = samples.time_s[mask]
+        errors = {
+            m: _model_errors(measured[inside], raw[m][inside], smooth[m][inside])
+            for m in raw
+            if inside.any()
+        }
+        result.append(
+            Section(
+                label=label,
+                start_s=float(times[0]),
+                end_s=float(times[-1]),
+                samples=int(inside.sum()),
+                excluded=int((mask & excluded).sum()),
+                semi_window=semi_window,
+                errors=errors,
+            )
+        )
+    return tuple(result)
+
+
+def _model_errors(measured: FloatArray, raw: FloatArray, smooth: FloatArray) -> ModelErrors:
+    """Average of all samples, RMS and maximum of the filtered ones."""
+    return ModelErrors(
+        modelled_mean_w=float((measured + raw).mean()),
+        measured_mean_w=float(measured.mean()),
+        average_w=float(raw.mean()),
+        rms_w=float(np.sqrt(np.mean(smooth**2))),
+        maximum_w=float(np.abs(smooth).max()),
+    )

@@ -1,0 +1,227 @@
+"""Figures of a verification after those of Oettershagen's report: details of a window, a day."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from missions.logs.table import BoolArray, IntArray
+from solar.names import ModelName
+from solar.sun import FloatArray
+from studies.flight_logs.errors import Section, moving_average
+from studies.flight_logs.samples import Detail, Samples
+from studies.flight_logs.verification import Verification
+
+# Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
+COLOURS: dict[ModelName, str] = {
+    "CDM": "#E69F00",
+    "CAM": "#56B4E9",
+    "VM": "#009E73",
+    "FM": "#D55E00",
+}
+MEASURED, SECOND, PATCH, LIMITED = "black", "#0072B2", "#DDDDDD", "#F0E442"
+# More points than this are not told apart on a page.
+_MOST_POINTS = 4000
+
+
+@dataclass(frozen=True)
+class _View:
+    """What one figure shows: samples of one window or day, filtered, over solar time.
+
+    ``hours`` counts on across midnight, ``raw`` are the samples as they were logged.
+    """
+
+    hours: FloatArray
+    run: IntArray
+    measured: FloatArray
+    modelled: dict[ModelName, FloatArray]
+    angles: list[tuple[str, FloatArray]]
+    yaw_deg: FloatArray | None
+    detail: Detail | None
+    raw_shaded_m2: FloatArray | None
+    raw_volts: FloatArray | None
+    excluded: BoolArray
+
+
+Draw = Callable[[Axes, _View], None]
+
+
+def window_figure(result: Verification, number: int) -> Figure:
+    """Power, attitude, efficiencies, shade and tracker voltage in one window."""
+    section = result.windows[number]
+    view = _view(result, result.window_masks[number], result.window_semi, attitude=True)
+    return _figure(result, section, view, [])
+
+
+def day_figure(result: Verification, section: Section, mask: BoolArray) -> Figure:
+    """The same over a day (UTC), the windows as grey patches."""
+    view = _view(result, mask, result.day_semi, attitude=False)
+    samples = result.samples
+    patches = []
+    for window in result.window_masks:
+        hours = _hours(samples, mask)[window[mask]]
+        if len(hours):
+            patches.append((float(hours.min()), float(hours.max())))
+    return _figure(result, section, view, patches)
+
+
+def _hours(samples: Samples, mask: BoolArray) -> FloatArray:
+    """Solar time [h], counted on from the first day of the mask."""
+    days = samples.solar_day[mask]
+    return np.asarray(samples.time_solar_h[mask] + 24.0 * (days - days.min()))
+
+
+def _view(result: Verification, mask: BoolArray, semi_window: int, *, attitude: bool) -> _View:
+    samples, log = result.samples, result.log
+    stride = max(1, int(mask.sum()) // _MOST_POINTS)
+    chosen = np.flatnonzero(mask)[::stride]
+    # As in the errors, limited power does not leak into the averages beside it.
+    limits = np.cumsum(np.abs(np.diff(result.excluded.astype(int), prepend=0)))
+    run = samples.run + limits
+
+    def shown(values: FloatArray) -> FloatArray:
+        return moving_average(values, run, semi_window)[chosen]
+
+    angles, yaw = [], None
+    if attitude and log.attitude is not None:
+        roll, pitch, heading = (np.degrees(a[samples.index]) for a in log.attitude)
+        angles = [("roll", shown(roll)), ("pitch", shown(pitch))]
+        yaw = heading[chosen] % 360.0  # not averaged: across north the mean would point south
+    detail = None
+    if samples.detail is not None:
+        detail = samples.detail.mapped(lambda _, values: shown(values))
+    shaded = None if samples.detail is None else samples.detail.shaded_m2
+    volts = log.mppt_voltage_v
+    return _View(
+        hours=_hours(samples, mask)[::stride],
+        run=run[chosen],
+        measured=shown(samples.measured_w),
+        modelled={m: shown(power) for m, power in samples.modelled_w.items()},
+        angles=angles,
+        yaw_deg=yaw,
+        detail=detail,
+        raw_shaded_m2=None if shaded is None else shaded[chosen],
+        raw_volts=None if volts is None else volts[samples.index][chosen],
+        excluded=result.excluded[chosen],
+    )
+
+
+def _figure(
+    result: Verification, section: Section, view: _View, patches: list[tuple[float, float]]
+) -> Figure:
+    rows = _rows(view)
+    heights = [2.0 if draw is _draw_power else 1.2 for draw in rows]
+    figure = Figure(figsize=(8.0, 1.4 * sum(heights) + 0.8), layout="constrained")
+    grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False, height_ratios=heights)
+    every: list[Axes] = list(grid[:, 0])
+    for axes, draw in zip(every, rows, strict=True):
+        draw(axes, view)
+        for number, (start, end) in enumerate(patches):
+            name = "window" if draw is _draw_power and number == 0 else None
+            axes.axvspan(start, end, color=PATCH, zorder=0, linewidth=0, label=name)
+        _mark_excluded(axes, view, named=draw is _draw_power)
+        axes.grid(alpha=0.3)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
+    every[-1].set_xlabel("solar time [h]")
+    every[-1].set_xlim(float(view.hours.min()), float(np.nextafter(view.hours.max(), np.inf)))
+    figure.suptitle(
+        f"{result.aircraft}, {section.label}: models against flight "
+        f"(average over {2 * section.semi_window + 1} samples)"
+    )
+    return figure
+
+
+def _rows(view: _View) -> list[Draw]:
+    rows: list[Draw] = [_draw_power]
+    if view.angles or view.detail is not None:
+        rows.append(_draw_angles)
+    if view.yaw_deg is not None:
+        rows.append(_draw_yaw)
+    if view.detail is not None:
+        rows.append(_draw_efficiencies)
+    if view.raw_shaded_m2 is not None:
+        rows.append(_draw_shade)
+    if view.raw_volts is not None:
+        rows.append(_draw_voltage)
+    return rows
+
+
+def _line(axes: Axes, view: _View, values: FloatArray, **style: str) -> None:
+    """Draw a line that is broken where samples are missing."""
+    breaks = np.flatnonzero(np.diff(view.run)) + 1
+    axes.plot(
+        np.insert(view.hours, breaks, np.nan),
+        np.insert(np.asarray(values, float), breaks, np.nan),
+        linewidth=1.0,
+        color=style.get("color"),
+        linestyle=style.get("linestyle", "-"),
+        label=style.get("label"),
+    )
+
+
+def _draw_power(axes: Axes, view: _View) -> None:
+    for model, power in view.modelled.items():
+        _line(axes, view, power, color=COLOURS[model], label=model)
+    _line(axes, view, view.measured, color=MEASURED, label="measured")
+    axes.set_ylabel("solar power [W]")
+
+
+def _draw_angles(axes: Axes, view: _View) -> None:
+    for (name, values), colour in zip(view.angles, ("#009E73", "#56B4E9"), strict=False):
+        _line(axes, view, values, color=colour, label=name)
+    if view.detail is not None:
+        _line(axes, view, view.detail.incidence_deg, color="#D55E00", label="incidence")
+    axes.set_ylabel("angle [deg]")
+
+
+def _draw_yaw(axes: Axes, view: _View) -> None:
+    assert view.yaw_deg is not None  # a row of figures of a window with attitude
+    axes.plot(view.hours, view.yaw_deg, ".", color="#999999", markersize=2, label="yaw")
+    axes.set(ylabel="angle [deg]", ylim=(0, 360), yticks=(0, 90, 180, 270, 360))
+
+
+def _draw_efficiencies(axes: Axes, view: _View) -> None:
+    detail = view.detail
+    assert detail is not None  # a row of figures with a Full Model
+    for values, label, colour, dashes in (
+        (detail.incidence_efficiency, "incidence", "#E69F00", "-"),
+        (detail.low_light_efficiency, "low light", "#56B4E9", "-"),
+        (detail.temperature_efficiency, "temperature", "#009E73", "-"),
+        (detail.mppt_efficiency, "tracker", "#0072B2", "--"),
+        (detail.module_efficiency, "module", "#D55E00", "-"),
+    ):
+        _line(axes, view, 100.0 * values, color=colour, linestyle=dashes, label=label)
+    axes.set_ylabel("efficiency [%]")
+
+
+def _draw_shade(axes: Axes, view: _View) -> None:
+    assert view.raw_shaded_m2 is not None  # a row of figures with a tail
+    _line(axes, view, 1e4 * view.raw_shaded_m2, color=SECOND, label="modelled")
+    axes.set_ylabel("shaded [cm$^2$]")
+    top = max(1.0, 1.05e4 * float(np.nanmax(view.raw_shaded_m2, initial=0.0)))
+    axes.set_ylim(-0.03 * top, top)  # a line at zero stays visible
+
+
+def _draw_voltage(axes: Axes, view: _View) -> None:
+    assert view.raw_volts is not None  # a row of figures with a voltage
+    _line(axes, view, view.raw_volts, color=SECOND, label="tracker")
+    axes.set_ylabel("voltage [V]")
+
+
+def _mark_excluded(axes: Axes, view: _View, *, named: bool) -> None:
+    """Colour what is left out of the errors."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], view.excluded.astype(int), [0]))))
+    for first, last in zip(edges[::2], edges[1::2] - 1, strict=True):
+        axes.axvspan(
+            float(view.hours[first]),
+            float(view.hours[last]),
+            color=LIMITED,
+            alpha=0.3,
+            zorder=0,
+            linewidth=0,
+            label="excluded" if named and first == edges[0] else None,
+        )

@@ -1,0 +1,330 @@
+"""Synthetic flight logs with known truth, to test what a verification finds.
+
+The flight is that of Oettershagen's report: AtlantikSolar AS-2 on 30 June and 1 July 2015,
+loitering on a circle in an easterly wind of 2 m/s. The Full Model is the truth; bias, noise and
+faults are put on it on purpose. The log is what instruments would write: its attitude carries a
+measurement error that the truth does not know.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from missions.flight_path import Circle, orbit
+from missions.logs.table import FlightLog, log_from_table
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from solar.almanac import SunPosition, sun_position
+from solar.attitude import direction_cosines
+from solar.clearsky import Irradiance, clear_sky
+from solar.full_model import full_model
+from solar.sun import FloatArray
+from studies.flight_logs.samples import ShadedArea, day_of_year
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Side = Literal["front", "right", "rear", "left"]
+Period: TypeAlias = tuple[float, float]
+
+START_UTC_S = 1435655640.0  # 30 June 2015, 09:14 UTC: the launch
+DURATION_H = 28.35
+_EARTH_RADIUS_M = 6371000.0
+_CHUNK = 20_000
+_NIGHT_LOAD_W = 43.0
+_BATTERY_WH = 732.0
+_TRACKER_V = 20.0
+_CENTRES_DEG: dict[Side, float] = {"front": 0.0, "right": 90.0, "rear": 180.0, "left": 270.0}
+
+
+class Fault(NamedTuple):
+    """A fault put into a log, of a kind of :mod:`studies.flight_logs.log_view`; times in s UTC."""
+
+    kind: str
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True)
+class Faults:
+    """What to put into a log; periods are hours since its start.
+
+    Attributes
+    ----------
+    mppt : tuple of float, optional
+        The trackers lose the maximum power point while the irradiance is below 250 W/m2.
+    battery_full : tuple of float, optional
+        Power is limited to load and a dwindling charge, with the charge near full.
+    missing : tuple of float, optional
+        No rows.
+    shading : ShadedArea, optional
+        Direct light is lost on the area that this function says is shaded.
+    side_bias : tuple of (side, float), optional
+        Power is lower by this share with the sun on that side of the nose.
+    """
+
+    mppt: Period | None = None
+    battery_full: Period | None = None
+    missing: Period | None = None
+    shading: ShadedArea | None = None
+    side_bias: tuple[Side, float] | None = None
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Length, rate and noise of a log.
+
+    ``bias`` is the relative error that a verification has to find: modelled is ``1 + bias`` times
+    measured power.
+    """
+
+    start_utc_s: float = START_UTC_S
+    duration_h: float = DURATION_H
+    rate_hz: float = 2.0
+    seed: int = 0
+    bias: float = 0.0
+    jitter_deg: float = 1.5
+    attitude_error_deg: float = 0.2
+    power_noise_w: float = 1.0
+    faults: Faults = field(default_factory=Faults)
+
+
+@dataclass(frozen=True)
+class SyntheticLog:
+    """Rows of a log in the CSV format, and the faults that are in them."""
+
+    table: pd.DataFrame
+    faults: tuple[Fault, ...]
+
+    def log(self) -> FlightLog:
+        """The rows as if they had been read from a file."""
+        return log_from_table(self.table, "synthetic.csv")
+
+    def to_csv(self) -> str:
+        """Text of the CSV file."""
+        return str(self.table.to_csv(index=False))
+
+
+def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> SyntheticLog:
+    """Fly a loiter circle by the clock and write down what the instruments would.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Aircraft with module geometry.
+    mission : Mission
+        Position, altitude, air and wind; its flight path if it is a circle.
+    settings : Settings
+        Length, rate, noise and faults.
+
+    Raises
+    ------
+    ValueError
+        If the aircraft has no module geometry.
+    """
+    if aircraft.modules.geometry is None:
+        raise ValueError(f"{aircraft.name} has no module geometry, so there is no Full Model of it")
+    rng = np.random.default_rng(settings.seed)
+    count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
+    elapsed = np.arange(count) / settings.rate_hz
+    flown = _flown(mission, elapsed, settings, rng)
+    truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown, settings.faults)
+    table = _instruments(mission, settings, elapsed, flown, truth, rng)
+    return SyntheticLog(table, _listed(settings, truth))
+
+
+class _Flown(NamedTuple):
+    roll: FloatArray
+    pitch: FloatArray
+    yaw: FloatArray
+    latitude_deg: FloatArray
+    longitude_deg: FloatArray
+
+
+class _Truth(NamedTuple):
+    power_w: FloatArray
+    irradiance_w_per_m2: FloatArray
+    shaded: FloatArray
+
+
+def _flown(
+    mission: Mission, elapsed: FloatArray, settings: Settings, rng: np.random.Generator
+) -> _Flown:
+    path = mission.flight_path
+    if not isinstance(path, Circle):
+        path = Circle(radius_m=100.0, airspeed_m_per_s=8.6)
+    path = path.model_copy(update={"direction": "clockwise"})
+    loop = orbit(path, mission.wind, samples=360)
+
+    def at(values: FloatArray) -> FloatArray:
+        return np.asarray(np.interp(elapsed, loop.time_s, values, period=loop.duration_s), float)
+
+    def jitter(share: float) -> FloatArray:
+        return np.asarray(np.radians(share * settings.jitter_deg) * _gusts(elapsed, rng))
+
+    # Sine and cosine, since the angle itself jumps by a turn.
+    yaw = np.arctan2(at(np.sin(loop.yaw_rad)), at(np.cos(loop.yaw_rad)))
+    latitude = float(np.mean(mission.latitudes()))
+    metres_per_deg = np.radians(_EARTH_RADIUS_M)
+    longitude = mission.longitude_deg or 0.0
+    return _Flown(
+        roll=at(loop.roll_rad) + jitter(1.0),
+        pitch=at(loop.pitch_rad) + jitter(0.5),
+        yaw=yaw + jitter(1.0),
+        latitude_deg=latitude + at(loop.north_m) / metres_per_deg,
+        longitude_deg=longitude + at(loop.east_m) / (metres_per_deg * np.cos(np.radians(latitude))),
+    )
+
+
+def _gusts(elapsed: FloatArray, rng: np.random.Generator, correlation_s: float = 2.0) -> FloatArray:
+    """Noise of unit variance, correlated over a few seconds."""
+    from scipy.signal import lfilter
+
+    keep = float(np.exp(-(elapsed[1] - elapsed[0]) / correlation_s))
+    white = rng.standard_normal(len(elapsed))
+    return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
+
+
+def _truth(
+    aircraft: Aircraft, mission: Mission, time_s: FloatArray, flown: _Flown, faults: Faults
+) -> _Truth:
+    """Full Model in the true attitude, chunk by chunk."""
+    parts = [
+        _truth_of_chunk(
+            aircraft,
+            mission,
+            time_s[i : i + _CHUNK],
+            _Flown(*(v[i : i + _CHUNK] for v in flown)),
+            faults,
+        )
+        for i in range(0, len(time_s), _CHUNK)
+    ]
+    return _Truth(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _truth_of_chunk(
+    aircraft: Aircraft, mission: Mission, time_s: FloatArray, flown: _Flown, faults: Faults
+) -> _Truth:
+    modules = aircraft.modules
+    assert modules.geometry is not None  # checked by synthetic_log
+    sun = sun_position(time_s, flown.latitude_deg, flown.longitude_deg)
+    light = Irradiance(
+        *(
+            mission.clearness * part
+            for part in clear_sky(
+                day_of_year(time_s),
+                flown.latitude_deg,
+                -sun.vector_ned[..., 2],
+                mission.altitude_m,
+            )
+        )
+    )
+    to_ned = direction_cosines(flown.roll, flown.pitch, flown.yaw)
+    air_c = float(mission.air_state().temperature_c)
+    full = full_model(light, sun.vector_ned, to_ned, modules.geometry, modules, air_c)
+    power = modules.area_m2 * full.specific_power_w_per_m2
+    shaded = np.zeros(len(time_s))
+    if faults.shading is not None:
+        body = np.einsum("...ji,...j->...i", to_ned, sun.vector_ned)
+        shares = faults.shading(body) / np.array([s.area_m2 for s in modules.geometry.surfaces])
+        falling = full.irradiance_by_surface_w_per_m2
+        direct = falling - light.dhi[:, np.newaxis]
+        weights = modules.geometry.area_shares
+        shaded = (shares * direct) @ weights / np.maximum(falling @ weights, 1e-9)
+    if faults.side_bias is not None:
+        power = power * _side_factor(sun, flown.yaw, *faults.side_bias)
+    return _Truth(power * (1.0 - shaded), full.irradiance_w_per_m2, shaded)
+
+
+def _side_factor(sun: SunPosition, yaw: FloatArray, side: Side, lost: float) -> FloatArray:
+    away = np.degrees(sun.azimuth_rad - yaw) - _CENTRES_DEG[side]
+    return np.where(np.abs((away + 180.0) % 360.0 - 180.0) <= 45.0, 1.0 - lost, 1.0)
+
+
+def _instruments(
+    mission: Mission,
+    settings: Settings,
+    elapsed: FloatArray,
+    flown: _Flown,
+    truth: _Truth,
+    rng: np.random.Generator,
+) -> pd.DataFrame:
+    import pandas as pd
+
+    count, faults = len(elapsed), settings.faults
+    hours = elapsed / 3600.0
+    power = truth.power_w / (1.0 + settings.bias)
+    load = _NIGHT_LOAD_W + 2.0 * _gusts(elapsed, rng)
+    volts = _TRACKER_V + 0.15 * rng.standard_normal(count)
+    lost = _within(hours, faults.mppt) & (truth.irradiance_w_per_m2 < 250.0)
+    power = np.where(lost, 0.45 * power, power)
+    volts = np.where(lost, volts - 4.0 - 3.0 * np.abs(_gusts(elapsed, rng)), volts)
+    full = _within(hours, faults.battery_full)
+    if faults.battery_full is not None:
+        begin, end = faults.battery_full
+        charge_w = 60.0 * np.clip((end - hours) / (end - begin), 0.0, 1.0)
+        power = np.where(full, np.minimum(power, load + charge_w), power)
+    noisy = power + settings.power_noise_w * rng.standard_normal(count)
+    stored = 0.577 + np.cumsum(noisy - load) / (_BATTERY_WH * 3600.0 * settings.rate_hz)
+    # Near full without limited power as well: the charge alone must not make a finding.
+    charge = np.where(full, 0.97, np.clip(stored, 0.05, 0.95))
+
+    def measured_deg(angle: FloatArray) -> FloatArray:
+        error = settings.attitude_error_deg * rng.standard_normal(count)
+        return np.round((np.degrees(angle) + error + 180.0) % 360.0 - 180.0, 3)
+
+    utc = pd.to_datetime(
+        np.round((settings.start_utc_s + elapsed) * 1e3).astype(np.int64), unit="ms", utc=True
+    )
+    table = pd.DataFrame(
+        {
+            "time_utc": _iso(utc),
+            "latitude_deg": np.round(flown.latitude_deg, 7),
+            "longitude_deg": np.round(flown.longitude_deg, 7),
+            "altitude_m": np.round(mission.altitude_m + rng.normal(0.0, 1.0, count), 2),
+            "roll_deg": measured_deg(flown.roll),
+            "pitch_deg": measured_deg(flown.pitch),
+            "yaw_deg": measured_deg(flown.yaw),
+            "solar_power_w": np.round(noisy, 3),
+            "ambient_temperature_c": np.full(count, float(mission.air_state().temperature_c)),
+            "mppt_voltage_v": np.round(volts, 3),
+            "load_w": np.round(load, 2),
+            "state_of_charge": np.round(charge, 4),
+        }
+    )
+    return table[~_within(hours, faults.missing)].reset_index(drop=True)
+
+
+def _iso(utc: pd.DatetimeIndex) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
+    plain = utc.tz_localize(None).to_numpy("datetime64[ms]")
+    return np.strings.add(np.datetime_as_string(plain), "Z")
+
+
+def _within(hours: FloatArray, period: Period | None) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    if period is None:
+        return np.zeros(len(hours), bool)
+    return np.asarray((hours >= period[0]) & (hours < period[1]), bool)
+
+
+def _listed(settings: Settings, truth: _Truth) -> tuple[Fault, ...]:
+    faults, begin = settings.faults, settings.start_utc_s
+    periods = {
+        "mppt_not_tracking": faults.mppt,
+        "battery_full": faults.battery_full,
+        "missing_data": faults.missing,
+    }
+    listed = [
+        Fault(kind, begin + 3600.0 * period[0], begin + 3600.0 * period[1])
+        for kind, period in periods.items()
+        if period is not None
+    ]
+    dark = np.flatnonzero(truth.shaded > 0.01)
+    if len(dark):
+        first, last = (begin + dark[i] / settings.rate_hz for i in (0, -1))
+        listed.append(Fault("shading", first, last))
+    if faults.side_bias is not None:
+        listed.append(Fault("side_bias", begin, begin + 3600.0 * settings.duration_h))
+    return tuple(listed)

@@ -1,0 +1,156 @@
+"""How the errors of CDM and CAM change with latitude, season and wind.
+
+The report's corrections are two numbers from one morning. Here the truth at any place is taken to
+be the Full Model on the mission's loiter path, corrected by its own measured bias, and the error of
+a simple model is that of its daily energy against this truth. Wind is averaged over eight
+directions; the spread over them is given beside the mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.dates import date_label
+from missions.mission import Mission, Scenarios, latitude_label
+from sizing.aircraft import Aircraft
+from sizing.energy.march import FloatArray
+from sizing.performance import day_axis_h, modelled_power
+from solar.correction import REPORTED_ERRORS
+from solar.names import ModelName
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+LATITUDES_DEG = (0.0, 15.0, 30.0, 45.0, 55.0, 65.0)
+DAYS = (80, 172, 355)
+WINDS_M_PER_S = (0.0, 2.0, 4.0, 6.0)
+SIMPLE_MODELS: tuple[ModelName, ...] = ("CDM", "CAM")
+_DIRECTIONS_DEG = tuple(45.0 * i for i in range(8))
+_STEP_H = 0.25
+
+
+@dataclass(frozen=True)
+class TransferredError:
+    """Relative error of a model's daily energy: mean over wind directions, and half their range."""
+
+    model: ModelName
+    latitude_deg: float
+    day_of_year: int
+    wind_m_per_s: float
+    error: float
+    half_range: float
+
+
+def transferred_errors(
+    aircraft: Aircraft,
+    mission: Mission,
+    *,
+    latitudes_deg: Sequence[float] = LATITUDES_DEG,
+    days: Sequence[int] = DAYS,
+    winds_m_per_s: Sequence[float] = WINDS_M_PER_S,
+) -> list[TransferredError]:
+    """Errors of CDM and CAM over latitudes, days and winds; polar nights are left out.
+
+    Raises
+    ------
+    ValueError
+        If the aircraft has no module geometry, the mission no flight path, or the wind is too
+        strong for it.
+    """
+    time_h = day_axis_h(_STEP_H)
+    grid = [(lat, day) for lat in latitudes_deg for day in days]
+    scenarios = Scenarios(np.array([lat for lat, _ in grid]), np.array([day for _, day in grid]))
+    simple = {m: _energy(aircraft, mission, m, scenarios, time_h) for m in SIMPLE_MODELS}
+    errors: list[TransferredError] = []
+    for wind in winds_m_per_s:
+        directions = _DIRECTIONS_DEG if wind > 0.0 else (0.0,)
+        truth = np.stack(
+            [
+                _energy(
+                    aircraft,
+                    mission.model_copy(update={"wind_m_per_s": wind, "wind_from_deg": direction}),
+                    "FM",
+                    scenarios,
+                    time_h,
+                )
+                for direction in directions
+            ]
+        ) / (1.0 + REPORTED_ERRORS["FM"].average)
+        for model in SIMPLE_MODELS:
+            errors += _errors(model, wind, scenarios, simple[model], truth)
+    return errors
+
+
+def _energy(
+    aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
+) -> FloatArray:
+    power = modelled_power(aircraft, mission, model, scenarios, time_h)
+    return np.asarray(np.trapezoid(power, time_h, axis=-1))
+
+
+def _errors(
+    model: ModelName, wind: float, scenarios: Scenarios, energy: FloatArray, truth: FloatArray
+) -> list[TransferredError]:
+    found = []
+    for i in np.flatnonzero(energy > 0.0):
+        relative = energy[i] / truth[:, i] - 1.0
+        found.append(
+            TransferredError(
+                model,
+                float(scenarios.latitude_deg[i]),
+                int(scenarios.day_of_year[i]),
+                wind,
+                float(relative.mean()),
+                float(np.ptp(relative) / 2.0),
+            )
+        )
+    return found
+
+
+def to_table(errors: Sequence[TransferredError]) -> pd.DataFrame:
+    """One row for each error, in percent."""
+    import pandas as pd
+
+    return pd.DataFrame(
+        [
+            {
+                "model": e.model,
+                "latitude_deg": e.latitude_deg,
+                "day_of_year": e.day_of_year,
+                "wind_m_per_s": e.wind_m_per_s,
+                "error_percent": 100.0 * e.error,
+                "half_range_percent": 100.0 * e.half_range,
+            }
+            for e in errors
+        ]
+    )
+
+
+def to_json(errors: Sequence[TransferredError]) -> list[dict[str, Any]]:
+    """All errors, JSON-ready."""
+    return [dict(e.__dict__) for e in errors]
+
+
+def markdown(errors: Sequence[TransferredError]) -> str:
+    """Table with a row for each model, latitude and day, and a column for each wind."""
+    winds = sorted({e.wind_m_per_s for e in errors})
+    rows: dict[tuple[str, float, int], dict[float, TransferredError]] = {}
+    for e in errors:
+        rows.setdefault((e.model, e.latitude_deg, e.day_of_year), {})[e.wind_m_per_s] = e
+    lines = [
+        "| model | latitude | date | " + " | ".join(f"{w:g} m/s" for w in winds) + " |",
+        "|---" * (3 + len(winds)) + "|",
+    ]
+    for (model, latitude, day), by_wind in sorted(rows.items()):
+        cells = " | ".join(_cell(by_wind[w]) for w in winds)
+        lines.append(f"| {model} | {latitude_label(latitude)} | {date_label(day)} | {cells} |")
+    return "\n".join(lines) + "\n"
+
+
+def _cell(e: TransferredError) -> str:
+    spread = f" ± {100 * e.half_range:.1f}" if e.wind_m_per_s > 0.0 else ""
+    return f"{100 * e.error:+.1f}{spread}"

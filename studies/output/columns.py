@@ -1,0 +1,202 @@
+"""Many sizings as columns: one value of each result per sizing, and flags that tell how it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.optimisation import cells as cell_sizing
+from sizing.optimisation.cells import CellSizings, CellStatus
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import SizingResult
+from sizing.performance import SolarModel
+
+__all__ = [
+    "BLANKS",
+    "DESCRIBED",
+    "SIZED",
+    "SizingStatus",
+    "flag_attributes",
+    "size_cells",
+    "sizing_row",
+]
+
+
+class SizingStatus(IntEnum):
+    """How a sizing ends; the values are flags of gridded results."""
+
+    failed = -1
+    optimal = 0
+    infeasible = 1
+    not_converged = 2
+    invalid = 3
+    certified = 4
+
+
+# There is a design.
+SIZED = (SizingStatus.optimal, SizingStatus.certified)
+
+
+_NAN = np.float64("nan")
+
+# What stands where a sizing failed; every other number is NaN unless the sizing is optimal.
+BLANKS: dict[str, Any] = {
+    "status": np.int8(SizingStatus.failed),
+    "wingspan": _NAN,
+    "aspect_ratio": _NAN,
+    "battery_mass": _NAN,
+    "module_area": _NAN,
+    "payload_mass": _NAN,
+    "payload_power": _NAN,
+    "total_mass": _NAN,
+    "excess_time": _NAN,
+    "charge_margin": _NAN,
+    "minimum_state_of_charge": _NAN,
+    "power": _NAN,
+    "shortfall": _NAN,
+    "violated_requirement": np.str_(""),
+    "message": np.str_(""),
+}
+
+# Variable -> unit, long name.
+DESCRIBED: dict[str, tuple[str, str]] = {
+    "wingspan": ("m", "wingspan"),
+    "aspect_ratio": ("1", "aspect ratio"),
+    "battery_mass": ("kg", "battery mass"),
+    "module_area": ("m2", "area of the solar modules"),
+    "payload_mass": ("kg", "payload mass"),
+    "payload_power": ("W", "power of the payload"),
+    "total_mass": ("kg", "total mass"),
+    "excess_time": ("h", "excess time of the worst scenario"),
+    "charge_margin": ("h", "charge margin of the worst scenario"),
+    "minimum_state_of_charge": ("1", "minimum state of charge of the worst scenario"),
+    "power": ("W", "nominal load"),
+    "shortfall": (
+        "1",
+        "by how much the violated requirement is missed: relative to its limit, for "
+        "battery_capacity and energy_balance to the battery's capacity, for excess_time in hours",
+    ),
+    "violated_requirement": ("1", "requirement that no design meets"),
+    "message": ("1", "why there is no design"),
+}
+
+
+def sizing_row(result: SizingResult) -> dict[str, Any]:
+    """What a sizing has to say; what it has not is missing, see :data:`BLANKS`."""
+    status = SizingStatus[result.status]
+    row: dict[str, Any] = {"status": status}
+    if status is SizingStatus.not_converged:
+        return row | {"message": f"the solver did not converge ({result.solver.message})"}
+    if result.violations:
+        worst = max(result.violations, key=lambda v: v.shortfall)
+        row |= {"shortfall": worst.shortfall, "violated_requirement": worst.requirement}
+        row |= {"message": "; ".join(v.text for v in result.violations)}
+    if result.simulated is None or result.design is None:
+        return row
+    design, perf = result.design, result.simulated
+    worst_scenario = perf.worst_scenario()
+    return row | {
+        "wingspan": design.variables.wingspan_m,
+        "aspect_ratio": design.variables.aspect_ratio,
+        "battery_mass": design.variables.battery_mass_kg,
+        "module_area": design.variables.module_area_m2,
+        "payload_mass": design.masses.payload,
+        "payload_power": design.variables.payload_power_w,
+        "total_mass": design.total_mass_kg,
+        "excess_time": float(perf.cycle.excess_time_h[worst_scenario]),
+        "charge_margin": float(perf.cycle.charge_margin_h[worst_scenario]),
+        "minimum_state_of_charge": float(perf.cycle.minimum_state_of_charge[worst_scenario]),
+        "power": float(perf.nominal_load_w.ravel()[0]),
+    }
+
+
+def size_cells(
+    aircraft: Aircraft,
+    mission: Mission,
+    cells: Sequence[tuple[float, ...]],
+    objective: Objective,
+    solar: SolarModel,
+) -> dict[str, Any]:
+    """Best design of an aircraft in every cell of latitude [deg] and day of year, as columns.
+
+    A cell is the mission with the cell's latitude and day instead of its own.
+    """
+    scenarios = Scenarios(
+        np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
+    )
+    problems = _programs(aircraft)
+    found = cell_sizing.size_cells(
+        problems.aircraft, mission, scenarios, objective, solar, problems=problems
+    )
+    columns = _columns(found)
+    for index in np.flatnonzero(scenarios.in_polar_night()):
+        for name, blank in BLANKS.items():
+            columns[name][index] = _POLAR_NIGHT.get(name, blank)
+    return columns
+
+
+@lru_cache(maxsize=1)
+def _programs(aircraft: Aircraft) -> SizingProblems:
+    """Programs of an aircraft, kept for the next chunk of the same map in this process."""
+    return SizingProblems(aircraft)
+
+
+_STATUS_OF_CELL = {
+    CellStatus.certified: SizingStatus.certified,
+    CellStatus.optimal: SizingStatus.optimal,
+    CellStatus.infeasible: SizingStatus.infeasible,
+    CellStatus.not_converged: SizingStatus.not_converged,
+}
+
+
+def _columns(found: CellSizings) -> dict[str, Any]:
+    chosen = found.variables
+    status = [_STATUS_OF_CELL[CellStatus(value)] for value in found.status]
+    return {
+        "status": np.array(status, np.int8),
+        "wingspan": chosen.wingspan_m,
+        "aspect_ratio": chosen.aspect_ratio,
+        "battery_mass": chosen.battery_mass_kg,
+        "module_area": chosen.module_area_m2,
+        "payload_mass": chosen.payload_mass_kg,
+        "payload_power": chosen.payload_power_w,
+        "total_mass": found.total_mass_kg,
+        "excess_time": found.excess_time_h,
+        "charge_margin": found.charge_margin_h,
+        "minimum_state_of_charge": found.minimum_state_of_charge,
+        "power": found.load_w,
+        "shortfall": found.shortfall,
+        "violated_requirement": found.requirement.tolist(),
+        "message": [_message(one) for one in status],
+    }
+
+
+def _message(status: SizingStatus) -> str:
+    return {
+        SizingStatus.infeasible: "no design meets every requirement",
+        SizingStatus.not_converged: "the solver did not converge",
+    }.get(status, "")
+
+
+# There is nothing to solve without any sun; the whole of the day's energy is missing.
+_POLAR_NIGHT: dict[str, Any] = {
+    "status": SizingStatus.infeasible,
+    "violated_requirement": "sun",
+    "message": "polar night: the sun never rises",
+}
+
+
+def flag_attributes(flags: type[IntEnum]) -> dict[str, Any]:
+    """CF attributes of a status."""
+    return {
+        "long_name": "how it ends",
+        "flag_values": np.array([s.value for s in flags], np.int8),
+        "flag_meanings": " ".join(s.name for s in flags),
+    }

@@ -1,0 +1,387 @@
+"""Charts of trade studies. Nothing is smoothed: points without a design are hatched or left out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from studies.output.columns import SIZED
+from studies.output.hatching import draw_cells, draw_colour_bar, finite_range, hatch_cells
+from studies.output.level_lines import draw_level_lines
+from studies.output.plots import CHARGE, LOAD, SUN, correction_label
+from studies.sweeps.axes import unit_label, without_unit
+from studies.sweeps.points import PointStatus
+from studies.sweeps.study import feasible, to_table
+
+__all__ = ["figure_of", "pareto_figure", "pareto_front", "pareto_table"]
+
+MAXIMUM_PANELS = 12
+_HATCHES = {
+    "infeasible": "///",
+    "invalid": "\\\\\\",
+    "not_converged": "xx",
+    "failed": "..",
+}
+# Objective -> variable that a chart of sized points shows, and another one beside it.
+_SHOWN = {
+    "": ("excess_time", "charge_margin"),
+    "max_excess_time": ("excess_time", "total_mass"),
+    "min_wingspan": ("wingspan", "total_mass"),
+    "min_mass": ("total_mass", "wingspan"),
+    "max_payload_mass": ("payload_mass", "wingspan"),
+    "max_payload_power": ("payload_power", "wingspan"),
+}
+# More of these is better; less of everything else.
+_MORE_IS_BETTER = {
+    "excess_time",
+    "charge_margin",
+    "minimum_state_of_charge",
+    "payload_mass",
+    "payload_power",
+    "payload_mass_kg",  # the varied key
+}
+
+
+def figure_of(data: xr.Dataset) -> Figure:
+    """Chart that suits a study: lines, contours, panels, parallel coordinates or a tornado.
+
+    Raises
+    ------
+    ValueError
+        If there are more panels than a page takes, or no point to draw.
+    """
+    if data.attrs["sample"] == "one-at-a-time":
+        return one_at_a_time_figure(data)
+    axes = [str(name) for name in data["status"].dims]
+    if data.attrs["sample"] != "grid" or len(axes) > 3:
+        return parallel_figure(data)
+    if len(axes) == 1:
+        return line_figure(data)
+    return contour_figure(data)
+
+
+def _label(data: xr.Dataset, name: str) -> str:
+    about = data[name].attrs
+    text = without_unit(name) if name in data.coords else str(about["long_name"])
+    text = text.removesuffix(" of the worst scenario").replace("_", " ")
+    return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
+
+
+def _title(data: xr.Dataset) -> str:
+    corrected = correction_label(data.attrs["correction"])
+    objective = data.attrs["objective"]
+    sized = f", sized for {objective}" if objective else ""
+    return f"{data.attrs['title']}{sized} ({data.attrs['solar_model']}, {corrected})"
+
+
+def _variables(data: xr.Dataset) -> tuple[str, str]:
+    return _SHOWN.get(data.attrs["objective"], _SHOWN["min_wingspan"])
+
+
+def _drawable(data: xr.Dataset) -> xr.DataArray:
+    """Mark the points that have a result, good or bad."""
+    if data.attrs["objective"]:
+        return data["status"].isin(SIZED)
+    return data["status"].isin(range(PointStatus.never_lit + 1))
+
+
+def _reasons(data: xr.Dataset) -> dict[int, str]:
+    """Statuses without a result, with their names."""
+    meanings = data["status"].attrs["flag_meanings"].split()
+    flags = [int(v) for v in data["status"].attrs["flag_values"]]
+    good = list(SIZED) if data.attrs["objective"] else list(range(PointStatus.never_lit + 1))
+    return {v: name for v, name in zip(flags, meanings, strict=True) if v not in good}
+
+
+# ---- Grids
+
+
+def line_figure(data: xr.Dataset) -> Figure:
+    """Both variables over a single axis; points without a result break the line."""
+    (name,) = (str(n) for n in data["status"].dims)
+    figure = Figure(figsize=(7.0, 5.4), layout="constrained")
+    panels = figure.subplots(2, 1, sharex=True)
+    shown = _drawable(data).to_numpy()
+    x = data[name].to_numpy()
+    for axes, variable, colour in zip(panels, _variables(data), (LOAD, CHARGE), strict=True):
+        values = np.where(shown, data[variable].to_numpy(), np.nan)
+        axes.plot(x, np.where(np.isinf(values), np.nan, values), "o-", color=colour, markersize=4)
+        axes.set(ylabel=_label(data, variable))
+        axes.grid(alpha=0.3)
+        if variable == "excess_time":
+            axes.axhline(0.0, color="black", linewidth=0.8)
+        if not shown.all():
+            gone = x[~shown]
+            places = np.full(len(gone), 0.03)
+            transform = axes.get_xaxis_transform()
+            axes.plot(gone, places, "x", color="grey", transform=transform, label="no result")
+            axes.legend(fontsize="small")
+    panels[-1].set(xlabel=_label(data, name))
+    figure.suptitle(_title(data), parse_math=False, fontsize="medium", wrap=True)
+    return figure
+
+
+def contour_figure(data: xr.Dataset) -> Figure:
+    """Two variables over the first two axes; a third axis makes panels.
+
+    Colours are the computed points themselves; contour lines are drawn between neighbouring points
+    that all fly for ever, or were sized. Others are grey, or hatched where they have no result.
+    """
+    names = [str(n) for n in data["status"].dims]
+    third = data[names[2]].to_numpy() if len(names) == 3 else [None]
+    if len(third) > MAXIMUM_PANELS:
+        raise ValueError(
+            f"{names[2]} has {len(third)} values, a chart takes at most {MAXIMUM_PANELS} panels"
+        )
+    figure = Figure(figsize=(1.6 + 3.6 * len(third), 7.2), layout="constrained")
+    panels = figure.subplots(2, len(third), sharex=True, sharey=True, squeeze=False)
+    handles: dict[str, Any] = {}
+    for row, variable in zip(panels, _variables(data), strict=True):
+        every = _shown_values(data, variable)
+        norm = finite_range(every)
+        for axes, value in zip(row, third, strict=True):
+            part = data if value is None else data.isel({names[2]: list(third).index(value)})
+            mesh, entries = _draw_contours(axes, part, names[:2], variable, norm)
+            handles |= {str(entry.get_label()): entry for entry in entries}
+            if value is not None and variable == _variables(data)[0]:
+                axes.set_title(f"{_label(data, names[2])} = {value:g}", fontsize="medium")
+        endless = bool(np.isposinf(every).any())
+        draw_colour_bar(figure, mesh, list(row), _label(data, variable), endless=endless)
+    for axes in panels[-1]:
+        axes.set(xlabel=_label(data, names[0]))
+    for axes in panels[:, 0]:
+        axes.set(ylabel=_label(data, names[1]))
+    if handles:
+        figure.legend(handles=list(handles.values()), loc="outside lower right", ncols=4)
+    figure.suptitle(_title(data), parse_math=False, fontsize="medium", wrap=True)
+    return figure
+
+
+def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
+    """Values of the points that fly for ever, or were sized; NaN elsewhere."""
+    values = np.where(feasible(data), data[variable].to_numpy(), np.nan)
+    return np.where(np.isneginf(values), np.nan, values)
+
+
+def _draw_contours(
+    axes: Axes, data: xr.Dataset, names: list[str], variable: str, norm: Normalize
+) -> tuple[Any, list[Any]]:
+    flat = data.transpose(*names[::-1])
+    x, y = (data[name].to_numpy() for name in names)
+    status = flat["status"].to_numpy()
+    values = _shown_values(flat, variable)
+    mesh = draw_cells(axes, x, y, values, norm)
+    good = feasible(flat).to_numpy()
+    reasons = _reasons(data)
+    entries = []
+    if (~good & _drawable(flat).to_numpy()).any():
+        grey = hatch_cells(axes, x, y, ~good & _drawable(flat).to_numpy(), {True: ""}, _LIMITED)
+        entries += grey
+    hatches = {value: _HATCHES[name] for value, name in reasons.items()}
+    entries += hatch_cells(axes, x, y, status, hatches, reasons)
+    assert norm.vmin is not None
+    assert norm.vmax is not None
+    draw_level_lines(axes, x, y, values, norm.vmin, norm.vmax)
+    return mesh, entries
+
+
+_LIMITED = {True: "not perpetual"}
+
+
+# ---- Samples
+
+
+def parallel_figure(data: xr.Dataset) -> Figure:
+    """Each point as a line over the varied keys and the first variable, coloured by the latter.
+
+    Raises
+    ------
+    ValueError
+        If no point has a result.
+    """
+    variable = _variables(data)[0]
+    table = to_table(data).assign(good=np.asarray(feasible(data)).ravel())
+    table = table[np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])]
+    if table.empty:
+        raise ValueError("no point has a result: there is nothing to draw")
+    names = [n for n in (str(name) for name in data.coords) if n in table.columns]
+    columns = [*names, variable]
+    figure = Figure(figsize=(2.0 + 1.7 * len(columns), 5.0), layout="constrained")
+    axes = figure.subplots()
+    low, high = (getattr(table[columns], end)() for end in ("min", "max"))
+    span = (high - low).where(high > low, 1.0)
+    good = table[table["good"]]
+    norm = Normalize(float(good[variable].min()), float(good[variable].max()))
+    colours = matplotlib.colormaps["viridis"]
+    for _, row in table.sort_values(["good", variable]).iterrows():
+        heights = ((row[columns] - low) / span).astype(float)
+        colour = colours(norm(row[variable])) if row["good"] else "lightgrey"
+        axes.plot(range(len(columns)), heights, color=colour, alpha=0.7, linewidth=1)
+    for place, name in enumerate(columns):
+        axes.plot([place, place], [0.0, 1.0], color="black", linewidth=0.8)
+        for height, value in ((-0.04, low[name]), (1.04, high[name])):
+            axes.annotate(f"{value:.4g}", (place, height), ha="center", va="center")
+    axes.set_xticks(range(len(columns)), [_label(data, n).replace(" [", "\n[") for n in columns])
+    axes.set(yticks=[], ylim=(-0.08, 1.08))
+    for side in ("left", "right", "top", "bottom"):
+        axes.spines[side].set_visible(False)
+    if len(good):
+        bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes)
+        bar.set_label(f"{_label(data, variable)}; grey: not perpetual")
+    lost = int((~_drawable(data)).sum())
+    note = f"; {lost} points without a result left out" if lost else ""
+    figure.suptitle(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
+    return figure
+
+
+def one_at_a_time_figure(data: xr.Dataset) -> Figure:
+    """Range of the first variable over the values of each key, the widest on top.
+
+    Raises
+    ------
+    ValueError
+        If the point of the files has no result.
+    """
+    variable = _variables(data)[0]
+    table = to_table(data)
+    table["drawable"] = np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])
+    base = table[table["varied"] == ""].iloc[0]
+    if not base["drawable"]:
+        raise ValueError(f"the files' own point has no result to start from ({base['status']})")
+    bars = []
+    for name, rows in table[table["varied"] != ""].groupby("varied", sort=False):
+        bars.append((str(name), rows[rows["drawable"]], int((~rows["drawable"]).sum())))
+    bars.sort(key=lambda bar: _spread(bar[1][variable], base[variable]))
+    figure = Figure(figsize=(9.0, 1.4 + 0.55 * len(bars)), layout="constrained")
+    axes = figure.subplots()
+    for place, (name, rows, lost) in enumerate(bars):
+        _draw_bar(axes, place, rows, name, variable, base)
+        if lost:
+            axes.annotate(
+                f"{lost} without a result",
+                (0.99, place + 0.3),
+                xycoords=("axes fraction", "data"),
+                ha="right",
+                fontsize="x-small",
+            )
+    axes.axvline(base[variable], color="black", linewidth=0.8)
+    labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
+    axes.set_yticks(range(len(bars)), labels, fontsize="small")
+    axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
+    entries = [Patch(color=SUN, label="less than in the file"), Patch(color=LOAD, label="more")]
+    figure.legend(handles=entries, loc="outside lower right", ncols=2, fontsize="small")
+    axes.use_sticky_edges = False
+    axes.margins(x=0.12)
+    axes.grid(alpha=0.3, axis="x")
+    axes.set_title(_title(data), parse_math=False, fontsize="medium", wrap=True)
+    return figure
+
+
+def _spread(values: pd.Series[Any], base: float) -> float:
+    return float(max(values.max(), base) - min(values.min(), base)) if len(values) else 0.0
+
+
+def _draw_bar(
+    axes: Axes, place: int, rows: pd.DataFrame, name: str, variable: str, base: pd.Series[Any]
+) -> None:
+    """Bar from the least to the largest result, with the values of the key at its ends."""
+    if rows.empty:
+        return
+    for low, colour in ((True, SUN), (False, LOAD)):
+        side = rows[rows[name] < base[name]] if low else rows[rows[name] > base[name]]
+        if side.empty:
+            continue
+        least, most = side[variable].min(), side[variable].max()
+        start, end = min(least, base[variable]), max(most, base[variable])
+        height = 0.25 if low else -0.25
+        axes.barh(place + height / 2, end - start, 0.25, left=start, color=colour)
+        extreme = side.loc[(side[variable] - base[variable]).abs().idxmax()]
+        right = extreme[variable] >= base[variable]
+        axes.annotate(
+            f"{extreme[name]:.4g}",
+            (extreme[variable], place + height / 2),
+            (4 if right else -4, 0),
+            textcoords="offset points",
+            ha="left" if right else "right",
+            va="center",
+            fontsize="x-small",
+        )
+
+
+# ---- Pareto front
+
+
+def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
+    """Mark the points that no other point beats in one and equals or beats in the other.
+
+    Less is better in both; NaN is never on the front.
+    """
+    front: NDArray[np.bool_] = np.isfinite(x) & np.isfinite(y)
+    order = np.lexsort((y, x))
+    best_x, best_y = np.inf, np.inf
+    for i in order[front[order]]:
+        # In this order a point is beaten by one before it, or by none.
+        front[i] = y[i] < best_y or (x[i] == best_x and y[i] == best_y)
+        if y[i] < best_y:
+            best_x, best_y = x[i], y[i]
+    return front
+
+
+def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
+    """Feasible points with the column ``pareto_front``, for two variables or varied keys.
+
+    Raises
+    ------
+    ValueError
+        If a name is none of them.
+    """
+    table = to_table(data)[np.asarray(feasible(data)).ravel()].copy()
+    allowed = [str(n) for n in table.columns if pd.api.types.is_numeric_dtype(table[n])]
+    signs = []
+    for name in (x, y):
+        if name not in allowed:
+            raise ValueError(f"{name!r} is not one of {', '.join(allowed)}")
+        signs.append(-1.0 if name in _MORE_IS_BETTER else 1.0)
+    table["pareto_front"] = pareto_front(
+        signs[0] * table[x].to_numpy(float), signs[1] * table[y].to_numpy(float)
+    )
+    return table
+
+
+def pareto_figure(data: xr.Dataset, x: str, y: str) -> Figure:
+    """All feasible points over two variables, and those that no other beats in both.
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown, or no point is feasible.
+    """
+    table = pareto_table(data, x, y)
+    if table.empty:
+        raise ValueError("no point is feasible: there is no front to draw")
+    front = table[table["pareto_front"]].sort_values(x)
+    figure = Figure(figsize=(7.0, 5.0), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(table[x], table[y], "o", color="#999999", markersize=4, label="feasible")
+    axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
+    better = {name: "more" if name in _MORE_IS_BETTER else "less" for name in (x, y)}
+    axes.set(
+        xlabel=f"{_label(data, x)}; {better[x]} is better",
+        ylabel=f"{_label(data, y)}; {better[y]} is better",
+    )
+    axes.legend()
+    axes.grid(alpha=0.3)
+    count = data["status"].size - len(table)
+    note = f"; {count} points without a design left out" if count else ""
+    axes.set_title(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
+    return figure

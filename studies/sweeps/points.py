@@ -1,0 +1,337 @@
+"""Points of a trade study as workers compute them: flown as they are, or sized."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from missions.files.errors import InputError
+from missions.files.overrides import with_overrides
+from missions.files.validation import validate
+from missions.files.yaml import Document
+from missions.flight_path import orbit
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, DesignSpace, Range
+from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.limits import design_requirements
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import (
+    Performance,
+    SolarModel,
+    performance,
+    performance_of_designs,
+    solar_day,
+)
+from solar.names import ATTITUDE_MODELS
+from studies.engine.run import Cell
+from studies.output import columns as sizing_columns
+from studies.output.columns import SizingStatus
+from studies.sweeps.axes import design_variable
+
+__all__ = [
+    "BLANKS",
+    "DESCRIBED",
+    "MISSION_PREFIX",
+    "SIZED_BLANKS",
+    "PointStatus",
+    "SweepConfiguration",
+    "held",
+    "judge_points",
+    "size_points",
+    "varied_files",
+]
+
+MISSION_PREFIX = "mission."
+
+
+class PointStatus(IntEnum):
+    """How the worst scenario's cycle ends, or why there is none."""
+
+    failed = -1
+    limited = 0
+    perpetual = 1
+    always_lit = 2
+    never_lit = 3
+    infeasible = 4
+    invalid = 5
+
+
+_NAN = np.float64("nan")
+
+BLANKS: dict[str, Any] = {
+    "status": np.int8(PointStatus.failed),
+    "wingspan": _NAN,
+    "aspect_ratio": _NAN,
+    "battery_mass": _NAN,
+    "module_area": _NAN,
+    "total_mass": _NAN,
+    "payload_mass": _NAN,
+    "excess_time": _NAN,
+    "charge_margin": _NAN,
+    "minimum_state_of_charge": _NAN,
+    "power": _NAN,
+    "worst_latitude": _NAN,
+    "worst_day": _NAN,
+    "message": np.str_(""),
+}
+
+DESCRIBED = {
+    "excess_time": ("h", "excess time of the worst scenario"),
+    "charge_margin": ("h", "charge margin of the worst scenario"),
+    "minimum_state_of_charge": ("1", "minimum state of charge of the worst scenario"),
+    "payload_mass": ("kg", "payload mass"),
+    "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
+    "worst_day": ("1", "day of year of the worst scenario"),
+    "message": ("1", "why there is no result"),
+}
+
+
+SIZED_BLANKS: dict[str, Any] = dict(sizing_columns.BLANKS)
+
+
+@dataclass(frozen=True)
+class SweepConfiguration:
+    """What all points have in common; the files as plain data, overrides put in."""
+
+    aircraft: Mapping[str, Any]
+    mission: Mapping[str, Any]
+    keys: tuple[str, ...]
+    solar: SolarModel
+    cover: bool
+    objective: Objective | None
+
+
+def _text(value: float) -> str:
+    """Number as a file spells it: an integer passes for a real, but not the other way round."""
+    whole = value == round(value) and abs(value) < 1e15
+    return str(int(value)) if whole else repr(value)
+
+
+def varied_files(
+    aircraft: Document, mission: Document, keys: Sequence[str], values: Sequence[float]
+) -> tuple[Aircraft, Mission]:
+    """Aircraft and mission with values put in, checked like files."""
+    texts = [f"{key}={_text(value)}" for key, value in zip(keys, values, strict=True)]
+    of_mission = [t.removeprefix(MISSION_PREFIX) for t in texts if t.startswith(MISSION_PREFIX)]
+    of_aircraft = [t for t in texts if not t.startswith(MISSION_PREFIX)]
+    return (
+        validate(with_overrides(aircraft, of_aircraft), Aircraft),
+        validate(with_overrides(mission, of_mission, prefix=MISSION_PREFIX), Mission),
+    )
+
+
+def _unflyable(solar: SolarModel, mission: Mission) -> str | None:
+    """Why the flight path cannot be held in the wind, for the models that fly it."""
+    needed = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
+    if not needed or mission.flight_path is None:
+        return None
+    try:
+        orbit(mission.flight_path, mission.wind, samples=4)
+    except ValueError as error:
+        return f"flight path: {error}"
+    return None
+
+
+def _problems(error: InputError) -> str:
+    return "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
+
+
+def _groups(
+    configuration: SweepConfiguration, cells: Sequence[Cell], batch: Sequence[str]
+) -> dict[tuple[float, ...], list[int]]:
+    """Numbers of the cells that have the same values of all keys outside the batch."""
+    groups: dict[tuple[float, ...], list[int]] = {}
+    for number, cell in enumerate(cells):
+        pairs = zip(configuration.keys, cell, strict=True)
+        own = tuple(value for key, value in pairs if key not in batch)
+        groups.setdefault(own, []).append(number)
+    return groups
+
+
+def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Fly the designs of some points; points that differ in design variables alone are a batch."""
+    rows: list[dict[str, Any]] = [{} for _ in cells]
+    aircraft_file = Document("aircraft", dict(configuration.aircraft))
+    mission_file = Document("mission", dict(configuration.mission))
+    measured = configuration.aircraft["airframe"]["kind"] == "measured"
+    design = {design_variable(key): key for key in configuration.keys}
+    batch = [] if measured else [key for name, key in design.items() if name is not None]
+    keys = [key for key in configuration.keys if key not in batch]
+    for own, numbers in _groups(configuration, cells, batch).items():
+        try:
+            aircraft, mission = varied_files(aircraft_file, mission_file, keys, own)
+        except InputError as error:
+            for number in numbers:
+                rows[number] = {"status": PointStatus.invalid, "message": _problems(error)}
+            continue
+        trouble = _unflyable(configuration.solar, mission)
+        if trouble is not None:
+            for number in numbers:
+                rows[number] = {"status": PointStatus.infeasible, "message": trouble}
+            continue
+        if measured:
+            found = performance(aircraft, mission, configuration.solar)
+            rows[numbers[0]] = _judged(found, mission, (), {})
+            for number in numbers[1:]:  # the same point twice
+                rows[number] = rows[numbers[0]]
+            continue
+        columns = np.array([cells[number] for number in numbers]).T
+        given = dict(zip(configuration.keys, columns, strict=True))
+        variables = _variables(configuration, aircraft, given, len(numbers))
+        lit = solar_day(aircraft, mission, configuration.solar)
+        found = performance_of_designs(aircraft, mission, variables, configuration.solar, day=lit)
+        missed = _missed(aircraft, mission, found)
+        for place, number in enumerate(numbers):
+            rows[number] = _judged(found, mission, (place,), missed)
+    return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
+
+
+def _variables(
+    configuration: SweepConfiguration, aircraft: Aircraft, given: Mapping[str, Any], count: int
+) -> DesignVariables:
+    values = variables_of(aircraft).chosen()
+    for name in values:
+        key = next((k for k in given if design_variable(k) == name), None)
+        values[name] = np.full(count, values[name]) if key is None else given[key]
+    if configuration.cover:
+        coverage = getattr(aircraft.airframe, "maximum_module_coverage", 1.0)
+        values["module_area_m2"] = coverage * values["wingspan_m"] ** 2 / values["aspect_ratio"]
+    return DesignVariables(**values)
+
+
+class _Missed(NamedTuple):
+    """By how much each design of a batch misses a requirement, and the words for it."""
+
+    amount: Any
+    text: str
+
+
+def _missed(aircraft: Aircraft, mission: Mission, found: Performance) -> dict[str, _Missed]:
+    """Requirements on a design that sizing has as well."""
+    design = found.design
+    conditions = FlightConditions.of(mission).with_payload_of(design.variables)
+    with np.errstate(invalid="ignore"):
+        rows = {
+            one.name: (np.asarray(one.value), one.text)
+            for one in design_requirements(aircraft, design, conditions)
+        }
+    mass = np.asarray(design.total_mass_kg)
+    afloat = np.where(np.isfinite(mass), 0.0, -np.inf)
+    rows["mass_budget"] = (afloat, "the design cannot carry its own mass")
+    heaviest = aircraft.design_space.maximum_total_mass_kg
+    if heaviest is not None:
+        rows["total_mass"] = (1.0 - mass / heaviest, "the total mass exceeds its limit by {missed}")
+    return {name: _Missed(np.maximum(-value, 0.0), text) for name, (value, text) in rows.items()}
+
+
+# Rounding must not refuse a wing that is filled exactly.
+_ROUNDING = 1e-9
+
+
+def _judged(
+    found: Performance, mission: Mission, place: tuple[int, ...], missed: Mapping[str, _Missed]
+) -> dict[str, Any]:
+    """Row of one design."""
+    design = found.design
+    variables = [float(np.asarray(v)[place]) for v in design.variables[:4]]
+    row: dict[str, Any] = dict(
+        zip(("wingspan", "aspect_ratio", "battery_mass", "module_area"), variables, strict=True)
+    )
+    row["payload_mass"] = mission.payload.mass_kg
+    texts = [
+        one.text.format(missed=f"{100.0 * float(one.amount[place]):.3g} %")
+        for one in missed.values()
+        if float(one.amount[place]) > _ROUNDING
+    ]
+    if texts:
+        # Of a design that cannot fly the other reasons mean nothing.
+        text = texts[0] if missed["mass_budget"].amount[place] > 0.0 else "; ".join(texts)
+        return row | {"status": PointStatus.infeasible, "message": text}
+    cycle = found.cycle
+    excess = cycle.excess_time_h[place]
+    worst = int(np.argmin(excess))
+    scenarios = found.day.scenarios
+    load = np.broadcast_to(found.nominal_load_w, cycle.excess_time_h.shape)
+    return row | {
+        "status": PointStatus(int(cycle.status[place][worst])),
+        "total_mass": float(np.asarray(design.total_mass_kg)[place]),
+        "excess_time": float(excess[worst]),
+        "charge_margin": float(cycle.charge_margin_h[place][worst]),
+        "minimum_state_of_charge": float(cycle.minimum_state_of_charge[place][worst]),
+        "power": float(load[place][worst]),
+        "worst_latitude": float(scenarios.latitude_deg[worst]),
+        "worst_day": float(scenarios.day_of_year[worst]),
+    }
+
+
+def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
+    """Aircraft whose design variables of these names cannot be chosen any more.
+
+    Bounds that coincide make the solver take a variable out of the problem.
+    """
+    space: dict[str, Any] = {
+        name: Range.model_construct(minimum=value, maximum=value)
+        for name, value in variables.items()
+        if name != "aspect_ratio"
+    }
+    if "aspect_ratio" in variables:
+        space["aspect_ratio"] = None  # fixed at the airframe's
+    design_space: DesignSpace = aircraft.design_space.model_copy(update=space)
+    named = {
+        part: {name: variables[short] for short, name in names.items() if short in variables}
+        for part, names in _PLACES.items()
+    }
+    parts = {
+        part: getattr(aircraft, part).model_copy(update=update) for part, update in named.items()
+    }
+    return aircraft.model_copy(update={**parts, "design_space": design_space})
+
+
+_PLACES = {
+    "airframe": {"wingspan_m": "wingspan_m", "aspect_ratio": "aspect_ratio"},
+    "battery": {"battery_mass_kg": "mass_kg"},
+    "modules": {"module_area_m2": "area_m2"},
+}
+
+
+def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Size some points, with what is varied held."""
+    assert configuration.objective is not None
+    aircraft_file = Document("aircraft", dict(configuration.aircraft))
+    mission_file = Document("mission", dict(configuration.mission))
+    names = {key: design_variable(key) for key in configuration.keys}
+    rows = []
+    problems: SizingProblems | None = None
+    for cell in cells:
+        given = dict(zip(configuration.keys, cell, strict=True))
+        files = {key: value for key, value in given.items() if names[key] is None}
+        fixed = {str(names[key]): value for key, value in given.items() if names[key] is not None}
+        try:
+            aircraft, mission = varied_files(
+                aircraft_file, mission_file, list(files), list(files.values())
+            )
+        except InputError as error:
+            rows.append({"status": SizingStatus.invalid, "message": _problems(error)})
+            continue
+        trouble = _unflyable(configuration.solar, mission)
+        if trouble is not None:
+            rows.append({"status": SizingStatus.infeasible, "message": trouble})
+            continue
+        sized = held(aircraft, fixed)
+        if problems is None or problems.aircraft != sized:
+            problems = SizingProblems(sized)
+        result = size_aircraft(
+            problems.aircraft,
+            mission,
+            configuration.objective,
+            configuration.solar,
+            problems=problems,
+        )
+        rows.append({"payload_mass": mission.payload.mass_kg} | sizing_columns.sizing_row(result))
+    return {name: [row.get(name, blank) for row in rows] for name, blank in SIZED_BLANKS.items()}

@@ -1,0 +1,236 @@
+"""Power over airspeed: the wing-polar model beside flights of AtlantikSolar.
+
+Two aircraft are compared. AS-2's level-flight power is one published number. AS-1 was flown at
+eleven airspeeds, each a mean over 200 s: Oettershagen, P. et al. (2015), A Solar-Powered
+Hand-Launchable UAV for Low-Altitude Multi-Day Continuous Flight, ICRA 2015.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from missions.air import GRAVITY_M_PER_S2
+from sizing.aerodynamics.polar_table import shipped_airfoils
+from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.smooth import Value
+from solar.sun import FloatArray
+from studies.output.figure_script import write_figure
+from studies.output.plots import CHARGE, LOAD, SUN, to_bytes
+
+_COLOURS = (LOAD, CHARGE, SUN, "#CC79A7", "#56B4E9", "#D55E00")
+
+
+@dataclass(frozen=True)
+class PowerCase:
+    """An aircraft in level flight; ``constant_power_w`` is what the measurement includes besides.
+
+    Viscosity is that of standard air at 15 C.
+    """
+
+    name: str
+    mass_kg: float
+    wingspan_m: float
+    aspect_ratio: float
+    density_kg_per_m3: float
+    propulsion_efficiency: float
+    constant_power_w: float
+    dynamic_viscosity: float = 1.789e-5
+
+    @property
+    def wing_area_m2(self) -> float:
+        """Wing area [m2]."""
+        return self.wingspan_m**2 / self.aspect_ratio
+
+    def lift_coefficient(self, airspeed_m_per_s: Value) -> Value:
+        """Lift coefficient of level flight [-]."""
+        pressure = 0.5 * self.density_kg_per_m3 * airspeed_m_per_s**2
+        return self.mass_kg * GRAVITY_M_PER_S2 / (pressure * self.wing_area_m2)
+
+    def reynolds(self, airspeed_m_per_s: Value) -> Value:
+        """Reynolds number of the mean chord [-]."""
+        chord_m = self.wingspan_m / self.aspect_ratio
+        return self.density_kg_per_m3 * airspeed_m_per_s * chord_m / self.dynamic_viscosity
+
+    def design_reynolds(self) -> float:
+        """Reynolds number at a lift coefficient of 1, as :class:`WingPolar` asks for it."""
+        return float(self.reynolds(self.lift_coefficient(1.0) ** 0.5))
+
+    def electric_power_w(self, polar: WingPolar, airspeed_m_per_s: Value) -> Value:
+        """Electric power of level flight [W]."""
+        v = airspeed_m_per_s
+        drag = polar.drag_at(self.lift_coefficient(v), self.aspect_ratio, self.reynolds(v))
+        power = 0.5 * self.density_kg_per_m3 * v**3 * self.wing_area_m2 * drag
+        return power / self.propulsion_efficiency + self.constant_power_w
+
+
+# Published: mass, span, aspect ratio, density, the four efficiencies of the chain.
+AS2 = PowerCase("AtlantikSolar AS-2", 6.92, 5.65, 18.5, 1.10, 0.97 * 0.82 * 0.96 * 0.82, 0.0)
+AS2_POWER_W = 35.8
+# Published: mass, efficiency 0.58, avionics 4.5 W, taken as part of the measured power. The density
+# is an assumption: that of AS-2's measurement, at the same airfield in summer.
+AS1 = PowerCase("AtlantikSolar AS-1", 7.36, 5.65, 18.5, 1.10, 0.58, 4.5)
+# Airspeed [m/s] and electric power [W].
+AS1_FLIGHT = (
+    (8.12, 71.1),
+    (8.52, 56.1),
+    (8.98, 52.5),
+    (9.42, 44.0),
+    (9.63, 40.3),
+    (10.00, 45.4),
+    (10.63, 51.1),
+    (11.44, 71.9),
+    (12.48, 84.6),
+    (13.52, 87.0),
+    (14.52, 109.4),
+)
+
+
+class LevelFlightCheck(NamedTuple):
+    """AS-2 with one airfoil, nothing calibrated: where it flies and what it draws."""
+
+    airfoil: str
+    lift_coefficient: float
+    airspeed_m_per_s: float
+    electric_power_w: float
+    calibration: float
+
+
+class CurveCheck(NamedTuple):
+    """A power curve beside the flight of AS-1; residuals are model less measurement [W]."""
+
+    polar: WingPolar
+    airspeed_m_per_s: FloatArray
+    measured_w: FloatArray
+    modelled_w: FloatArray
+
+    @property
+    def residual_w(self) -> FloatArray:
+        """Model less measurement [W]."""
+        return self.modelled_w - self.measured_w
+
+    @property
+    def bias_w(self) -> float:
+        """Mean residual [W]."""
+        return float(np.mean(self.residual_w))
+
+    @property
+    def rms_w(self) -> float:
+        """Root of the mean square residual [W]."""
+        return float(np.sqrt(np.mean(self.residual_w**2)))
+
+
+def wing_polar(airfoil: str, case: PowerCase, *, calibration: float = 1.0) -> WingPolar:
+    """Wing polar of a case with the defaults for everything else, and its best lift."""
+    return WingPolar(
+        model="wing_polar",
+        airfoil=airfoil,
+        design_aspect_ratio=case.aspect_ratio,
+        design_reynolds=case.design_reynolds(),
+        calibration=calibration,
+    )
+
+
+def check_level_flight() -> list[LevelFlightCheck]:
+    """AS-2 with every shipped airfoil; ``calibration`` would give the measured power."""
+    return [_level_flight(airfoil) for airfoil in shipped_airfoils()]
+
+
+def _level_flight(airfoil: str) -> LevelFlightCheck:
+    polar = wing_polar(airfoil, AS2)
+    speed = polar.airspeed_m_per_s(
+        mass_kg=AS2.mass_kg, wing_area_m2=AS2.wing_area_m2, density_kg_per_m3=AS2.density_kg_per_m3
+    )
+    power = AS2.electric_power_w(polar, speed)
+    lift = polar.flight_lift_coefficient
+    return LevelFlightCheck(airfoil, lift, speed, power, AS2_POWER_W / power)
+
+
+def check_curve(polar: WingPolar, case: PowerCase = AS1) -> CurveCheck:
+    """Power curve at the airspeeds of AS-1's flight."""
+    speed, measured = np.asarray(AS1_FLIGHT).T
+    return CurveCheck(polar, speed, measured, case.electric_power_w(polar, speed))
+
+
+def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure:
+    """Power over airspeed with each polar, the flight's eleven points, and the residuals."""
+    figure = Figure(figsize=(8.0, 6.2), layout="constrained")
+    axes, residual_axes = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    flight = np.asarray(AS1_FLIGHT)
+    for index, polar in enumerate(polars):
+        colour = _COLOURS[index % len(_COLOURS)]
+        check = check_curve(polar, case)
+        speed = np.linspace(_stall_speed(polar, case), 15.0, 200)
+        label = f"{polar.airfoil}, calibration {polar.calibration:.2f} (RMS {check.rms_w:.1f} W)"
+        axes.plot(speed, case.electric_power_w(polar, speed), color=colour, label=label)
+        residual_axes.plot(
+            check.airspeed_m_per_s, check.residual_w, "o-", color=colour, markersize=3, linewidth=1
+        )
+    axes.plot(flight[:, 0], flight[:, 1], "ko", markersize=4, label="flight, means over 200 s")
+    axes.set(ylabel="electric power [W]", ylim=(0, None))
+    axes.legend(loc="upper left", fontsize="small")
+    residual_axes.axhline(0.0, color="black", linewidth=1)
+    residual_axes.set(xlabel="airspeed [m/s]", ylabel="model − flight [W]")
+    for each in (axes, residual_axes):
+        each.grid(alpha=0.3)
+    figure.suptitle(
+        f"{case.name}, {case.mass_kg:g} kg, level flight at {case.density_kg_per_m3:g} kg/m³"
+    )
+    return figure
+
+
+def _stall_speed(polar: WingPolar, case: PowerCase) -> float:
+    flight_speed = polar.airspeed_m_per_s(
+        mass_kg=case.mass_kg,
+        wing_area_m2=case.wing_area_m2,
+        density_kg_per_m3=case.density_kg_per_m3,
+    )
+    return float(polar.stall_speed_m_per_s(flight_speed))
+
+
+def power_curve_image(image_format: str = "png") -> bytes:
+    """Image of AS-1's power with every shipped airfoil, calibrated with AS-2's one number."""
+    polars = [
+        wing_polar(check.airfoil, AS1, calibration=check.calibration)
+        for check in check_level_flight()
+    ]
+    return to_bytes(power_curve_figure(polars), image_format)
+
+
+def markdown() -> str:
+    """Tables of both comparisons."""
+    rows = check_level_flight()
+    lines = [
+        "| airfoil | C_L | airspeed [m/s] | power [W] | against 35.8 W | calibration |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {r.airfoil} | {r.lift_coefficient:.2f} | {r.airspeed_m_per_s:.1f} "
+        f"| {r.electric_power_w:.1f} | {100 * (r.electric_power_w / AS2_POWER_W - 1):+.0f} % "
+        f"| {r.calibration:.2f} |"
+        for r in rows
+    ]
+    lines += ["", "| airfoil | calibration | bias [W] | RMS [W] | residuals [W], slow to fast |"]
+    lines += ["|---|---|---|---|---|"]
+    for r in rows:
+        for calibration in (1.0, r.calibration):
+            check = check_curve(wing_polar(r.airfoil, AS1, calibration=calibration))
+            residuals = " ".join(f"{value:+.1f}" for value in check.residual_w)
+            lines.append(
+                f"| {r.airfoil} | {calibration:.2f} | {check.bias_w:+.1f} | {check.rms_w:.1f} "
+                f"| {residuals} |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line: write the figure; the exit code is 1 where it cannot."""
+    prog = "python -m studies.validation.power_curve"
+    return write_figure(power_curve_image, arguments, prog=prog, description=__doc__)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,102 @@
+"""Tests of values given on the command line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from missions.files.errors import InputError
+from missions.files.overrides import with_overrides
+from missions.files.yaml import parse_yaml
+
+
+def test_aliases_give_independent_copies() -> None:
+    document = parse_yaml("a: &x {b: [1]}\nc: *x", "a.yaml")
+    assert document.data == {"a": {"b": [1]}, "c": {"b": [1]}}
+    changed = with_overrides(document, ["c.b.0=2"])
+    assert changed.data == {"a": {"b": [1]}, "c": {"b": [2]}}
+    assert document.marks.values["c",] == (2, 4)
+    assert document.marks.values["c", "b"] == (1, 11)
+
+
+def overridden(text: str, *overrides: str) -> dict[str, Any]:
+    return with_overrides(parse_yaml(text, "a.yaml"), overrides).data
+
+
+@pytest.mark.parametrize(
+    ("override", "value"),
+    [
+        ("a=2.5", 2.5),
+        ("a=-3", -3),
+        ("a = 1e-3", 1e-3),
+        ("a=true", True),
+        ("a=null", None),
+        ("a=12:30", "12:30"),
+        ("a=no", "no"),
+        ("a='2'", "2"),
+        ("a=''", ""),
+        ("a=x=y", "x=y"),
+        ("a=[1, 2.5, [x]]", [1, 2.5, ["x"]]),
+        ("a={b: 1}", {"b": 1}),
+    ],
+)
+def test_override_values_follow_the_rules_of_files(override: str, value: object) -> None:
+    assert overridden("a: 1", override) == {"a": value}
+
+
+def test_overrides_reach_into_lists_and_new_mappings() -> None:
+    data = overridden("a: [{b: 1}, 2]\nn:\n", "a.0.b=5", "a.1=6", "c.d.e=7", "c.f=8", "n.x=9")
+    assert data == {"a": [{"b": 5}, 6], "c": {"d": {"e": 7}, "f": 8}, "n": {"x": 9}}
+
+
+def test_later_override_wins_and_the_document_is_not_changed() -> None:
+    document = parse_yaml("a: {b: 1}", "a.yaml")
+    assert with_overrides(document, ["a.b=2", "a.b=3"]).data == {"a": {"b": 3}}
+    assert document.data == {"a": {"b": 1}}
+    assert document.overridden == {}
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("a", "--set a: write an override as KEY=VALUE, for example a.b=2.5"),
+        ("=1", "--set =1: write an override as KEY=VALUE, for example a.b=2.5"),
+        ("a..b=1", "--set a..b=1: write an override as KEY=VALUE, for example a.b=2.5"),
+        ("a=", "--set a: no value after the = sign (write null for no value)"),
+        ("a=#x", "--set a: no value after the = sign (write null for no value)"),
+        ("s.b.c=1", "--set s.b.c: s is the single value 3 and has no keys"),
+        ("l.x=1", "--set l.x: l is a list and takes an index from 0 to 1 (got 'x')"),
+        ("l.2=1", "--set l.2: l is a list and takes an index from 0 to 1 (got '2')"),
+        ("l.-1=1", "--set l.-1: l is a list and takes an index from 0 to 1 (got '-1')"),
+        ("e.0=1", "--set e.0: e is a list and takes no index: it is empty (got '0')"),
+        ("a=!!int 3", "--set a: the value explicit tags (!!int) are not allowed"),
+    ],
+)
+def test_bad_overrides(override: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        overridden("s: 3\nl: [1, 2]\ne: []\n", override)
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    "override", ["a=[1", "a=@x", "a=- 1", "a=b: 1", "a=--- 1\n--- 2", "a=\udcff", "a=" + "[" * 999]
+)
+def test_unreadable_override_values(override: str) -> None:
+    with pytest.raises(InputError) as caught:
+        overridden("a: 1", override)
+    assert str(caught.value).startswith("--set a: ")
+    str(caught.value).encode("utf-8")
+
+
+def test_override_key_outside_unicode_is_printable() -> None:
+    with pytest.raises(InputError) as caught:
+        overridden("a: 1", "\udcff=1")
+    message = str(caught.value)
+    assert message == r"--set \udcff: the key holds a character that is not allowed"
+
+
+def test_bad_overrides_come_together() -> None:
+    with pytest.raises(InputError) as caught:
+        overridden("s: 3", "x", "s.b=1", "t=1")
+    assert [problem.key for problem in caught.value.problems] == ["x", "s.b"]

@@ -1,0 +1,511 @@
+"""Tests of the check of aircraft and mission files against their models."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Literal, NewType
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import Discriminator, Field, RootModel, model_validator
+from pydantic import Tag as UnionTag
+from pydantic_core import PydanticCustomError
+
+from missions.files.errors import InputError, Problem
+from missions.files.overrides import with_overrides
+from missions.files.validation import load, located_error, validate
+from missions.files.yaml import Document, parse_yaml
+from solar.schema import (
+    Flag,
+    Fraction,
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Real,
+    Record,
+    Text,
+)
+
+
+class Battery(Record):
+    mass_kg: PositiveReal
+    usable_fraction: Fraction = 0.9
+    cells: PositiveInteger = 1
+
+
+class Cruise(Record):
+    kind: Literal["cruise"]
+    speed_m_s: PositiveReal
+
+
+class Loiter(Record):
+    kind: Literal["loiter"]
+    duration_h: PositiveReal
+    # Named like a choice of the union, to prove that names of choices are told from keys.
+    loiter: Battery | None = None
+
+
+Leg = Annotated[Cruise | Loiter, Field(discriminator="kind")]
+
+
+class Window(Record):
+    start_h: Real
+    end_h: Real
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Window:
+        if self.end_h < self.start_h:
+            raise ValueError("the window ends before it starts")
+        if self.end_h > 24:
+            raise PydanticCustomError("late", "ends after midnight", {"key": "end_h"})
+        return self
+
+
+class Aircraft(Record):
+    name: Text
+    battery: Battery
+    spare: Battery | None = None
+    legs: tuple[Leg, ...] = ()
+    window: Window | None = None
+    polar: tuple[Real, Real, Real] | None = None
+    table: dict[str, PositiveReal] = Field(default={})
+    size: PositiveReal | Literal["auto"] = "auto"
+    curve: PositiveReal | Battery = 1.0
+    airfoil: Literal["sd7037", "e387"] = "e387"
+    tested: Flag = False
+    tail_m2: NonNegativeReal = 0.0
+
+
+GOOD = """\
+name: AS-2
+battery:
+  mass_kg: 2.9
+"""
+
+
+def problems_of(text: str, *overrides: str, model: type[Record] = Aircraft) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        validate(with_overrides(parse_yaml(text, "as2.yaml"), overrides), model)
+    return [str(problem) for problem in caught.value.problems]
+
+
+def problem_of(text: str, *overrides: str) -> str:
+    (problem,) = problems_of(text, *overrides)
+    return problem
+
+
+def test_good_file_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "as2.yaml"
+    path.write_text(
+        GOOD + "legs:\n- {kind: cruise, speed_m_s: 9}\npolar: [1, 2.5, 1e-3]\n", encoding="utf-8"
+    )
+    aircraft = load(path, Aircraft, ["battery.cells=6"])
+    assert aircraft.battery == Battery(mass_kg=2.9, cells=6)
+    assert aircraft.legs == (Cruise(kind="cruise", speed_m_s=9.0),)
+    assert aircraft.polar == (1.0, 2.5, 0.001)
+
+
+def test_integers_of_thousands_of_digits_are_not_finite() -> None:
+    text = "name: x\nbattery:\n  mass_kg: " + "9" * 5000
+    assert problem_of(text).endswith("battery.mass_kg: must be a finite number (got .inf)")
+
+
+def test_integers_too_large_for_a_float_are_not_finite() -> None:
+    text = "name: x\nbattery:\n  mass_kg: " + "9" * 400
+    message = problem_of(text)
+    assert "battery.mass_kg: must be a finite number (got 999" in message
+    assert len(message) < 150
+
+
+# ---- words and places ----
+
+
+def test_limit_is_named_with_the_value_and_its_place() -> None:
+    text = "name: x\nbattery:\n  mass_kg: -2.9\n"
+    message = "as2.yaml:3:12: battery.mass_kg: must be greater than 0 (got -2.9)"
+    assert problem_of(text) == message
+
+
+def test_plain_pydantic_error_is_not_shown_as_the_cause() -> None:
+    with pytest.raises(InputError) as caught:
+        validate(parse_yaml("{}", "a.yaml"), Aircraft)
+    assert caught.value.__context__ is None
+
+
+def test_all_problems_come_together_sorted_by_line() -> None:
+    text = "tail_m2: -1\nzzz: 3\nbattery:\n  usable_fraction: 1.5\n  mass_kg: 0\nname: 5\n"
+    assert problems_of(text) == [
+        "as2.yaml:1:10: tail_m2: must be at least 0 (got -1)",
+        "as2.yaml:2:1: zzz: unknown key; allowed keys: name, battery, spare, legs, window, "
+        "polar, table, size, curve, airfoil, tested, tail_m2",
+        "as2.yaml:4:20: battery.usable_fraction: must be at most 1 (got 1.5)",
+        "as2.yaml:5:12: battery.mass_kg: must be greater than 0 (got 0)",
+        "as2.yaml:6:7: name: must be text (got 5); put it in quotes",
+    ]
+
+
+def test_missing_key_points_at_the_mapping_around_it() -> None:
+    text = "name: x\nbattery:\n  cells: 2\n"
+    assert problem_of(text) == "as2.yaml:2:1: battery.mass_kg: required key is missing"
+    assert problem_of("\nname: x\n") == "as2.yaml:2:1: battery: required key is missing"
+    assert problems_of("{}")[0] == "as2.yaml:1:1: name: required key is missing"
+
+
+@pytest.mark.parametrize(
+    ("key", "meant"),
+    [
+        ("cell", "cells"),
+        ("Mass_kg", "mass_kg"),
+        ("CELL", "cells"),
+        ("mass_g", "mass_kg"),
+        ("mass", "mass_kg"),
+        ("mass_lbs", "mass_kg"),
+        ("useable_fraction", "usable_fraction"),
+        ("usable_percent", "usable_fraction"),
+    ],
+)
+def test_unknown_key_gets_a_suggestion(key: str, meant: str) -> None:
+    text = f"{GOOD}  {key}: 1\n"
+    message = f"as2.yaml:4:3: battery.{key}: unknown key; did you mean '{meant}'?"
+    assert problem_of(text) == message
+
+
+def test_unit_suffix_beats_a_similar_spelling() -> None:
+    class Model(Record):
+        energy_kwh_max: Real = 1.0
+        energy_j: Real = 1.0
+
+    (problem,) = problems_of("energy_kwh: 1", model=Model)
+    assert problem.endswith("did you mean 'energy_j'?")
+
+
+@pytest.mark.parametrize("value", ['"2.9 kg"', "2.9 kg", '"2.9"', "2.9kg", "010", "1_000"])
+def test_quoted_numbers_and_units_get_a_hint(value: str) -> None:
+    message = problem_of(f"name: x\nbattery:\n  mass_kg: {value}\n")
+    shown = value.strip('"')
+    assert message == (
+        f"as2.yaml:3:12: battery.mass_kg: must be a number (got '{shown}'); "
+        "write the plain number; the unit is in the key"
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("tail_m2: heavy", "10: tail_m2: must be a number (got 'heavy')"),
+        (
+            "tail_m2: 47,6",
+            "10: tail_m2: must be a number (got '47,6'); "
+            "write a point before the decimals, not a comma",
+        ),
+        ("tail_m2: true", "10: tail_m2: must be a number (got true)"),
+        ("tail_m2:", "9: tail_m2: must be a number (got null)"),
+        ("tail_m2: .nan", "10: tail_m2: must be a finite number (got .nan)"),
+        ("tail_m2: -.inf", "10: tail_m2: must be a finite number (got -.inf)"),
+        ("tail_m2: [1]", "1: tail_m2: must be a number (got a list of 1)"),
+        ("tail_m2: " + "x" * 500, "10: tail_m2: must be a number (got '" + "x" * 36 + "...)"),
+        ("tested: 1", "9: tested: must be true or false (got 1)"),
+        ("tested: yes", "9: tested: must be true or false (got 'yes')"),
+        ("airfoil: naca", "10: airfoil: must be 'sd7037' or 'e387' (got 'naca')"),
+        ("spare: 3", "8: spare: must be a mapping of keys and values (got 3)"),
+        ("legs: 3", "7: legs: must be a list (got 3)"),
+        ("polar: [1, 2]", "1: polar: the list is too short: item 3 is missing"),
+        ("polar: [1, 2, 3, 4]", "1: polar: must have at most 3 items (got a list of 4)"),
+        ("polar: [1, a, 3]", "12: polar.1: must be a number (got 'a')"),
+        ("table: {a: -1}", "12: table.a: must be greater than 0 (got -1)"),
+        ("size: -1", "7: size: must be greater than 0, or must be 'auto' (got -1)"),
+        ("size: big", "7: size: must be a number, or must be 'auto' (got 'big')"),
+        (
+            "size: '2'",
+            "7: size: must be a number, or must be 'auto' (got '2'); "
+            "write the plain number; the unit is in the key",
+        ),
+        ("curve: {mass_kg: -1}", "18: curve.mass_kg: must be greater than 0 (got -1)"),
+        ("curve: {mass_g: 1, mass_kg: 1}", "9: curve.mass_g: unknown key; did you mean 'mass_kg'?"),
+    ],
+)
+def test_plain_words(line: str, message: str) -> None:
+    assert problem_of(GOOD + line + "\n") == f"as2.yaml:4:{message}"
+
+
+def test_null_for_a_required_mapping() -> None:
+    message = "as2.yaml:2:9: battery: must be a mapping of keys and values (got null)"
+    assert problem_of("name: x\nbattery:\n") == message
+
+
+def test_counts_are_whole_numbers() -> None:
+    assert problem_of(GOOD + "  cells: 2.5\n").endswith("must be a whole number (got 2.5)")
+    assert problem_of(GOOD + "  cells: '2'\n").endswith("the unit is in the key")
+
+
+def test_empty_text() -> None:
+    assert problem_of(GOOD.replace("AS-2", "''")).endswith("name: must not be empty (got '')")
+
+
+# ---- unions ----
+
+
+@pytest.mark.parametrize(
+    ("leg", "message"),
+    [
+        ("{kind: cruise, speed_m_s: 0}", "legs.0.speed_m_s: must be greater than 0 (got 0)"),
+        ("{kind: cruise}", "legs.0.speed_m_s: required key is missing"),
+        (
+            "{kind: cruise, speed_m_s: 1, speed_kmh: 1}",
+            "legs.0.speed_kmh: unknown key; did you mean 'speed_m_s'?",
+        ),
+        (
+            "{kind: cruise, speed_m_s: 1, zzz: 1}",
+            "legs.0.zzz: unknown key; allowed keys: kind, speed_m_s",
+        ),
+        ("{kind: dive}", "legs.0.kind: must be one of 'cruise', 'loiter' (got 'dive')"),
+        (
+            "{speed_m_s: 1}",
+            "legs.0.kind: required key is missing; it must be one of 'cruise', 'loiter'",
+        ),
+        ("7", "legs.0: must be a mapping of keys and values (got 7)"),
+        (
+            "{kind: loiter, duration_h: -1, loiter: {mass_kg: 1, cells: 0}}",
+            "legs.0.duration_h: must be greater than 0 (got -1)",
+        ),
+    ],
+)
+def test_discriminated_unions_give_clean_keys(leg: str, message: str) -> None:
+    first, *_ = problems_of(f"{GOOD}legs:\n  - {leg}\n")
+    assert first.startswith("as2.yaml:5:")
+    assert first.split(": ", 1)[1] == message
+
+
+def test_name_of_a_choice_is_told_from_a_key_of_the_same_name() -> None:
+    text = GOOD + "legs:\n- kind: loiter\n  duration_h: 0\n  loiter:\n    mass_kg: 0\n"
+    assert problems_of(text) == [
+        "as2.yaml:6:15: legs.0.duration_h: must be greater than 0 (got 0)",
+        "as2.yaml:8:14: legs.0.loiter.mass_kg: must be greater than 0 (got 0)",
+    ]
+
+
+def test_unions_by_callable_and_by_optional_field() -> None:
+    def shape(value: Any) -> str:
+        return "pack" if "mass_kg" in value else "night"
+
+    class Model(Record):
+        one: Annotated[
+            Annotated[Battery, UnionTag("pack")] | Annotated[Window, UnionTag("night")],
+            Discriminator(shape),
+        ]
+        two: Cruise | Loiter | None = Field(default=None, discriminator="kind")
+
+    text = "one: {mass_kg: 0, zzz: 1}\ntwo: {kind: cruise, speed_m_s: 0}\n"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:1:16: one.mass_kg: must be greater than 0 (got 0)",
+        "as2.yaml:1:19: one.zzz: unknown key; allowed keys: mass_kg, usable_fraction, cells",
+        "as2.yaml:2:32: two.speed_m_s: must be greater than 0 (got 0)",
+    ]
+
+
+def test_optional_mapping_gives_clean_keys() -> None:
+    text = GOOD + "spare:\n  mass_kg: 0\n"
+    message = "as2.yaml:5:12: spare.mass_kg: must be greater than 0 (got 0)"
+    assert problem_of(text) == message
+
+
+def test_validator_of_one_choice_silences_the_types_of_the_others() -> None:
+    class Model(Record):
+        window: Real | Window
+
+    text = "window: {start_h: 5, end_h: 4}"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:1:1: window: the window ends before it starts"
+    ]
+
+
+def test_unknown_key_of_one_choice_among_models() -> None:
+    class Model(Record):
+        source: Window | Real | None = None
+        pair: tuple[Battery, Cruise] | None = None
+
+    text = "source: {start_h: 1, end_h: 2, zzz: 3}"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:1:32: source.zzz: unknown key; allowed keys: start_h, end_h"
+    ]
+    text = "pair:\n- mass_kg: 1\n- {kind: cruise, speed_m_s: 1, zzz: 1}"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:3:32: pair.1.zzz: unknown key; allowed keys: kind, speed_m_s"
+    ]
+
+
+def test_validators_do_not_hide_the_name_of_a_choice() -> None:
+    class Model(Record):
+        source: Window | Battery
+
+    text = "source: {start_h: 1, end_h: 2, zzz: 3}"
+    first, *_ = [line for line in problems_of(text, model=Model) if "zzz" in line]
+    assert first.endswith("allowed keys: start_h, end_h")
+
+
+def test_types_behind_other_names() -> None:
+    class Legs(RootModel[tuple[Cruise, ...]]):
+        pass
+
+    pack = NewType("pack", Battery)
+
+    class Model(Record):
+        legs: Legs
+        pack: pack
+
+    text = "legs: [{kind: cruise, speed_m_s: 1, zzz: 1}]\npack: {mass_kg: 1, mass_g: 1}"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:1:37: legs.0.zzz: unknown key; allowed keys: kind, speed_m_s",
+        "as2.yaml:2:20: pack.mass_g: unknown key; did you mean 'mass_kg'?",
+    ]
+
+
+# ---- keys ----
+
+
+def test_key_that_is_refused_is_located_itself() -> None:
+    class Model(Record):
+        table: dict[Annotated[str, Field(max_length=1)], Real]
+        items: Annotated[tuple[Real, ...], Field(max_length=1)]
+
+    text = "table: {long: 1}\nitems: [1, 2]"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:1:9: table.long: must have at most 1 character (got 'long')",
+        "as2.yaml:2:1: items: must have at most 1 item (got a list of 2)",
+    ]
+
+
+def test_aliased_field_goes_by_the_key_of_the_file() -> None:
+    class Model(Record):
+        lift: PositiveReal = Field(alias="C_L")
+
+    (problem,) = problems_of("C_L: 0", model=Model)
+    assert problem == "as2.yaml:1:6: C_L: must be greater than 0 (got 0)"
+    assert problems_of("C_D: 1\nC_L: 1", model=Model) == [
+        "as2.yaml:1:1: C_D: unknown key; did you mean 'C_L'?"
+    ]
+
+
+# ---- messages of validators ----
+
+
+def test_own_message_of_a_validator_stands_alone_at_the_mapping() -> None:
+    text = GOOD + "window:\n  start_h: 5\n  end_h: 4\n"
+    assert problem_of(text) == "as2.yaml:4:1: window: the window ends before it starts"
+
+
+def test_validator_may_point_at_a_key() -> None:
+    text = GOOD + "window:\n  start_h: 5\n  end_h: 25\n"
+    assert problem_of(text) == "as2.yaml:6:10: window.end_h: ends after midnight"
+
+
+def test_validator_may_point_into_a_list() -> None:
+    class Model(Record):
+        legs: tuple[Real, ...]
+
+        @model_validator(mode="after")
+        def _refuse(self) -> Model:
+            raise PydanticCustomError("x", "too\nlong", {"key": "legs.1"})
+
+    assert problems_of("legs:\n- 1\n- 2", model=Model) == ["as2.yaml:3:3: legs.1: too long"]
+
+
+# ---- places ----
+
+
+def test_value_through_an_alias_is_located_where_it_stands() -> None:
+    text = "name: x\nbattery: &b\n  mass_kg: 0\nspare: *b\n"
+    assert problems_of(text) == [
+        "as2.yaml:3:12: battery.mass_kg: must be greater than 0 (got 0)",
+        "as2.yaml:3:12: spare.mass_kg: must be greater than 0 (got 0)",
+    ]
+
+
+def test_located_error() -> None:
+    document = with_overrides(parse_yaml(GOOD, "as2.yaml"), ["tail_m2=1"])
+    (problem,) = located_error(document, ("battery", "mass_kg"), "too heavy").problems
+    assert problem == Problem("as2.yaml", 3, 12, "battery.mass_kg", "too heavy")
+    assert str(located_error(document, ["battery"], "m")) == "as2.yaml:2:1: battery: m"
+    assert str(located_error(document, ["battery", "x"], "m")) == "as2.yaml:2:1: battery.x: m"
+    assert str(located_error(document, ["tail_m2"], "m")) == "--set tail_m2: m"
+    assert str(located_error(document, [], "m")) == "as2.yaml:1:1: m"
+    assert str(located_error(Document("b.yaml", {}), ["a"], "m")) == "b.yaml: a: m"
+
+
+def test_strange_keys_stay_on_one_line() -> None:
+    message = problem_of(GOOD + '"a\\nb": 1\n')
+    assert message.startswith("as2.yaml:4:1: a\\nb: unknown key")
+    assert "\n" not in message
+
+
+pieces = st.sampled_from(
+    [*"ab:-[]{},&*!?|>'\"#%@` \n\t~<=.", "\n  ", ": ", "- ", "&a", "*a", "<<: ", "---\n", "1e5"]
+)
+
+
+@given(st.lists(pieces | st.characters(), max_size=40).map("".join))
+def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:
+    problems: tuple[Problem, ...] = ()
+    try:
+        document = with_overrides(parse_yaml(GOOD + text, "a.yaml"), [f"battery.{text}"])
+        validate(document, Aircraft)
+    except InputError as error:
+        problems = error.problems
+    for problem in map(str, problems):
+        assert problem.startswith(("a.yaml", "--set "))
+        assert len(problem.encode("utf-8").decode("utf-8").splitlines()) == 1
+
+
+# ---- overrides ----
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("battery.mass_kg=-2.9", "battery.mass_kg: must be greater than 0 (got -2.9)"),
+        ("battery.mass_g=1", "battery.mass_g: unknown key; did you mean 'mass_kg'?"),
+        ("batery.mass_kg=1", "batery.mass_kg: batery: unknown key; did you mean 'battery'?"),
+        ("spare.cells=2", "spare.cells: spare.mass_kg: required key is missing"),
+        ("battery={mass_kg: 0}", "battery: battery.mass_kg: must be greater than 0 (got 0)"),
+        ("polar=[1, x, 2]", "polar: polar.1: must be a number (got 'x')"),
+    ],
+)
+def test_problems_of_overrides_are_located_at_the_option(override: str, message: str) -> None:
+    assert problem_of(GOOD, override) == f"--set {message}"
+
+
+def test_override_mends_a_value_of_the_file() -> None:
+    text = "name: x\nbattery: 3\n"
+    document = with_overrides(parse_yaml(text, "a.yaml"), ["battery={mass_kg: 2}"])
+    assert validate(document, Aircraft).battery.mass_kg == 2
+    assert ("battery",) not in document.marks.keys
+
+
+def test_override_below_an_override_leaves_the_first_in_its_place() -> None:
+    overrides = ["window={start_h: 3, end_h: x}", "window.start_h=y"]
+    assert problems_of(GOOD, *overrides) == [
+        "--set window.start_h: must be a number (got 'y')",
+        "--set window: window.end_h: must be a number (got 'x')",
+    ]
+
+
+def test_problems_of_the_file_come_before_those_of_overrides() -> None:
+    problems = problems_of("battery:\n  mass_kg: 0\n", "tail_m2=-1", "name=x")
+    assert [problem.split(":")[0] for problem in problems] == ["as2.yaml", "--set tail_m2"]
+
+
+# ---- imports ----
+
+
+def test_import_is_light() -> None:
+    code = (
+        "import sys, missions.files.validation\n"
+        "print([m for m in ('numpy', 'pandas', 'casadi', 'scipy') if m in sys.modules])"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert run.stdout.strip() == "[]"

@@ -1,0 +1,232 @@
+"""Tests of writing files, and data as YAML."""
+
+from __future__ import annotations
+
+import enum
+import math
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from missions.files.writing import (
+    OutputError,
+    check_writable_folder,
+    to_yaml,
+    write_bytes_atomically,
+    write_folder,
+    write_text_atomically,
+)
+from missions.files.yaml import parse_yaml
+
+# ---- writing YAML ----
+
+
+texts = st.text(max_size=20) | st.sampled_from(
+    ["1e5", "010", "12:30", "no", "null", "~", "", " a ", "a: b", "a #b", "- a", "<<", "\x85", "é"]
+)
+scalars = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | texts
+values = st.recursive(
+    scalars,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(texts, inner, max_size=4),
+    max_leaves=20,
+)
+
+
+@given(st.dictionaries(texts, values, max_size=5))
+def test_written_data_reads_back_equal(data: dict[str, Any]) -> None:
+    read = parse_yaml(to_yaml(data), "a.yaml").data
+    assert read == data
+    # Equality alone takes 1, 1.0 and true for the same, and does not see the order.
+    assert repr(read) == repr(data)
+
+
+def test_written_data_is_readable_block_style() -> None:
+    data = {
+        "name": "AS-2",
+        "note": "no",
+        "battery": {"mass_kg": 2.9, "cells": 6, "tiny": 1e-05},
+        "legs": [{"kind": "cruise", "at": (1, 2)}, [[1.5], []], {}],
+        "none": None,
+        "on_top": float("inf"),
+    }
+    assert to_yaml(data) == (
+        'name: AS-2\nnote: "no"\nbattery:\n  mass_kg: 2.9\n  cells: 6\n  tiny: 1e-05\n'
+        "legs:\n  - kind: cruise\n    at:\n      - 1\n      - 2\n  - - - 1.5\n    - []\n  - {}\n"
+        "none: null\non_top: .inf\n"
+    )
+    assert math.isnan(parse_yaml(to_yaml({"a": math.nan}), "a.yaml").data["a"])
+
+
+def test_subclasses_are_written_as_plain_values() -> None:
+    class Odd(float):
+        def __repr__(self) -> str:
+            return "Odd()"
+
+    class Level(enum.IntEnum):
+        HIGH = 3
+
+    class Name(enum.StrEnum):
+        LOW = "low"
+
+    assert to_yaml({"a": Odd(1.5), "b": Level.HIGH, "c": Name.LOW}) == "a: 1.5\nb: 3\nc: low\n"
+
+
+@pytest.mark.parametrize("data", [{1: 2}, {"a": {1: 2}}, {"a": {3}}, {"a": b"x"}])
+def test_other_types_are_not_written(data: dict[Any, Any]) -> None:
+    with pytest.raises(TypeError):
+        to_yaml(data)
+
+
+@pytest.mark.parametrize("data", [{"a": "\ud800"}, {"k" * 1001: 1}])
+def test_text_without_a_spelling_is_not_written(data: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"surrogate|too long"):
+        to_yaml(data)
+
+
+# ---- writing files ----
+
+
+@pytest.fixture
+def umask() -> Iterator[None]:
+    before = os.umask(0o027)
+    yield
+    os.umask(before)
+
+
+def test_text_is_written_as_it_is(tmp_path: Path, umask: None) -> None:
+    path = tmp_path / "a.csv"
+    write_text_atomically(path, "é\r\nb\n")
+    assert path.read_bytes() == b"\xc3\xa9\r\nb\n"
+    assert path.stat().st_mode & 0o777 == 0o640
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_existing_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+    path.chmod(0o604)
+    write_bytes_atomically(path, b"new")
+    assert path.read_bytes() == b"new"
+    assert path.stat().st_mode & 0o777 == 0o604
+
+
+def test_link_is_followed(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    write_bytes_atomically(tmp_path / "link", b"x")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "target").read_bytes() == b"x"
+
+
+@pytest.mark.parametrize(("owner", "step"), [(os, "fsync"), (Path, "replace")])
+def test_failure_leaves_the_old_file_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, owner: object, step: str
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    path = tmp_path / "a.txt"
+    path.write_text("old", encoding="utf-8")
+    monkeypatch.setattr(owner, step, fail)
+    with pytest.raises(OutputError) as caught:
+        write_text_atomically(path, "new")
+    assert str(caught.value) == f"cannot write {path}: no space left on device"
+    assert path.read_text(encoding="utf-8") == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_file_is_synced_before_it_is_put_in_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps: list[str] = []
+    replace = Path.replace
+
+    def noted(scratch: Path, target: Path) -> Path:
+        steps.append(f"replace {scratch.read_text(encoding='utf-8')}")
+        return replace(scratch, target)
+
+    monkeypatch.setattr(os, "fsync", lambda _: steps.append("fsync"))
+    monkeypatch.setattr(Path, "replace", noted)
+    write_text_atomically(tmp_path / "a", "x")
+    assert steps == ["fsync", "replace x"]
+
+
+def write_problem(path: Path) -> str:
+    with pytest.raises(OSError, match="cannot write") as caught:
+        write_text_atomically(path, "x")
+    assert isinstance(caught.value, OutputError)
+    return str(caught.value)
+
+
+def test_missing_folder(tmp_path: Path) -> None:
+    path = tmp_path / "none" / "a.txt"
+    assert write_problem(path) == f"cannot write {path}: its folder does not exist"
+
+
+def test_folder_as_a_target(tmp_path: Path) -> None:
+    assert write_problem(tmp_path) == f"cannot write {tmp_path}: it is a folder"
+
+
+def test_file_as_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "f").write_text("", encoding="utf-8")
+    path = tmp_path / "f" / "a.txt"
+    assert write_problem(path).endswith("a part of the path is a file, not a folder")
+
+
+def test_folder_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> int:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "open", refuse)
+    assert write_problem(tmp_path / "a").endswith("a: permission denied")
+
+
+def test_name_that_cannot_be() -> None:
+    assert write_problem(Path("a\0b")) == r"cannot write a\x00b: not a valid file name"
+
+
+def test_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write_text_atomically(path, "x")
+        assert os.read(reader, 9) == b"x"
+    finally:
+        os.close(reader)
+    assert path.is_fifo()
+
+
+def test_folder_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    folder = tmp_path / "results"
+    (folder / "b.csv").mkdir(parents=True)  # a folder where a file should go
+    with pytest.raises(OutputError, match=r"b\.csv: it is a folder"):
+        write_folder(folder, {"a.csv": b"1", "b.csv": b"2"})
+    assert [p.name for p in folder.iterdir()] == ["b.csv"]
+    write_folder(tmp_path / "new" / "results", {"a.csv": b"1"})
+    assert (tmp_path / "new" / "results" / "a.csv").read_bytes() == b"1"
+
+
+def test_file_in_the_way_of_a_folder_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    for path in (tmp_path / "file", tmp_path / "file" / "deeper"):
+        with pytest.raises(OutputError):
+            check_writable_folder(path)
+        with pytest.raises(OutputError):
+            write_folder(path, {"a": b""})
+    check_writable_folder(tmp_path / "not" / "there" / "yet")
+
+
+def test_folder_made_in_vain_goes_again(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "inner"
+    with pytest.raises(OutputError):
+        write_folder(folder, {"a.txt": b"a", "missing/b.txt": b"b"})
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "old").mkdir()
+    with pytest.raises(OutputError):
+        write_folder(tmp_path / "old", {"missing/b.txt": b"b"})
+    assert (tmp_path / "old").is_dir()

@@ -1,0 +1,416 @@
+"""Reading flight logs: values, and what is said about mistakes."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from missions.files.errors import InputError
+from missions.logs.csv import read_csv, read_flight_log
+from missions.logs.px4_ulog import read_ulog
+from missions.logs.table import FlightLog
+
+HEADER = (
+    "time_utc,latitude_deg,longitude_deg,altitude_m,roll_deg,pitch_deg,yaw_deg,solar_power_w,"
+    "state_of_charge"
+)
+EPOCH_S = 1435728600.0  # 2015-07-01T05:30:00Z
+
+
+def row(second: float, **changes: str) -> str:
+    values = {
+        "time_utc": f"2015-07-01T05:30:{second:06.3f}Z",
+        "latitude_deg": "47.6",
+        "longitude_deg": "8.53",
+        "altitude_m": "536",
+        "roll_deg": "10",
+        "pitch_deg": "2",
+        "yaw_deg": "270",
+        "solar_power_w": "100.5",
+        "state_of_charge": "0.5",
+    }
+    return ",".join((values | changes).values())
+
+
+def rows(count: int = 10) -> list[str]:
+    return [row(0.5 * i) for i in range(count)]
+
+
+def read(tmp_path: Path, lines: list[str], header: str = HEADER) -> FlightLog:
+    file = tmp_path / "log.csv"
+    file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
+    return read_csv(file)
+
+
+def messages(tmp_path: Path, lines: list[str], header: str = HEADER) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, lines, header)
+    return [str(p).replace(f"{tmp_path}/", "") for p in caught.value.problems]
+
+
+def test_values_are_read_and_angles_converted(tmp_path: Path) -> None:
+    log = read(tmp_path, rows())
+    assert log.time_s == pytest.approx(EPOCH_S + 0.5 * np.arange(10), abs=1e-6)
+    assert log.attitude is not None
+    assert log.attitude.yaw_rad == pytest.approx(1.5 * np.pi)
+    assert log.solar_power_w == pytest.approx(100.5)
+    assert log.state_of_charge == pytest.approx(0.5)
+    assert log.load_w is None
+    assert log.step_s == pytest.approx(0.5)
+    assert (log.gaps, log.notes, log.rows_dropped) == ((), (), 0)
+
+
+@pytest.mark.parametrize(
+    "text", ["2015-07-01T07:30:00+02:00", "2015-07-01 05:30:00Z", "2015-07-01T05:30:00.000+0000"]
+)
+def test_any_time_zone_is_converted_to_utc(tmp_path: Path, text: str) -> None:
+    log = read(tmp_path, [row(0, time_utc=text), *rows()[1:]])
+    assert log.time_s[0] == pytest.approx(EPOCH_S)
+
+
+def test_epoch_seconds_are_allowed(tmp_path: Path) -> None:
+    lines = [row(0, time_utc=str(EPOCH_S + 0.25 * i)) for i in range(4)]
+    log = read(tmp_path, lines, HEADER.replace("time_utc", "time_utc_s"))
+    assert log.time_s == pytest.approx(EPOCH_S + 0.25 * np.arange(4))
+
+
+def test_byte_order_mark_blank_lines_and_windows_line_ends_are_harmless(tmp_path: Path) -> None:
+    file = tmp_path / "log.csv"
+    file.write_bytes(b"\xef\xbb\xbf" + "\r\n".join([HEADER, "", *rows(), "", ""]).encode())
+    assert len(read_csv(file)) == 10
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"time_utc": "2015-07-01T05:30:00"}, "time_utc: has no time zone"),
+        ({"time_utc": "2015-07-01"}, "time_utc: has no time zone"),
+        ({"time_utc": "noon"}, "time_utc: must be ISO 8601"),
+        ({"time_utc": "1815-07-01T05:30:00Z"}, "time_utc: must be from 1950 to 2049"),
+        ({"roll_deg": "left"}, "roll_deg: must be a number (got 'left')"),
+        ({"roll_deg": "inf"}, "roll_deg: must be a finite number"),
+        ({"roll_deg": "True"}, "roll_deg: must be a number"),
+        ({"latitude_deg": "95"}, "latitude_deg: must be from -90 to 90 (got 95.0)"),
+        ({"state_of_charge": "97"}, "state_of_charge: must be from -0.05 to 1.05; it is a share"),
+    ],
+)
+def test_wrong_value_is_named_with_its_line(
+    tmp_path: Path, changes: dict[str, str], expected: str
+) -> None:
+    lines = rows()
+    lines[3] = row(1.5, **changes)
+    (found,) = messages(tmp_path, lines)
+    assert found.startswith(f"log.csv:5: {expected}")
+
+
+def test_line_numbers_count_blank_lines(tmp_path: Path) -> None:
+    lines = ["", "", *rows()]
+    lines[4] = row(1.0, roll_deg="x")
+    assert messages(tmp_path, lines)[0].startswith("log.csv:6: roll_deg")
+
+
+def test_many_wrong_rows_are_counted_not_listed(tmp_path: Path) -> None:
+    found = messages(tmp_path, [row(i, roll_deg="x") for i in range(10)])
+    assert len(found) == 3
+    assert found[-1].endswith("(and 7 more rows)")
+
+
+def test_every_problem_is_reported_at_once(tmp_path: Path) -> None:
+    lines = rows()
+    lines[1], lines[2] = row(0.5, pitch_deg="100"), row(1.0, longitude_deg="east")
+    assert [m.split(": ")[1] for m in messages(tmp_path, lines)] == ["pitch_deg", "longitude_deg"]
+
+
+@pytest.mark.parametrize(
+    ("second", "expected"),
+    [
+        (1.0, "time must increase: it is the same as on line 4"),
+        (0.25, "time must increase: it is 0.75 s before that of line 4"),
+    ],
+)
+def test_time_must_increase(tmp_path: Path, second: float, expected: str) -> None:
+    lines = rows()
+    lines[3] = row(second)
+    (found,) = messages(tmp_path, lines)
+    assert found == f"log.csv:5: time_utc: {expected}"
+
+
+def test_gap_splits_the_log(tmp_path: Path) -> None:
+    log = read(tmp_path, [*rows(), *(row(20 + 0.5 * i) for i in range(5))])
+    (gap,) = log.gaps
+    assert gap.duration_s == pytest.approx(15.5)
+    assert log.segment().tolist() == [0] * 10 + [1] * 5
+    assert log.notes == ("1 gap splits the log, the longest of 15.5 s",)
+
+
+def test_rows_without_a_required_value_are_dropped_and_counted(tmp_path: Path) -> None:
+    lines = rows()
+    lines[2], lines[5] = row(1.0, solar_power_w=""), row(2.5, roll_deg="NaN")
+    log = read(tmp_path, lines)
+    assert (len(log), log.rows_read, log.rows_dropped) == (8, 10, 2)
+    assert "2 of 10 rows left out" in log.notes[0]
+
+
+def test_optional_value_may_be_missing(tmp_path: Path) -> None:
+    lines = rows()
+    lines[2] = row(1.0, state_of_charge="")
+    log = read(tmp_path, lines)
+    assert log.state_of_charge is not None
+    assert np.flatnonzero(np.isnan(log.state_of_charge)).tolist() == [2]
+
+
+def test_more_than_half_missing_is_an_error(tmp_path: Path) -> None:
+    lines = rows(4) + [row(2 + 0.5 * i, solar_power_w="") for i in range(5)]
+    (found,) = messages(tmp_path, lines)
+    assert "5 of 9 rows lack a required value (solar_power_w in 5); allowed: at most 50%" in found
+
+
+@pytest.mark.parametrize("absent", ["column", "values"])
+def test_log_without_attitude_is_read(tmp_path: Path, absent: str) -> None:
+    if absent == "values":
+        lines = [row(i, roll_deg="", pitch_deg="", yaw_deg="") for i in range(4)]
+        assert read(tmp_path, lines).attitude is None
+        return
+    header = HEADER.replace("roll_deg,pitch_deg,yaw_deg,", "")
+    assert read(tmp_path, [r.replace(",10,2,270", "") for r in rows()], header).attitude is None
+
+
+def test_part_of_the_attitude_is_an_error(tmp_path: Path) -> None:
+    header = HEADER.replace("roll_deg,", "")
+    found = messages(tmp_path, [r.replace(",10,2", ",2") for r in rows()], header)
+    assert found == ["log.csv:1: roll_deg: required column is missing"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("roll_deg", "rol_deg", "rol_deg: unknown column; did you mean 'roll_deg'?"),
+        ("altitude_m", "altitude_ft", "altitude_ft: unknown column; did you mean 'altitude_m'?"),
+        ("time_utc", "clock", "time_utc: required column is missing; allowed: time_utc or"),
+        ("pitch_deg", "roll_deg", "roll_deg: column appears more than once"),
+    ],
+)
+def test_wrong_header(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    found = messages(tmp_path, rows(), HEADER.replace(old, new))
+    assert any(m.startswith(f"log.csv:1: {expected}") for m in found)
+
+
+def test_other_columns_are_told_and_ignored(tmp_path: Path) -> None:
+    log = read(tmp_path, [f"{r},gust" for r in rows()], HEADER + ",remark")
+    assert log.notes == ("columns not used: remark",)
+
+
+def test_semicolons_are_named(tmp_path: Path) -> None:
+    found = messages(tmp_path, rows(), HEADER.replace(",", ";"))
+    assert "columns must be separated by commas" in found[0]
+
+
+def test_row_of_another_length(tmp_path: Path) -> None:
+    lines = rows()
+    lines[1] += ",1"
+    assert messages(tmp_path, lines) == ["log.csv:3: has 10 fields, the header 9"]
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"", "is empty"),
+        (HEADER.encode(), "has a header but no rows"),
+        (b"\xff\xfe\x00", "is not UTF-8 text"),
+        ("\n".join([HEADER, row(0)]).encode(), "fewer than two complete rows"),
+    ],
+)
+def test_file_that_is_no_log(tmp_path: Path, content: bytes, expected: str) -> None:
+    file = tmp_path / "log.csv"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match=expected):
+        read_csv(file)
+
+
+def test_missing_file_and_folder(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.csv", tmp_path):
+        with pytest.raises(InputError, match="cannot be read"):
+            read_flight_log(path)
+
+
+def test_radians_are_suspected(tmp_path: Path) -> None:
+    lines = [row(i, roll_deg="0.1", pitch_deg="0.02", yaw_deg=str(0.5 * i)) for i in range(12)]
+    assert "are these radians?" in read(tmp_path, lines).notes[0]
+
+
+# ---- ULog
+
+EULER_DEG = np.array([[200.0, -20.0, 30.0], [10.0, 5.0, -40.0], [359.0, 60.0, 100.0]])  # yaw first
+
+
+def quaternions(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    picked = EULER_DEG[np.arange(count) % len(EULER_DEG)]
+    x, y, z, w = Rotation.from_euler("ZYX", picked, degrees=True).as_quat().T
+    return np.array([w, x, y, z])
+
+
+def topics(*, old_position: bool = False) -> dict[str, dict[str, Any]]:
+    """Twelve seconds at 2 Hz, booted 100 s before the first sample."""
+    micros = (100_000_000 + 500_000 * np.arange(24)).astype(np.uint64)
+    full = np.ones(24)
+    position: dict[str, Any] = {
+        "timestamp": micros,
+        "time_utc_usec": ((EPOCH_S - 100.0) * 1e6 + micros).astype(np.uint64),
+        "fix_type": np.full(24, 3, np.uint8),
+    }
+    if old_position:
+        position["lat"] = (476000000 * full).astype(np.int32)
+        position["lon"] = (85300000 * full).astype(np.int32)
+        position["alt"] = (536000 * full).astype(np.int32)
+    else:
+        position |= {"latitude_deg": 47.6 * full, "longitude_deg": 8.53 * full}
+        position["altitude_msl_m"] = 536.0 * full
+    attitude = {"timestamp": micros} | {f"q[{i}]": q for i, q in enumerate(quaternions(24))}
+    power = {
+        "timestamp": micros,
+        "mppt_volt[0]": 20.0 * full,
+        "mppt_volt[1]": 22.0 * full,
+        "mppt_volt[2]": 0.0 * full,
+        "mppt_amp[0]": 2.0 * full,
+        "mppt_amp[1]": 3.0 * full,
+        "mppt_amp[2]": 0.0 * full,
+    }
+    battery = {"timestamp": micros, "voltage_v": 24.0 * full, "current_a": 2.0 * full}
+    battery["remaining"] = np.where(np.arange(24) < 4, -1.0, 0.8)
+    return {
+        "sensor_mppt": power,
+        "vehicle_attitude": attitude,
+        "vehicle_gps_position": position,
+        "battery_status": battery,
+    }
+
+
+@pytest.fixture
+def ulog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Reader of made-up topics by way of a stand-in for the package."""
+    file = tmp_path / "flight.ulg"
+    file.write_bytes(b"ULog")
+
+    def reader(content: dict[str, dict[str, Any]]) -> FlightLog:
+        data = [SimpleNamespace(name=n, multi_id=0, data=d) for n, d in content.items()]
+        module = ModuleType("pyulog")
+        module.ULog = lambda *_: SimpleNamespace(data_list=data)  # type: ignore[attr-defined]
+        monkeypatch.setitem(sys.modules, "pyulog", module)
+        return read_flight_log(file)
+
+    return reader
+
+
+def check_ulog(log: FlightLog) -> None:
+    # Satellite times are microseconds; a millisecond is far below the step.
+    assert log.time_s == pytest.approx(EPOCH_S + 0.5 * np.arange(24), abs=1e-3)
+    assert log.latitude_deg == pytest.approx(47.6)
+    assert log.longitude_deg == pytest.approx(8.53)
+    assert log.altitude_m == pytest.approx(536.0)
+    assert log.solar_power_w == pytest.approx(106.0)
+    assert log.mppt_voltage_v == pytest.approx(21.0)  # of the two trackers in use
+    assert log.load_w == pytest.approx(48.0)
+    assert log.state_of_charge is not None
+    assert np.isnan(log.state_of_charge[:4]).all()
+    assert log.attitude is not None
+    # Single precision of the quaternion in a real file.
+    for angle, expected in zip(reversed(log.attitude), EULER_DEG.T, strict=True):
+        turn = np.degrees(angle[:3]) - expected
+        assert (turn + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("old_position", [False, True])
+def test_ulog_topics_become_a_log(ulog: Any, old_position: bool) -> None:
+    check_ulog(ulog(topics(old_position=old_position)))
+
+
+def test_ulog_samples_without_a_fix_are_dropped(ulog: Any) -> None:
+    content = topics()
+    content["vehicle_gps_position"]["fix_type"][:10] = 0
+    assert ulog(content).rows_dropped == 10
+
+
+def test_ulog_stale_attitude_is_not_used(ulog: Any) -> None:
+    content = topics()
+    content["vehicle_attitude"] = {k: v[:20] for k, v in content["vehicle_attitude"].items()}
+    # The sample half a second after the last attitude still counts, the next three do not.
+    assert ulog(content).rows_dropped == 3
+
+
+@pytest.mark.parametrize(
+    ("topic", "expected"),
+    [
+        ("sensor_mppt", "has no topic sensor_mppt: the power is read"),
+        ("vehicle_attitude", "has no topic vehicle_attitude"),
+        ("vehicle_gps_position", "has no topic vehicle_gps_position or sensor_gps"),
+    ],
+)
+def test_ulog_missing_topic(ulog: Any, topic: str, expected: str) -> None:
+    content = topics()
+    del content[topic]
+    with pytest.raises(InputError, match=expected):
+        ulog(content)
+
+
+def test_ulog_missing_field_and_time(ulog: Any) -> None:
+    content = topics()
+    del content["vehicle_attitude"]["q[3]"]
+    with pytest.raises(InputError, match=r"vehicle_attitude has no field q\[3\]"):
+        ulog(content)
+    content = topics()
+    content["vehicle_gps_position"]["time_utc_usec"][:] = 0
+    with pytest.raises(InputError, match="never knows the universal time"):
+        ulog(content)
+
+
+def test_ulog_without_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyulog", None)
+    with pytest.raises(InputError, match="needs the package pyulog: pip install"):
+        read_ulog(tmp_path / "flight.ulg")
+
+
+def ulog_bytes(content: dict[str, dict[str, Any]]) -> bytes:
+    """ULog file after the format's specification: header, definitions, data."""
+    types = {"u8": ("uint64_t", "Q"), "u1": ("uint8_t", "B"), "i4": ("int32_t", "i")}
+    types |= {"f8": ("float", "f")}
+    out = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0)
+    messages: list[tuple[bytes, bytes]] = []
+    tail: list[tuple[bytes, bytes]] = []
+    for number, (name, fields) in enumerate(content.items()):
+        kinds = [np.asarray(v).dtype.str[1:] for v in fields.values()]
+        names = [n.replace("[", "_").replace("]", "") for n in fields]
+        arrays = [n.split("[")[0] for n in fields if "[" in n]
+        spelled = []
+        for field, plain, kind in zip(fields, names, kinds, strict=True):
+            base = field.split("[")[0]
+            if base in arrays:
+                if field.endswith("[0]"):
+                    spelled.append(f"{types[kind][0]}[{arrays.count(base)}] {base}")
+            else:
+                spelled.append(f"{types[kind][0]} {plain}")
+        messages.append((b"F", f"{name}:{';'.join(spelled)};".encode()))
+        tail.append((b"A", struct.pack("<BH", 0, number) + name.encode()))
+        layout = "<" + "".join(types[kind][1] for kind in kinds)
+        for values in zip(*(np.asarray(v).tolist() for v in fields.values()), strict=True):
+            tail.append((b"D", struct.pack("<H", number) + struct.pack(layout, *values)))
+    for kind, body in (*messages, *tail):
+        out += struct.pack("<H", len(body)) + kind + body
+    return out
+
+
+def test_ulog_file_is_read_by_the_package(tmp_path: Path) -> None:
+    pytest.importorskip("pyulog")
+    file = tmp_path / "flight.ulg"
+    content = topics(old_position=True)
+    file.write_bytes(ulog_bytes(content))
+    check_ulog(read_flight_log(file))
+    file.write_bytes(b"not a log at all")
+    with pytest.raises(InputError, match="is not a ULog"):
+        read_flight_log(file)

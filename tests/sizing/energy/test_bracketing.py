@@ -1,0 +1,66 @@
+"""Roots of many functions at once, against functions whose roots are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sizing.energy.bracketing import falling_root
+from sizing.energy.power_balance import FloatArray, IntArray
+
+LIMIT = 1e-11
+
+
+def kinked(place: IntArray, x: FloatArray, root: FloatArray, slopes: FloatArray) -> FloatArray:
+    """Falling lines with a kink half-way to the root; no slope is steeper than -1."""
+    r, left, right = root[place], slopes[0][place], slopes[1][place]
+    return np.where(x < r, left * (r - x), -right * (x - r))
+
+
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 9))
+def test_roots_of_kinked_lines_are_found(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    root = rng.uniform(0.01, 0.99, count)
+    slopes = rng.uniform(1e-3, 1.0, (2, count))
+    zeros, ones, limit = np.zeros(count), np.ones(count), np.full(count, LIMIT)
+    found = falling_root(lambda i, x: kinked(i, x, root, slopes), zeros, ones, limit)
+    # The value is settled to the limit; the argument to that over the least slope.
+    np.testing.assert_allclose(found, root, atol=LIMIT / 1e-3)
+
+
+def test_smooth_function_takes_few_rounds() -> None:
+    asked = []
+
+    def gain(place: IntArray, x: FloatArray) -> FloatArray:
+        asked.append(len(place))
+        return np.exp(-x) - 0.5 - 0.3 * x
+
+    found = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
+    assert np.exp(-found[0]) - 0.5 - 0.3 * found[0] == pytest.approx(0.0, abs=LIMIT)
+    # Two ends, and secants that gain digits by half again each: bisection would take 36.
+    assert len(asked) <= 9
+
+
+def test_element_without_gain_at_the_lower_end_has_its_root_there() -> None:
+    found = falling_root(lambda i, x: -0.2 * x, np.zeros(3), np.ones(3), np.full(3, LIMIT))
+    assert found.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_elements_do_not_depend_on_each_other() -> None:
+    rng = np.random.default_rng(3)
+    root, slopes = rng.uniform(0.01, 0.99, 20), rng.uniform(1e-3, 1.0, (2, 20))
+
+    def found(some: IntArray) -> FloatArray:
+        count = len(some)
+        return falling_root(
+            lambda i, x: kinked(some[i], x, root, slopes),
+            np.zeros(count),
+            np.ones(count),
+            np.full(count, LIMIT),
+        )
+
+    every = found(np.arange(20))
+    for k in range(20):
+        assert found(np.array([k]))[0] == every[k]

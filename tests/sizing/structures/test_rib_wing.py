@@ -1,0 +1,525 @@
+"""The rib wing: loads by another form of the rule, parts by an independent sum, no kinks."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy.integrate import quad
+
+from sizing.aircraft import Propulsion
+from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
+from sizing.structures.inputs import StructureInputs
+from sizing.structures.loads import (
+    gust_alleviation_factor,
+    gust_load_increment,
+    gust_mass_ratio,
+    lift_curve_slope,
+    limit_load_factor,
+)
+from sizing.structures.rib_wing import RibWingStructure, StructureParts, stations
+
+G = 9.80665
+RIB_WING = RibWingStructure(model="rib_wing")
+
+# The design space the model is made for.
+spans = st.floats(1.0, 40.0)
+aspects = st.floats(5.0, 40.0)
+masses = st.floats(0.3, 400.0)
+shares = st.floats(0.0, 0.7)
+positives = st.floats(1e-3, 1e3)
+
+
+def airspeed(m: Any, b: Any, ar: Any, *, density: float = 1.1, lift: float = 1.0) -> Any:
+    return (2.0 * m * G / (density * b**2 / ar * lift)) ** 0.5
+
+
+def parts(
+    b: Any, ar: Any, m: Any, share: Any = 0.5, model: RibWingStructure = RIB_WING
+) -> StructureParts:
+    """Parts of an aircraft in level flight at a lift coefficient of one."""
+    return model.breakdown(
+        StructureInputs(
+            wingspan_m=b,
+            aspect_ratio=ar,
+            total_mass_kg=m,
+            span_load_kg=share * m,
+            airspeed_m_per_s=airspeed(m, b, ar),
+            density_kg_per_m3=1.1,
+        )
+    )
+
+
+def structure_kg(b: Any, ar: Any, m: Any, share: Any = 0.5, **changes: Any) -> Any:
+    return parts(b, ar, m, share, RibWingStructure(model="rib_wing", **changes)).total_kg
+
+
+# ---- smooth maximum
+
+
+@given(first=positives, second=positives, growth=st.floats(1.001, 2.0))
+def test_smooth_maximum_is_just_above_and_rises(first: float, second: float, growth: float) -> None:
+    found = smooth_maximum(first, second)
+    larger = max(first, second)
+    # Rounding of the sum below, the documented overshoot above.
+    assert larger * (1.0 - 1e-12) <= found <= larger * (1.0 + BLEND + 1e-12)
+    assert smooth_maximum(first * growth, second) > found
+    assert smooth_maximum(3.0 * first, 3.0 * second) == pytest.approx(3.0 * found, rel=1e-12)
+
+
+@given(first=positives, second=positives, growth=st.floats(1.001, 2.0))
+def test_smooth_minimum_is_just_below_and_rises(first: float, second: float, growth: float) -> None:
+    found = smooth_minimum(first, second)
+    smaller = min(first, second)
+    assert smaller / (1.0 + BLEND + 1e-12) <= found <= smaller * (1.0 + 1e-12)
+    assert smooth_minimum(first * growth, second) > found
+
+
+def test_smooth_maximum_of_equals_and_of_nothing() -> None:
+    assert smooth_maximum(2.0, 2.0) == pytest.approx(2.0 * (1.0 + BLEND), rel=1e-12)
+    # (1 + sqrt(1 + blend^2))/2 = 1 + blend^2/4 to the next order.
+    assert smooth_maximum(1.0, 0.0) == pytest.approx(1.0 + BLEND**2 / 4.0, abs=BLEND**4)
+
+
+@given(value=st.floats(-1e3, 1e3), scale=positives)
+def test_smooth_absolute_exceeds_by_no_more_than_its_width(value: float, scale: float) -> None:
+    found = smooth_absolute(value, scale)
+    assert abs(value) <= found <= abs(value) + BLEND * scale * (1.0 + 1e-9)
+
+
+# ---- load factors
+
+
+@given(mass=masses, area=st.floats(0.1, 40.0), aspect=aspects, speed=st.floats(4.0, 40.0))
+def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(
+    mass: float, area: float, aspect: float, speed: float
+) -> None:
+    # CS/FAR 23.341 in customary units: K U V a / (498 W/S), U in ft/s, V in knots, W/S in lb/ft2.
+    ratio = gust_mass_ratio(
+        total_mass_kg=mass, wing_area_m2=area, aspect_ratio=aspect, density_kg_per_m3=1.1
+    )
+    alleviation = 0.88 * ratio / (5.3 + ratio)
+    loading_lb_ft2 = mass / 0.45359237 / (area / 0.3048**2)
+    gust_ft_s, knots = 15.25 / 0.3048, speed / 0.514444
+    slope = 2.0 * np.pi * aspect / (aspect + 2.0)
+    wanted = alleviation * gust_ft_s * knots * slope / (498.0 * loading_lb_ft2)
+    found = gust_load_increment(
+        15.25 * speed,
+        total_mass_kg=mass,
+        wing_area_m2=area,
+        aspect_ratio=aspect,
+        density_kg_per_m3=1.1,
+    )
+    # 498 is rounded to three digits.
+    assert found == pytest.approx(wanted, rel=2e-3)
+
+
+def test_gust_formula_limits() -> None:
+    # A heavy aircraft follows no gust: 0.88 of the sharp edge; a light one drifts with it.
+    assert gust_alleviation_factor(1e9) == pytest.approx(0.88, rel=1e-6)
+    assert gust_alleviation_factor(1e-9) == pytest.approx(0.0, abs=1e-9)
+    # Two-dimensional wing, and the slope at AR 6 of 3 pi/2 = 4.71 by hand.
+    assert lift_curve_slope(1e12) == pytest.approx(2.0 * np.pi, rel=1e-9)
+    assert lift_curve_slope(6.0) == pytest.approx(4.712, abs=1e-3)
+
+
+def test_gust_load_of_atlantiksolar_by_hand() -> None:
+    # W/S = 39.33 N/m2, a = 5.670, c = 0.3054 m, mu = 2 x 39.33/(1.1 x 0.3054 x 5.670 x 9.807)
+    # = 4.211, K = 0.3896; at 8.02 m/s equivalent dn = 0.3896 x 1.225 x 5.670 x 15.25 x 8.02
+    # / (2 x 39.33) = 4.21.
+    area = 5.65**2 / 18.5
+    found = gust_load_increment(
+        15.25 * 8.02,
+        total_mass_kg=6.92,
+        wing_area_m2=area,
+        aspect_ratio=18.5,
+        density_kg_per_m3=1.1,
+    )
+    assert found == pytest.approx(4.21, abs=0.01)  # to the digits worked out
+
+
+@given(mass=masses, span=spans, aspect=aspects)
+def test_larger_of_manoeuvre_and_gust_governs(mass: float, span: float, aspect: float) -> None:
+    area, speed = span**2 / aspect, airspeed(mass, span, aspect) * (1.1 / 1.225) ** 0.5
+    case = {
+        "total_mass_kg": mass,
+        "wing_area_m2": area,
+        "aspect_ratio": aspect,
+        "density_kg_per_m3": 1.1,
+    }
+    cruise = gust_load_increment(15.25 * speed, **case)
+    dive = gust_load_increment(7.6 * 1.5 * speed, **case)
+    pull_up = limit_load_factor(mass)
+    up, down = RIB_WING.load_factors(**case, equivalent_airspeed_m_per_s=speed)
+    hard_up = max(pull_up, 1.0 + cruise, 1.0 + dive)
+    hard_down = max(0.4 * pull_up, cruise - 1.0, dive - 1.0)
+    # The smooth maximum lies above by at most its blend, downwards counted from one g.
+    assert hard_up <= up * (1.0 + 1e-9) <= hard_up * (1.0 + BLEND + 1e-6)
+    assert hard_down <= down + 1e-9 <= hard_down + BLEND * (1.0 + hard_down) + 1e-6
+
+
+# ---- stations
+
+
+@pytest.mark.parametrize("station", stations(6), ids=lambda s: f"{s.fraction:.2f}")
+def test_stations_hold_the_moments_of_ellipse_and_even_mass(station: Any) -> None:
+    x = station.fraction
+    ellipse = 4.0 / np.pi
+    shear, _ = quad(lambda y: ellipse * (1.0 - y * y) ** 0.5, x, 1.0)
+    moment, _ = quad(lambda y: ellipse * (1.0 - y * y) ** 0.5 * (y - x), x, 1.0)
+    # Closed forms against quadrature.
+    assert station.lift_shear == pytest.approx(shear, rel=1e-7)
+    assert station.lift_moment == pytest.approx(moment, rel=1e-7)
+    assert station.mass_shear == pytest.approx(1.0 - x, rel=1e-12)
+    assert station.mass_moment == pytest.approx((1.0 - x) ** 2 / 2.0, rel=1e-12)
+
+
+# ---- the whole, summed independently with hard maxima on a fine grid
+
+
+class HardWing(NamedTuple):
+    """Mass of the structure [kg], and the tip's deflection at the upward limit load [m]."""
+
+    mass_kg: float
+    deflection_m: float
+
+
+def hard_wing(b: float, ar: float, m: float, share: float, deflection: float | None) -> HardWing:
+    """Structure by hard maxima at 2000 stations, the loads integrated numerically."""
+    c, area, rho = b / ar, b * b / ar, 1.1
+    v = airspeed(m, b, ar) * (rho / 1.225) ** 0.5
+    slope = 2.0 * np.pi * ar / (ar + 2.0)
+    mu = 2.0 * m / (rho * area * c * slope)
+    gust = 0.88 * mu / (5.3 + mu) * 1.225 * slope * 15.25 * v / (2.0 * m * G / area)
+    n_up = max(2.1 + 10900.0 / (m + 4536.0), 1.0 + gust)
+    n_down = max(0.4 * (2.1 + 10900.0 / (m + 4536.0)), gust - 1.0)
+
+    sheet = max(1.5e-3, 0.0015 * c)
+    covering = 2.04 * area * 0.05
+    rib_count = b / (0.2 * c)
+    ribs = rib_count * 150.0 * sheet * 0.6 * 0.68 * 0.125 * c * c
+    wedge = 0.5 * (0.05 * c) * (0.125 * c * 0.05 / 0.7)
+    edges = 150.0 * b * (2.04 * 0.25 * c * sheet + wedge)
+    relief = min(share * m + covering + ribs + edges, m)
+
+    y = np.linspace(0.0, b / 2.0, 2001)
+    lift = 4.0 * m * G / (np.pi * b) * np.sqrt(np.clip(1.0 - (2.0 * y / b) ** 2, 0.0, None))
+    inertia = np.full_like(y, relief * G / b)
+
+    def shear_and_moment(load: Any) -> tuple[Any, Any]:
+        steps = np.diff(y) * (load[1:] + load[:-1]) / 2.0
+        shear = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        turns = np.diff(y) * (shear[1:] + shear[:-1]) / 2.0
+        return shear, np.append(np.cumsum(turns[::-1])[::-1], 0.0)
+
+    shear, moment = shear_and_moment(lift - inertia)
+    land_shear, land_moment = (2.0 * each for each in shear_and_moment(inertia))
+    height = 0.9 * 0.125 * c
+    cases = (n_up * moment, -n_down * moment, -land_moment)
+    up = 1.5 * np.max(np.clip(cases, 0.0, None), axis=0) / height
+    down = 1.5 * np.max(np.clip([-x for x in cases], 0.0, None), axis=0) / height
+    width = 0.06 * c
+    nu12, e1, e2, g12 = 0.3, 73e9, 8e9, 4e9
+    nu21 = nu12 * e2 / e1
+    d = np.array([e1, e2, nu12 * e2, 0.0]) / (12.0 * (1.0 - nu12 * nu21))
+    plate = 2.0 * np.pi**2 * (np.sqrt(d[0] * d[1]) + d[2] + 2.0 * g12 / 12.0)
+    caps, curvature = 0.0, np.zeros_like(y)
+    for squeezed, stretched in ((up, down), (down, up)):
+        needs = [
+            squeezed / 368e6,
+            (squeezed * width**4 / plate) ** (1.0 / 3.0),
+            stretched / 914e6,
+            np.full_like(y, 0.25e-3 * width),
+        ]
+        if deflection is not None:
+            strain = 2.0 * deflection * height / b
+            needs.append(np.maximum(squeezed, stretched) / 1.5 / (73e9 * strain))
+        area_m2 = np.max(needs, axis=0)
+        caps = caps + 1600.0 * 2.0 * np.trapezoid(area_m2, y)
+        curvature += n_up * moment / height / (73e9 * area_m2) / height
+    q = 1.5 * np.maximum(n_up * np.abs(shear), land_shear)
+    web_plate = 5.35 * np.pi**2 * 45e9 / (12.0 * (1.0 - 0.09))
+    web = np.max(
+        [
+            q / (2.0 * height * 150e6),
+            (q * height / (2.0 * web_plate)) ** (1.0 / 3.0),
+            np.full_like(y, 0.2e-3),
+        ],
+        axis=0,
+    )
+    webs = 1550.0 * 2.0 * height * 2.0 * np.trapezoid(web, y)
+
+    tails = (0.35 + 0.045) * c * area / (4.0 * c) * 0.35
+    tail_n = 0.5 * 1.225 * (1.5 * v) ** 2 * 0.35 * c * area / (4.0 * c)
+    boom_moment, diameter = 1.5 * tail_n * 4.0 * c, 0.1 * c
+    section = np.pi * diameter**2 / 4.0
+    wall = max(
+        boom_moment / (section * 300e6),
+        (boom_moment / (section * 0.3 * 45e9 * 2.0 / diameter)) ** 0.5,
+        0.5e-3,
+    )
+    boom = 1550.0 * np.pi * diameter * wall * 4.0 * c
+    pod = 0.08 * area * 0.4
+    mass = 1.15 * (caps + webs + covering + ribs + edges + tails + boom + pod)
+    # The tip moves by every bend times its distance from it.
+    return HardWing(float(mass), float(np.trapezoid(curvature * (b / 2.0 - y), y)))
+
+
+@pytest.mark.parametrize("deflection", [None, 0.15])
+@settings(max_examples=60, deadline=None)
+@given(span=spans, aspect=aspects, mass=masses, share=shares)
+def test_mass_is_that_of_hard_maxima_on_a_fine_grid(
+    deflection: float | None, span: float, aspect: float, mass: float, share: float
+) -> None:
+    found = structure_kg(span, aspect, mass, share, maximum_tip_deflection=deflection)
+    hard = hard_wing(span, aspect, mass, share, deflection).mass_kg
+    # 3000 random designs were within -0.5 % (six stations instead of 2000) and +1 %; the spar alone
+    # could be 2 % above for each maximum whose two sides are equal.
+    assert 0.985 * hard <= found <= 1.04 * hard
+
+
+@settings(max_examples=40)
+@given(span=spans, aspect=aspects)
+def test_wing_without_load_weighs_its_gauges(span: float, aspect: float) -> None:
+    # Nearly massless: every wall of spar and boom is at its minimum gauge. Unloaded sections leave
+    # 1 % for the last of the strength.
+    found = RIB_WING.breakdown(
+        StructureInputs(
+            wingspan_m=span,
+            aspect_ratio=aspect,
+            total_mass_kg=1e-12,
+            span_load_kg=0.0,
+            airspeed_m_per_s=1e-9,
+            density_kg_per_m3=1.1,
+        )
+    )
+    c = span / aspect
+    assert found.boom == pytest.approx(1550 * np.pi * 0.1 * c * 0.5e-3 * 4 * c, rel=1e-2)
+    assert found.covering == pytest.approx(2.04 * span * c * 0.05, rel=1e-12)
+
+
+# ---- directions
+
+
+@settings(max_examples=150, deadline=None)
+@given(span=spans, aspect=aspects, mass=masses, share=shares, growth=st.floats(1.02, 1.5))
+def test_heavier_with_mass_and_span(
+    span: float, aspect: float, mass: float, share: float, growth: float
+) -> None:
+    def kg(b: float, m: float) -> float:
+        return float(
+            RIB_WING.mass_kg(
+                StructureInputs(
+                    wingspan_m=b,
+                    aspect_ratio=aspect,
+                    total_mass_kg=m,
+                    span_load_kg=share * mass,  # what is carried along the span stays
+                    airspeed_m_per_s=airspeed(m, b, aspect),
+                    density_kg_per_m3=1.1,
+                )
+            )
+        )
+
+    assert kg(span * growth, mass) > kg(span, mass)
+    # An aircraft that is little more than its wing is bent down by its own inertia: what is added
+    # in the fuselage then relieves it.
+    assume(kg(span, mass) + share * mass < 0.7 * mass)
+    assert kg(span, mass * growth) > kg(span, mass)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    span=spans,
+    aspect=aspects,
+    mass=masses,
+    share=shares,
+    key=st.sampled_from(
+        [
+            "safety_factor",
+            "cruise_gust_m_per_s",
+            "landing_load_factor",
+            "cap_density_kg_per_m3",
+            "covering_kg_per_m2",
+            "minimum_cap_thickness_m",
+            "minimum_web_thickness_m",
+        ]
+    ),
+)
+def test_heavier_with_every_load_density_and_gauge(
+    span: float, aspect: float, mass: float, share: float, key: str
+) -> None:
+    here = structure_kg(span, aspect, mass, share)
+    changed = structure_kg(span, aspect, mass, share, **{key: 1.3 * getattr(RIB_WING, key)})
+    # More covering also relieves the spar, by less than it weighs.
+    assert changed >= here
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    span=spans,
+    aspect=aspects,
+    mass=masses,
+    share=shares,
+    key=st.sampled_from(
+        ["compressive_strength_pa", "tensile_strength_pa", "modulus_pa", "laminate_modulus_pa"]
+    ),
+)
+def test_lighter_with_better_material(
+    span: float, aspect: float, mass: float, share: float, key: str
+) -> None:
+    better = structure_kg(span, aspect, mass, share, **{key: 1.3 * getattr(RIB_WING, key)})
+    assert better <= structure_kg(span, aspect, mass, share) * (1.0 + 1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(span=spans, aspect=aspects, mass=masses, share=shares, density=st.floats(0.1, 1.2))
+def test_altitude_changes_the_gust_alone(
+    span: float, aspect: float, mass: float, share: float, density: float
+) -> None:
+    def kg(rho: float) -> float:
+        calm = RibWingStructure(model="rib_wing", cruise_gust_m_per_s=0.0, dive_gust_m_per_s=0.0)
+        speed = airspeed(mass, span, aspect, density=rho)
+        return float(
+            calm.mass_kg(
+                StructureInputs(
+                    wingspan_m=span,
+                    aspect_ratio=aspect,
+                    total_mass_kg=mass,
+                    span_load_kg=share * mass,
+                    airspeed_m_per_s=speed,
+                    density_kg_per_m3=rho,
+                )
+            )
+        )
+
+    # Equal lift coefficient is equal equivalent airspeed, so without gusts altitude is no load.
+    assert kg(density) == pytest.approx(kg(1.225), rel=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(span=spans, aspect=aspects, mass=masses, share=shares)
+def test_parts_add_up_and_calibration_multiplies(
+    span: float, aspect: float, mass: float, share: float
+) -> None:
+    found = parts(span, aspect, mass, share)
+    assert all(part > 0.0 for part in found)
+    assert found.total_kg == pytest.approx(sum(found), rel=1e-12)
+    doubled = structure_kg(span, aspect, mass, share, calibration=2.0)
+    assert doubled == pytest.approx(2.0 * found.total_kg, rel=1e-12)
+    assert found.joints == pytest.approx(0.15 * (found.total_kg - found.joints), rel=1e-9)
+
+
+# ---- floats, arrays and symbols alike, and no kinks
+
+
+def symbolic_log_mass(kind: Any, deflection: float | None = None) -> tuple[Any, Any]:
+    """Logarithm of the mass over the logarithms of span, aspect ratio, mass, and span load."""
+    model = RibWingStructure(model="rib_wing", maximum_tip_deflection=deflection)
+    x = kind.sym("x", 4)
+    b, ar, m, load = (ca.exp(x[i]) for i in range(4))
+    mass = model.mass_kg(
+        StructureInputs(
+            wingspan_m=b,
+            aspect_ratio=ar,
+            total_mass_kg=m,
+            span_load_kg=load,
+            airspeed_m_per_s=airspeed(m, b, ar),
+            density_kg_per_m3=1.1,
+        )
+    )
+    return x, ca.log(mass)
+
+
+def random_designs(count: int) -> Any:
+    rng = np.random.default_rng(5)
+    low, high = np.log([1.0, 5.0, 0.3, 0.01]), np.log([40.0, 40.0, 400.0, 1.0])
+    x = rng.uniform(low, high, (count, 4))
+    x[:, 3] += x[:, 2]  # the span load is a share of the mass
+    return x
+
+
+def test_arrays_and_symbols_equal_floats() -> None:
+    designs = random_designs(50)
+    b, ar, m, load = np.exp(designs).T
+    arrays = parts(b, ar, m, load / m).total_kg
+    floats = [parts(*row[:3], row[3] / row[2]).total_kg for row in np.exp(designs).tolist()]
+    # One formula in three arithmetics: rounding of powers.
+    np.testing.assert_allclose(arrays, floats, rtol=1e-12)
+    for kind in (ca.SX, ca.MX):
+        x, log_mass = symbolic_log_mass(kind)
+        symbols = ca.Function("f", [x], [ca.exp(log_mass)])
+        np.testing.assert_allclose(np.asarray(symbols(designs.T)).ravel(), floats, rtol=1e-11)
+
+
+@pytest.mark.parametrize("deflection", [None, 0.1])
+def test_no_kinks_in_the_design_space(deflection: float | None) -> None:
+    x, log_mass = symbolic_log_mass(ca.SX, deflection)
+    hessian, gradient = ca.hessian(log_mass, x)
+    derivatives = ca.Function("d", [x], [log_mass, gradient, hessian])
+    for design in random_designs(3000):
+        value, first, second = (np.asarray(v) for v in derivatives(design))
+        assert np.all(np.isfinite(value))
+        assert np.all(np.isfinite(first))
+        assert np.all(np.isfinite(second))
+        # Elasticities of a wing: at most those of a spar in span.
+        assert np.max(np.abs(first)) < 5.0
+        # Where branches whose elasticities differ by e are equal, a smooth maximum turns from one
+        # to the other with a second derivative of e^2/(4 blend) = 12.5 e^2 at most. Elasticities
+        # differ by up to 4, half of the structure at most turns at once. A kink has no bound.
+        assert np.max(np.abs(second)) < 100.0
+
+
+def test_derivatives_follow_differences() -> None:
+    x, log_mass = symbolic_log_mass(ca.SX)
+    function = ca.Function("f", [x], [log_mass, ca.gradient(log_mass, x)])
+    step = 1e-5
+    for design in random_designs(40):
+        _, slope = function(design)
+        for i in range(4):
+            ends = [float(function(design + s * step * np.eye(4)[i])[0]) for s in (1, -1)]
+            # Central differences in double precision: about 1e-6 of slopes of order one.
+            assert (ends[0] - ends[1]) / (2.0 * step) == pytest.approx(float(slope[i]), abs=2e-5)
+
+
+# ---- deflection
+
+
+@pytest.mark.parametrize("fraction", [0.05, 0.1])
+@pytest.mark.parametrize("span_m", [3.0, 8.0, 25.0])
+def test_tip_bends_no_more_than_allowed(fraction: float, span_m: float) -> None:
+    mass_kg = 0.2 * span_m**2
+    free = hard_wing(span_m, 22.0, mass_kg, 0.4, None)
+    held = hard_wing(span_m, 22.0, mass_kg, 0.4, fraction)
+    # The independent sum shares its sizing rule with the model (see above) and integrates the
+    # curvature that follows; without a limit these wings bend further.
+    assert held.deflection_m <= fraction * span_m / 2.0 * (1.0 + 1e-6)
+    assert free.deflection_m > fraction * span_m / 2.0
+    limited = structure_kg(span_m, 22.0, mass_kg, 0.4, maximum_tip_deflection=fraction)
+    assert limited > structure_kg(span_m, 22.0, mass_kg, 0.4)
+
+
+# ---- propulsion rated by climb
+
+
+def test_rated_power_by_ratio_and_by_climb_rate() -> None:
+    by_default, by_ratio = Propulsion(), Propulsion(climb_power_ratio=3.0)
+    assert by_default.rated_power_w(40.0, weight_n=68.0) == 200.0
+    assert by_ratio.rated_power_w(40.0, weight_n=68.0) == 120.0
+    climbing = Propulsion(climb_rate_m_per_s=2.0, motor_efficiency=0.8, propeller_efficiency=0.8)
+    efficiency = 0.97 * 0.8 * 0.96 * 0.8
+    # Level flight plus the rate of potential energy through the same chain.
+    assert climbing.rated_power_w(40.0, weight_n=68.0) == pytest.approx(
+        40.0 + 2.0 * 68.0 / efficiency, rel=1e-12
+    )
+
+
+def test_ratio_and_climb_rate_are_alternatives() -> None:
+    with pytest.raises(ValidationError, match="alternative to climb_power_ratio"):
+        Propulsion(climb_power_ratio=5.0, climb_rate_m_per_s=2.0)
+    with pytest.raises(ValidationError):
+        Propulsion(climb_rate_m_per_s=0.0)

@@ -1,0 +1,299 @@
+"""Mass closure, calibration against AtlantikSolar, and one physics in three arithmetics."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from missions.files.validation import load
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
+from sizing.design import (
+    DesignVariables,
+    closed_design,
+    constant_power_w,
+    design_of,
+    load_profile,
+    measured_design,
+    parametric_design,
+    thermal_shape,
+    variables_of,
+)
+from sizing.energy.cycle import Status
+from sizing.performance import performance_of_designs
+
+
+def aircraft(name: str, *overrides: str) -> Aircraft:
+    with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
+        return load(path, Aircraft, overrides)
+
+
+def mission(**changes: object) -> Mission:
+    return Mission.model_validate(
+        {"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}, **changes}
+    )
+
+
+def altitude_of_density(density: float) -> float:
+    """Altitude [m] of a density on a standard day, by bisection."""
+    low, high = 0.0, 10_000.0
+    for _ in range(60):
+        middle = (low + high) / 2.0
+        air = mission(altitude_m=middle).air_state()
+        low, high = (middle, high) if air.density_kg_per_m3 > density else (low, middle)
+    return low
+
+
+AS2 = aircraft("atlantiksolar-as2")
+DESIGN = aircraft("atlantiksolar-design")
+SKY_SAILOR = aircraft("sky-sailor")
+AT_1_10 = mission(altitude_m=altitude_of_density(1.10))
+
+spans = st.floats(2.0, 12.0)
+aspects = st.floats(8.0, 30.0)
+batteries = st.floats(0.2, 25.0)
+shares = st.floats(0.05, 0.85)
+
+
+def variables(span: float, aspect: float, battery: float, share: float) -> DesignVariables:
+    return DesignVariables(span, aspect, battery, share * span**2 / aspect)
+
+
+# ---- calibration
+
+
+def test_design_at_its_files_point_is_atlantiksolar() -> None:
+    design = design_of(DESIGN, AT_1_10)
+    # Published: 6.92 kg, which the file's remainder is fitted to; the last digit is 0.07 %, and
+    # the fit was made in air of a slightly different viscosity.
+    assert design.total_mass_kg == pytest.approx(6.92, rel=2e-3)
+    # Published range of the structure's mass.
+    assert 1.30 <= design.masses.structure <= 1.40
+    # Measured to three digits; the profile drag is fitted to four: 1 % also covers the mass.
+    assert design.propulsion_power_w == pytest.approx(35.8, rel=0.01)
+    # Speed of least sink measured at 8.4 m/s; a lift coefficient of 1.0 is said to give 8.5.
+    assert design.airspeed_m_per_s == pytest.approx(8.4, rel=0.02)
+    assert design.battery_energy_wh == pytest.approx(732.0, abs=0.5)
+    # 0.0011 kg/W at 180 W.
+    assert design.masses.propulsion == pytest.approx(0.198, rel=0.01)
+    assert design.constant_power_w == 6.0
+
+
+def test_sky_sailor_is_close_to_the_built_one() -> None:
+    design = design_of(SKY_SAILOR, mission(altitude_m=500.0))
+    # Built: 2.44 kg with 1.06 kg of battery. The method's airframe law is a statistical fit that
+    # its author found good to some ten percent for his own aircraft.
+    assert design.total_mass_kg == pytest.approx(2.44, rel=0.10)
+
+
+# ---- mass closure
+
+
+@settings(max_examples=80, deadline=None)
+@given(span=spans, aspect=aspects, battery=batteries, share=shares)
+def test_mass_budget_adds_up(span: float, aspect: float, battery: float, share: float) -> None:
+    for plane in (DESIGN, SKY_SAILOR):
+        design = closed_design(plane, AT_1_10, variables(span, aspect, battery, share))
+        total = float(design.total_mass_kg)
+        assume(np.isfinite(total))
+        # The iteration ends at 1e-13 relative; its last step is multiplied by 1/(1 - slope).
+        assert float(design.masses.total_kg) == pytest.approx(total, rel=1e-10)
+        assert float(sum(design.masses)) == pytest.approx(total, rel=1e-10)
+        again = parametric_design(plane, AT_1_10, design.variables, total)
+        assert float(again.masses.total_kg) == pytest.approx(total, rel=1e-10)
+        assert all(float(m) >= 0.0 for m in design.masses)
+
+
+@settings(max_examples=30, deadline=None)
+@given(span=spans, aspect=aspects, battery=batteries, share=shares)
+def test_closed_mass_is_the_lightest_solution(
+    span: float, aspect: float, battery: float, share: float
+) -> None:
+    chosen = variables(span, aspect, battery, share)
+    total = float(closed_design(DESIGN, AT_1_10, chosen).total_mass_kg)
+    assume(np.isfinite(total))
+    assumed = np.linspace(battery, total * (1.0 - 1e-6), 200)
+    arrays = DesignVariables(*(np.full(200, v) for v in chosen[:4]))
+    budget = np.asarray(parametric_design(DESIGN, AT_1_10, arrays, assumed).masses.total_kg)
+    # Every lighter assumed mass is less than what it entails.
+    assert np.all(budget > assumed)
+
+
+@settings(max_examples=30, deadline=None)
+@given(span=spans, aspect=aspects, battery=batteries, share=shares, payload=st.floats(0.1, 5.0))
+def test_payload_weighs_more_than_itself(
+    span: float, aspect: float, battery: float, share: float, payload: float
+) -> None:
+    chosen = variables(span, aspect, battery, share)
+    loaded = mission(altitude_m=500.0, payload={"mass_kg": payload, "power_w": 5.0})
+    plain = float(closed_design(DESIGN, mission(altitude_m=500.0), chosen).total_mass_kg)
+    heavy = closed_design(DESIGN, loaded, chosen)
+    assume(np.isfinite(plain))
+    assert heavy.total_mass_kg > plain + payload
+    assert heavy.constant_power_w == 11.0
+
+
+def test_arrays_equal_scalars() -> None:
+    rng = np.random.default_rng(1)
+    span, aspect = rng.uniform(2.0, 12.0, (3, 4)), rng.uniform(8.0, 30.0, (3, 4))
+    battery, area = rng.uniform(0.2, 10.0, (3, 4)), rng.uniform(0.1, 1.0, (3, 4))
+    batch = closed_design(DESIGN, AT_1_10, DesignVariables(span, aspect, battery, area))
+    assert np.shape(batch.total_mass_kg) == (3, 4)
+    for i in np.ndindex(3, 4):
+        chosen = DesignVariables(span[i], aspect[i], battery[i], area[i])
+        one = closed_design(DESIGN, AT_1_10, chosen)
+        # The batch iterates until its slowest element is done: closure's own tolerance.
+        for name in ("total_mass_kg", "propulsion_power_w", "airspeed_m_per_s"):
+            assert float(getattr(batch, name)[i]) == pytest.approx(
+                float(getattr(one, name)), rel=1e-10
+            )
+        assert float(batch.masses.structure[i]) == pytest.approx(
+            float(one.masses.structure), rel=1e-10
+        )
+
+
+def test_variables_broadcast() -> None:
+    span = np.array([[4.0], [6.0]])
+    battery = np.array([1.0, 2.0, 3.0])
+    design = closed_design(DESIGN, AT_1_10, DesignVariables(span, 18.5, battery, 0.5))
+    assert np.shape(design.total_mass_kg) == (2, 3)
+    assert np.all(np.diff(design.total_mass_kg, axis=1) > 1.0)
+
+
+@pytest.mark.parametrize("plane", [DESIGN, SKY_SAILOR], ids=["spar", "power law"])
+def test_symbols_equal_numbers(plane: Aircraft) -> None:
+    x = ca.SX.sym("x", 5)
+
+    def row(design: object) -> list[object]:
+        masses = list(design.masses)  # type: ignore[attr-defined]
+        names = ("propulsion_power_w", "constant_power_w", "airspeed_m_per_s", "wing_area_m2")
+        return [*masses, *(getattr(design, n) for n in (*names, "battery_energy_wh"))]
+
+    symbolic = parametric_design(plane, AT_1_10, DesignVariables(*(x[i] for i in range(4))), x[4])
+    function = ca.Function("f", [x], [ca.vertcat(*row(symbolic))])
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        point = rng.uniform((2.0, 8.0, 0.2, 0.1, 1.0), (12.0, 30.0, 20.0, 4.0, 60.0))
+        numeric = parametric_design(plane, AT_1_10, DesignVariables(*point[:4]), point[4])
+        # One formula: rounding of powers.
+        np.testing.assert_allclose(
+            np.asarray(function(point)).ravel(), np.asarray(row(numeric), float), rtol=1e-12
+        )
+
+
+def test_aircraft_that_cannot_carry_itself_is_infinitely_heavy() -> None:
+    loaded = mission(payload={"mass_kg": 500.0})
+    # Small span, large aspect ratio, large battery and payload: the spar has no depth.
+    chosen = DesignVariables(np.array([0.5, 5.65]), 40.0, np.array([25.0, 2.9]), 0.005)
+    design = closed_design(DESIGN, loaded, chosen)
+    assert np.isinf(design.total_mass_kg[0])
+    found = performance_of_designs(DESIGN, loaded, chosen)
+    # 24 hours of the day: rounding of the sum over intervals.
+    assert found.cycle.excess_time_h[0, 0] == pytest.approx(-24.0, abs=1e-9)
+    assert found.cycle.status[0, 0] == Status.limited
+    assert not np.isnan(found.cycle.excess_time_h).any()
+
+
+def test_near_the_limit_of_what_carries_itself_a_mass_is_right_or_infinite() -> None:
+    payloads = np.linspace(0.0, 60.0, 121)
+    found = []
+    for payload in payloads:
+        loaded = mission(payload={"mass_kg": float(payload)})
+        design = closed_design(DESIGN, loaded, DesignVariables(3.0, 30.0, 2.0, 0.2))
+        total = float(design.total_mass_kg)
+        found.append(total)
+        if np.isfinite(total):
+            # The closure's promise.
+            assert float(design.masses.total_kg) == pytest.approx(total, rel=1e-10)
+    finite = np.isfinite(found)
+    # Heavier payloads never carry themselves where a lighter one does not.
+    assert np.all(np.diff(finite.astype(int)) <= 0)
+    assert np.all(np.diff(np.asarray(found)[finite]) > 0.0)
+
+
+# ---- measured aircraft
+
+
+@settings(max_examples=40)
+@given(payload=st.floats(0.0, 5.0), altitude=st.floats(0.0, 15_000.0))
+def test_measured_power_scales_with_mass_and_density(payload: float, altitude: float) -> None:
+    flown = mission(altitude_m=altitude, payload={"mass_kg": payload})
+    design = measured_design(AS2, flown)
+    density = float(flown.air_state().density_kg_per_m3)
+    mass = 6.92 + payload
+    # The law itself: rounding.
+    assert design.total_mass_kg == pytest.approx(mass, rel=1e-12)
+    assert design.propulsion_power_w == pytest.approx(
+        35.8 * (mass / 6.92) ** 1.5 * (density / 1.10) ** -0.5, rel=1e-12
+    )
+    # At equal lift coefficient v^2 goes with m/rho.
+    assert design.airspeed_m_per_s == pytest.approx(
+        8.4 * np.sqrt(mass / 6.92 / (density / 1.10)), rel=1e-12
+    )
+    assert sum(design.masses) == pytest.approx(mass, rel=1e-12)
+
+
+def test_measured_aircraft_flies_as_measured() -> None:
+    design = design_of(AS2, AT_1_10)
+    # The density is found by bisection to rounding.
+    assert design.propulsion_power_w == pytest.approx(35.8, rel=1e-9)
+    assert design.total_mass_kg == pytest.approx(6.92, rel=1e-12)
+    assert design.airspeed_m_per_s == pytest.approx(8.4, rel=1e-9)
+    assert isinstance(AS2.airframe, MeasuredAirframe)
+
+
+def test_measured_aircraft_without_airspeed_has_none() -> None:
+    airframe = AS2.airframe
+    assert isinstance(airframe, MeasuredAirframe)
+    flight = airframe.level_flight.model_copy(update={"airspeed_m_per_s": None})
+    plane = AS2.model_copy(
+        update={"airframe": airframe.model_copy(update={"level_flight": flight})}
+    )
+    assert design_of(plane, AT_1_10).airspeed_m_per_s is None
+
+
+def test_measured_aircraft_has_no_mass_budget_to_size() -> None:
+    with pytest.raises(TypeError, match="measured aircraft"):
+        parametric_design(AS2, AT_1_10, variables_of(AS2), 6.92)
+    assert isinstance(DESIGN.airframe, ParametricAirframe)
+
+
+# ---- load
+
+
+def test_constant_power_goes_through_the_supply() -> None:
+    # Sky-Sailor: 2 W and 4.5 W behind a supply of 65 %.
+    assert constant_power_w(SKY_SAILOR, 4.5) == pytest.approx(6.5 / 0.65, rel=1e-12)
+
+
+def test_load_profile_by_hand() -> None:
+    rough = mission(turbulence={"all_day": 0.2, "thermal": 0.5})
+    design = design_of(AS2, AT_1_10)
+    load_w = load_profile(np.array([2.0, 6.0, 9.0, 12.0, 18.0]), design, rough, 6.0, 18.0)
+    # 35.8 W with 20 %, and half of 50 % half-way up the morning; plus 6 W.
+    expected = 35.8 * np.array([1.2, 1.2, 1.45, 1.7, 1.2]) + 6.0
+    np.testing.assert_allclose(load_w, expected, rtol=1e-9)
+    assert design.nominal_load_w(rough) == pytest.approx(35.8 * 1.2 + 6.0, rel=1e-9)
+
+
+@given(rise=st.floats(0.0, 11.9), time=st.floats(0.0, 24.0))
+def test_thermals_are_a_triangle_over_the_lit_day(rise: float, time: float) -> None:
+    shape = float(thermal_shape(np.asarray([time]), rise, 24.0 - rise)[0])
+    assert 0.0 <= shape <= 1.0
+    if time <= rise or time >= 24.0 - rise:
+        # Nothing at night; rounding at sunrise and sunset.
+        assert shape == pytest.approx(0.0, abs=1e-6)
+    mirrored = float(thermal_shape(np.asarray([24.0 - time]), rise, 24.0 - rise)[0])
+    assert mirrored == pytest.approx(shape, abs=1e-6)
+
+
+def test_polar_night_has_no_thermals() -> None:
+    # Sunrise and sunset are both 12 h there; a day without length has no thermals, not even at
+    # the node on noon.
+    shape = thermal_shape(np.linspace(0.0, 24.0, 289), 12.0, 12.0)
+    assert np.all(np.asarray(shape) == 0.0)

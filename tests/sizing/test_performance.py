@@ -1,0 +1,231 @@
+"""Performance of aircraft on missions: axes, scenarios, batches of designs, time step."""
+
+from __future__ import annotations
+
+from importlib import resources
+from math import inf
+
+import numpy as np
+import pytest
+
+from missions.dates import date_code
+from missions.files.validation import load
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables, variables_of
+from sizing.energy.cycle import Status, simulate_cycle
+from sizing.energy.march import Store
+from sizing.performance import (
+    DEFAULT_STEP_H,
+    SolarModel,
+    day_axis_h,
+    performance,
+    performance_of_designs,
+    perpetual_days,
+    solar_day,
+)
+from solar.power import horizontal_specific_power
+
+
+def aircraft(name: str, *overrides: str) -> Aircraft:
+    with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
+        return load(path, Aircraft, overrides)
+
+
+def mission(**changes: object) -> Mission:
+    return Mission.model_validate(
+        {
+            "name": "test",
+            "latitude_deg": 47.6,
+            "dates": {"on": "07-15"},
+            "altitude_m": 536.0,
+            **changes,
+        }
+    )
+
+
+AS2 = aircraft("atlantiksolar-as2")
+DESIGN = aircraft("atlantiksolar-design")
+SEASON = mission(
+    latitude_deg={"from_deg": 0.0, "to_deg": 70.0, "count": 3},
+    dates={"from": "01-15", "to": "07-15", "count": 4},
+)
+
+
+def test_axis_spans_the_day_in_steps_no_longer_than_asked() -> None:
+    for step in (1.0, 0.7, DEFAULT_STEP_H, 1.0 / 60.0, 1.0 / 3600.0):
+        time = day_axis_h(step)
+        assert (time[0], time[-1]) == (0.0, 24.0)
+        # Rounding of differences of times up to 24 h.
+        assert np.diff(time).max() <= step * (1.0 + 1e-6) + 1e-12
+    assert len(day_axis_h()) == 289
+
+
+@pytest.mark.parametrize("step", [0.0, -1.0, 1.0 / 3601.0, 1.01])
+def test_unreasonable_steps_are_refused(step: float) -> None:
+    with pytest.raises(ValueError, match="step_h must be from"):
+        day_axis_h(step)
+
+
+def test_scenarios_are_independent_of_each_other() -> None:
+    found = performance(AS2, SEASON)
+    scenarios = found.day.scenarios
+    assert found.cycle.excess_time_h.shape == (12,)
+    for i in range(len(scenarios)):
+        day = int(scenarios.day_of_year[i])
+        single = mission(
+            latitude_deg=float(scenarios.latitude_deg[i]),
+            dates={"on": date_code(day)},
+        )
+        one = performance(AS2, single)
+        # The same numbers in arrays of another length: rounding.
+        np.testing.assert_allclose(
+            one.cycle.excess_time_h[0], found.cycle.excess_time_h[i], rtol=1e-9, atol=1e-9
+        )
+    worst = found.worst_scenario()
+    assert found.cycle.excess_time_h[worst] == found.cycle.excess_time_h.min()
+
+
+def test_power_is_area_times_specific_power_and_correction_divides_it() -> None:
+    time = day_axis_h()
+    specific = horizontal_specific_power(
+        47.6, 196.5, time, cell=AS2.modules, module_temperature_c=11.516, altitude_m=536.0
+    )
+    found = performance(AS2, mission())
+    # Standard air at 536 m has 11.516 C to its last digit; the power changes by 0.3 % per kelvin.
+    np.testing.assert_allclose(found.solar_power_w[0], 1.35 * specific, rtol=1e-5)
+    corrected = performance(AS2, mission(), SolarModel("CAM", "report"))
+    # CAM overestimates by 5.31 %, published.
+    np.testing.assert_allclose(
+        corrected.solar_power_w[0] * 1.0531, found.solar_power_w[0], rtol=1e-12
+    )
+    assert corrected.cycle.excess_time_h < found.cycle.excess_time_h
+    assert SolarModel("CDM").rms_relative == 0.2003
+
+
+def test_less_clearness_less_excess_time() -> None:
+    excess = [
+        float(performance(AS2, mission(clearness=c)).cycle.excess_time_h[0])
+        for c in (1.0, 0.8, 0.6, 0.3, 0.05)
+    ]
+    assert np.all(np.diff(excess) < 0.0)
+
+
+def test_scaled_day_is_a_larger_module() -> None:
+    day = solar_day(AS2, mission()).scaled(1.1)
+    by_day = performance(AS2, mission(), day=day)
+    by_area = performance(aircraft("atlantiksolar-as2", "modules.area_m2=1.485"), mission())
+    # A product in another order.
+    np.testing.assert_allclose(by_day.cycle.excess_time_h, by_area.cycle.excess_time_h, rtol=1e-9)
+
+
+def test_designs_in_a_batch_equal_single_designs() -> None:
+    span = np.array([4.0, 5.65, 8.0])[:, np.newaxis]
+    battery = np.array([0.5, 2.9, 9.0])
+    batch = performance_of_designs(
+        DESIGN, SEASON, DesignVariables(span, np.asarray(18.5), battery, np.asarray(0.7))
+    )
+    assert batch.cycle.excess_time_h.shape == (3, 3, 12)
+    for i, j in np.ndindex(3, 3):
+        one = performance_of_designs(
+            DESIGN, SEASON, DesignVariables(float(span[i, 0]), 18.5, float(battery[j]), 0.7)
+        )
+        for name in ("excess_time_h", "minimum_state_of_charge", "charge_margin_h", "status"):
+            # The masses are closed to 1e-13; the metrics follow in proportion.
+            np.testing.assert_allclose(
+                getattr(batch.cycle, name)[i, j], getattr(one.cycle, name), rtol=1e-8, atol=1e-8
+            )
+
+
+def test_file_design_is_the_same_by_both_entries() -> None:
+    here = performance(DESIGN, SEASON).cycle.excess_time_h
+    there = performance_of_designs(DESIGN, SEASON, variables_of(DESIGN)).cycle.excess_time_h
+    np.testing.assert_allclose(here, there, rtol=1e-9)
+
+
+def test_load_is_built_from_level_flight_turbulence_and_consumers() -> None:
+    rough = mission(turbulence={"all_day": 0.1, "thermal": 0.4}, payload={"power_w": 3.0})
+    found = performance(AS2, rough)
+    level = found.design.propulsion_power_w
+    time = found.day.time_h
+    night, noon = found.load_w[0, 0], found.load_w[0, np.argmin(np.abs(time - 12.0))]
+    # 6 W avionics and 3 W payload; noon lies on a node. Rounding.
+    assert night == pytest.approx(1.1 * level + 9.0, rel=1e-9)
+    assert noon == pytest.approx(1.5 * level + 9.0, rel=1e-9)
+    assert float(found.nominal_load_w.ravel()[0]) == pytest.approx(night, rel=1e-12)
+
+
+def test_performance_is_the_cycle_of_its_own_powers() -> None:
+    found = performance(AS2, SEASON)
+    for i in (0, 5, 11):
+        one = simulate_cycle(
+            found.day.time_h,
+            found.solar_power_w[i],
+            found.load_w[i],
+            Store.of(AS2.battery),
+            nominal_load_w=float(found.nominal_load_w.ravel()[0]),
+        )
+        # The same arithmetic in arrays of another length.
+        assert float(one.excess_time_h) == pytest.approx(
+            float(found.cycle.excess_time_h[i]), rel=1e-9
+        )
+
+
+def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end() -> None:
+    polar = performance(AS2, mission(latitude_deg=80.0, dates={"on": "12-21"}))
+    (endurance,) = polar.endurances()
+    assert endurance is not None
+    load = float(polar.nominal_load_w.ravel()[0])
+    # Energy over power; rounding of some hundred summed intervals.
+    assert float(endurance.endurance_h) == pytest.approx(2.918 * 251 * 0.97 / load, rel=1e-9)
+    assert polar.cycle.status[0] == Status.never_lit
+    assert performance(AS2, mission()).endurances() == [None]
+
+
+def test_polar_day_is_infinite_where_the_midnight_sun_carries_it() -> None:
+    found = performance(AS2, mission(latitude_deg=88.0, dates={"on": "06-21"}))
+    assert found.cycle.excess_time_h[0] == inf
+    assert found.cycle.status[0] == Status.always_lit
+
+
+def test_perpetual_days_are_those_whose_cycle_is_perpetual() -> None:
+    some_days = np.arange(1, 366, 24)
+    found = perpetual_days(AS2, mission(), 47.6, days=some_days).tolist()
+    expected = []
+    for day in some_days.tolist():
+        month_day = np.datetime64("2015-01-01") + (day - 1)
+        date = str(month_day)[5:]
+        if performance(AS2, mission(dates={"on": date})).cycle.perpetual[0]:
+            expected.append(day)
+    assert found == expected
+    assert 0 < len(found) < len(some_days)
+
+
+STEPS = [
+    (latitude, date, mass)
+    for latitude, date in ((0.0, "03-21"), (47.6, "07-15"), (47.6, "03-10"), (65.0, "06-21"))
+    for mass in (1.2, 2.918, 6.0)
+]
+
+
+@pytest.mark.parametrize(("latitude", "date", "battery_kg"), STEPS)
+@pytest.mark.parametrize("name", ["atlantiksolar-as2", "atlantiksolar-design", "sky-sailor"])
+def test_halving_the_time_step_moves_no_metric(
+    name: str, latitude: float, date: str, battery_kg: float
+) -> None:
+    plane = aircraft(name, f"battery.mass_kg={battery_kg}")
+    place = mission(latitude_deg=latitude, dates={"on": date})
+    coarse = performance(plane, place).cycle
+    fine = performance(plane, place, step_h=DEFAULT_STEP_H / 2.0).cycle
+    # Three digits; where hours are near zero 0.005 h (18 s, a sixteenth of the step), where a
+    # state of charge is, 5e-4: there are no digits to keep.
+    for metric, floor in (
+        ("excess_time_h", 0.005),
+        ("charge_margin_h", 0.005),
+        ("equal_power_morning_h", 0.005),
+        ("full_charge_h", 0.005),
+        ("minimum_state_of_charge", 5e-4),
+    ):
+        np.testing.assert_allclose(
+            getattr(coarse, metric), getattr(fine, metric), rtol=1e-3, atol=floor, err_msg=metric
+        )

@@ -1,0 +1,157 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sizing.library import load_aircraft
+from solar.attitude import direction_cosines
+from solar.clearsky import Irradiance
+from solar.full_model import full_model, verification_model
+from solar.geometry import ModuleGeometry, ModuleSurface
+from solar.modules import IncidenceTable, LowLightTable, MpptTable, SolarCell
+from solar.power import conceptual_analysis_model
+from solar.shading import Shading
+from solar.shading_losses import proportional_losses
+from solar.sun import sun_vector_ned
+
+FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))
+V_WING = ModuleGeometry(
+    surfaces=tuple(
+        ModuleSurface(name=side, area_m2=0.5, side=side, dihedral_deg=20.0)
+        for side in ("left", "right")
+    )
+)
+LEVEL = direction_cosines(0.0, 0.0, 0.0)
+UP = np.array([0.0, 0.0, -1.0])
+NOON = Irradiance(np.asarray(900.0), np.asarray(100.0))
+# A cell without low-light loss and with a constant tracker: what CAM assumes.
+CONSTANT = SolarCell(
+    low_light=LowLightTable(irradiance_w_per_m2=(0.0, 1000.0), relative_efficiency=(1.0, 1.0)),
+    mppt=MpptTable(relative_load=(0.0, 1.0), mppt_efficiency=(0.95, 0.95)),
+    temperature_rise_k=0.0,
+)
+
+
+def test_full_model_without_its_effects_is_the_analysis_model() -> None:
+    sun = sun_vector_ned(47.6, 0.4, 0.7)
+    full = full_model(NOON, sun, LEVEL, FLAT, CONSTANT, 20.0)
+    simple = conceptual_analysis_model(NOON, -sun[2], CONSTANT, 20.0)
+    assert full.specific_power_w_per_m2 == pytest.approx(simple, rel=1e-12)  # same arithmetic
+
+
+def test_verification_model_on_a_level_wing_is_the_analysis_model() -> None:
+    sun = sun_vector_ned(47.6, 0.4, 0.7)
+    vm = verification_model(NOON, sun, LEVEL, FLAT, SolarCell(), 20.0)
+    assert vm == pytest.approx(conceptual_analysis_model(NOON, -sun[2], SolarCell(), 20.0))
+
+
+def test_power_temperature_and_tracker_agree() -> None:
+    cell = SolarCell()
+    found = full_model(NOON, UP, LEVEL, FLAT, cell, 30.0)
+    p = float(found.specific_power_w_per_m2)
+    # Eq. 10: the temperature that belongs to the power found.
+    temperature = 30.0 + 12.0 * p / cell.full_load_w_per_m2
+    assert float(found.module_temperature_c) == pytest.approx(temperature, abs=1e-9)
+    light = 900.0 * 0.97 + 100.0 * 0.83
+    before = 0.237 * light * (1.0 - 0.003 * (temperature - 25.0))
+    eta = float(cell.tracker_efficiency(before / cell.full_load_w_per_m2))
+    assert p == pytest.approx(before * eta, rel=1e-10)  # the solver's own tolerance is 1e-12
+    assert float(found.mppt_efficiency) == pytest.approx(eta, rel=1e-9)
+
+
+def test_warmer_air_gives_less_power() -> None:
+    cold, hot = (
+        full_model(NOON, UP, LEVEL, FLAT, SolarCell(), t).specific_power_w_per_m2 for t in (0, 40)
+    )
+    # 0.3 %/K over 40 K, a little less because the cooler modules warm up more.
+    assert hot / cold == pytest.approx(1.0 - 0.003 * 40.0, abs=0.01)
+
+
+def test_sun_in_the_wing_plane_leaves_diffuse_light() -> None:
+    found = full_model(NOON, np.array([1.0, 0.0, 0.0]), LEVEL, FLAT, CONSTANT, 25.0)
+    assert float(found.specific_power_w_per_m2) == pytest.approx(100.0 * 0.83 * 0.237 * 0.95)
+
+
+def test_light_from_behind_does_not_count() -> None:
+    upside_down = direction_cosines(np.pi, 0.0, 0.0)
+    found = full_model(NOON, UP, upside_down, FLAT, CONSTANT, 25.0)
+    assert float(found.specific_power_w_per_m2) == pytest.approx(100.0 * 0.83 * 0.237 * 0.95)
+
+
+def test_user_table_that_ends_early_knows_no_light_from_behind() -> None:
+    cell = SolarCell(incidence=IncidenceTable(aoi_deg=(0.0, 60.0), relative_efficiency=(1.0, 0.9)))
+    assert cell.incidence_efficiency([-0.5, 0.0, 0.2]) == pytest.approx([0.0, 0.0, 0.9])
+
+
+def test_dihedral_averages_two_sides() -> None:
+    sun = np.array([0.0, np.sin(0.6), -np.cos(0.6)])
+    found = full_model(NOON, sun, LEVEL, V_WING, CONSTANT, 25.0)
+    expected = np.mean(
+        [
+            conceptual_analysis_model(NOON, np.cos(0.6 + d), CONSTANT, 25.0)
+            for d in np.radians([-20.0, 20.0])
+        ]
+    )
+    assert float(found.specific_power_w_per_m2) == pytest.approx(expected, rel=1e-12)
+
+
+@settings(max_examples=60)
+@given(
+    st.floats(-1.0, 1.0),
+    st.floats(-1.0, 1.0),
+    st.floats(0.0, 6.3),
+    st.floats(0.0, 1100.0),
+    st.floats(0.0, 300.0),
+    st.floats(-60.0, 60.0),
+)
+def test_efficiencies_are_physical(
+    roll: float, pitch: float, yaw: float, dni: float, dhi: float, celsius: float
+) -> None:
+    sun = sun_vector_ned(30.0, 0.3, 0.5)
+    light = Irradiance(np.asarray(dni), np.asarray(dhi))
+    found = full_model(
+        light, sun, direction_cosines(roll, pitch, yaw), V_WING, SolarCell(), celsius
+    )
+    power = float(found.specific_power_w_per_m2)
+    # At most all light at the cell's efficiency, at -60 C 25.5 % better than at 25 C.
+    assert 0.0 <= power <= 0.237 * 1.26 * (dni + dhi) + 1e-12
+    for values in (found.incidence_efficiency_by_surface, found.low_light_efficiency_by_surface):
+        assert np.all((values >= 0.0) & (values <= 1.0 + 1e-12))
+    assert np.isfinite(found.module_temperature_c).all()
+
+
+def test_arrays_equal_single_calls() -> None:
+    rolls = np.array([-0.3, 0.0, 0.4])
+    sun = sun_vector_ned(47.6, 0.4, np.array([-1.0, 0.2]))[:, np.newaxis, :]
+    light = Irradiance(np.array([[500.0], [800.0]]), np.array([[80.0], [120.0]]))
+    whole = full_model(light, sun, direction_cosines(rolls, 0.1, 1.0), V_WING, SolarCell(), 20.0)
+    assert whole.specific_power_w_per_m2.shape == (2, 3)
+    for i in range(2):
+        one = Irradiance(light.dni[i, 0], light.dhi[i, 0])
+        for j, roll in enumerate(rolls):
+            single = full_model(
+                one, sun[i, 0], direction_cosines(roll, 0.1, 1.0), V_WING, SolarCell(), 20.0
+            )
+            # The iteration stops for the whole batch at once: 1e-12 of the rated power.
+            assert whole.specific_power_w_per_m2[i, j] == pytest.approx(
+                float(single.specific_power_w_per_m2), rel=1e-9
+            )
+
+
+def test_shading_by_the_tail_takes_direct_light_alone() -> None:
+    modules = load_aircraft("atlantiksolar-as2").modules
+    assert modules.geometry is not None
+    assert modules.tail is not None
+    # The sun behind the T-tail at 14 degrees: the horizontal tail shades the central modules.
+    sun = np.array([-np.cos(0.24), 0.0, -np.sin(0.24)])
+    plain, none, lost = (
+        full_model(NOON, sun, LEVEL, modules.geometry, modules, 20.0, shading=shading)
+        for shading in (
+            None,
+            Shading(modules.tail),
+            Shading(modules.tail, proportional_losses),
+        )
+    )
+    assert none.specific_power_w_per_m2 == plain.specific_power_w_per_m2
+    assert lost.specific_power_w_per_m2 < plain.specific_power_w_per_m2
+    assert np.all(lost.irradiance_by_surface_w_per_m2 >= 100.0)  # the diffuse light stays

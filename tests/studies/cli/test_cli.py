@@ -1,0 +1,337 @@
+"""Tests of the command line: small commands, odd names, and the command as a process."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import BIRD, FIELD, Run, edited, files
+
+from studies.cli import __main__ as cli
+
+AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+
+
+def test_starters_validate_analyse_and_size(run: Run, tmp_path: Path) -> None:
+    outcome = run("init", "heron")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(tmp_path) == {"heron.yaml", "heron-mission.yaml"}
+    outcome = run("validate", "heron.yaml", "heron-mission.yaml")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out == "heron.yaml: valid aircraft\nheron-mission.yaml: valid mission\n"
+    mission = ("-m", "heron-mission.yaml", "--json")
+    assert run("analyse", "heron.yaml", *mission).json()["aircraft"] == "heron"
+    record = run("size", "heron.yaml", *mission).json()
+    assert record["status"] == "optimal"
+    assert record["simulated"]["excess_time_h"] >= 3.0
+
+
+def test_starters_overwrite_nothing(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "heron-mission.yaml").write_text("mine")
+    outcome = run("init", "heron")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err == "heron-mission.yaml: exists already and is not overwritten\n"
+    assert files(tmp_path) == {"heron-mission.yaml"}
+
+
+@pytest.mark.parametrize("name", ["", "../heron", "a b", ".heron", 65 * "a"])
+def test_names_that_are_no_file_names(run: Run, tmp_path: Path, name: str) -> None:
+    outcome = run("init", name)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "a name has letters, digits, '-', '_' and '.', at most 64 of them" in outcome.err
+    assert files(tmp_path) == set()
+
+
+def test_validation_reports_every_file(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bird.yaml").write_text(BIRD)
+    (tmp_path / "field.yaml").write_text(edited(FIELD, "on: 07-15", "on: 02-30"))
+    (tmp_path / "broken.yaml").write_text("a: [")
+    (tmp_path / "heavy.yaml").write_text(
+        edited(edited(BIRD, "  mass_kg: 2.918", "  mass_kg: -1"), "avionics_w: 6.0", "avionics: 6")
+    )
+    outcome = run("validate", "broken.yaml", "heavy.yaml", "bird.yaml", "field.yaml", "none.yaml")
+    assert outcome.code == 2
+    assert outcome.out == "bird.yaml: valid aircraft\n"
+    places = [line.split(": ")[0] for line in outcome.err.splitlines()]
+    assert {re.sub(r":.*", "", place) for place in places} == {
+        "broken.yaml",
+        "heavy.yaml",
+        "field.yaml",
+        "none.yaml",
+    }
+    assert "heavy.yaml:15:12: battery.mass_kg: must be greater than 0 (got -1)" in outcome.err
+    assert "heavy.yaml:24:3: power.avionics: unknown key; did you mean 'avionics_w'?" in outcome.err
+
+
+def test_list(run: Run) -> None:
+    outcome = run("list")
+    assert (outcome.code, outcome.err) == (0, "")
+    shipped = run("list", "--json").json()
+    assert shipped.keys() == {"aircraft", "mission"}
+    assert {AS2, DESIGN, "sky-sailor"} <= shipped["aircraft"].keys()
+    assert {"rafz-july", "rafz-81h", "central-europe-summer"} <= shipped["mission"].keys()
+    for descriptions in shipped.values():
+        for name, description in descriptions.items():
+            assert description
+            assert name in outcome.out
+
+
+def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
+    shipped = run("list", "--json").json()
+    for name in (*shipped["aircraft"], *shipped["mission"]):
+        outcome = run("show", name)
+        assert (outcome.code, outcome.err) == (0, "")
+        (tmp_path / f"{name}-copy.yaml").write_text(outcome.out, encoding="utf-8")
+        assert run("validate", f"{name}-copy.yaml").code == 0
+    outcome = run("show", "nothing")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith("nothing: no shipped aircraft or mission of that name (shipped: ")
+
+
+def test_sizing_tells_of_a_path_at_another_airspeed(run: Run) -> None:
+    asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan")
+    asked += ("--required-excess-time", "3", "--correction", "loiter")
+    said = "at 8.6 m/s, not at the design's 11.1 m/s"
+    assert said in " ".join(run(*asked).out.split())
+    same = run(*asked, "--set", "mission.flight_path.airspeed_m_per_s=11.1")
+    assert same.code == 0
+    assert "flight path" not in same.out
+
+
+def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
+    outcome = run("analyse", AS2, "--set", "payload.mass_kg=3", "--set", "clearness=0.8")
+    assert outcome.code == 2
+    assert outcome.err.splitlines() == [
+        "--set payload.mass_kg: is a key of the mission: write mission.payload.mass_kg",
+        "--set clearness: is a key of the mission: write mission.clearness",
+    ]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("analyse", AS2),
+        ("size", DESIGN, "-m", "rafz-july"),
+        ("map", AS2),
+        ("sweep", DESIGN, "--vary", "battery_mass_kg=2,3"),
+        ("compare", AS2),
+        ("ceiling", AS2),
+        ("efficiencies", AS2),
+        ("loiter-correction", AS2),
+        ("verify", AS2, "log.csv"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_every_command_that_reads_files_takes_overrides(run: Run, command: tuple[str, ...]) -> None:
+    outcome = run(*command, "--set", "power.avionic_w=8", "--set", "mission.clearnes=0.8")
+    assert outcome.code == 2
+    assert outcome.err.splitlines() == [
+        "--set power.avionic_w: unknown key; did you mean 'avionics_w'?",
+        "--set mission.clearnes: unknown key; did you mean 'clearness'?",
+    ]
+
+
+def test_efficiencies_of_a_changed_mission(run: Run) -> None:
+    calm = run("efficiencies", AS2, "--set", "mission.wind_m_per_s=0")
+    assert calm.code == 0
+    assert calm.out != run("efficiencies", AS2).out
+
+
+def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
+    outcome = run("analyse", "rafz-july")
+    assert outcome.code == 2
+    assert "'rafz-july' is one of the missions" in outcome.err
+
+
+def test_published_numbers_are_met(run: Run, tmp_path: Path) -> None:
+    outcome = run("published", "--json", "--markdown", "table.md")
+    assert (outcome.code, outcome.err) == (0, "")
+    rows = outcome.json()
+    assert len(rows) >= 10
+    assert all(row["met"] for row in rows)
+    table = (tmp_path / "table.md").read_text(encoding="utf-8").splitlines()
+    assert len(table) == len(rows) + 2
+    assert all(line.startswith("| ") for line in table[2:])
+
+
+def test_version_and_helps(run: Run) -> None:
+    assert re.fullmatch(r"solar-uav, version \S+\n", run("--version").out)
+    outcome = run("--help")
+    assert outcome.code == 0
+    for command in cli.cli.commands:
+        assert f"  {command} " in outcome.out
+        for flag in ("--help", "-h"):
+            page = run(command, flag)
+            assert (page.code, page.err) == (0, "")
+            assert re.match(rf"Usage: .*solar-uav {command} ", page.out)
+
+
+@pytest.mark.parametrize("command", ["analyse", "size", "init", "validate"])
+def test_missing_arguments(run: Run, command: str) -> None:
+    outcome = run(command)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "Missing argument" in outcome.err
+
+
+# ---- odd names and values ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", [("analyse", AS2), ("size", DESIGN, "-m", "rafz-july")])
+def test_brackets_in_a_name(run: Run, command: tuple[str, ...]) -> None:
+    outcome = run(*command, "--set", "name='[/]a[red]'")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert "[/]a[red]" in outcome.out
+
+
+def test_dollars_in_a_name(run: Run) -> None:
+    outcome = run("analyse", AS2, "--set", "name='$x^{2$'", "--plot", "a.png")
+    assert (outcome.code, outcome.err) == (0, "")
+
+
+@pytest.mark.parametrize("override", ["mission.payload.mass_kg=1e300", "airframe.wingspan_m=1e300"])
+def test_huge_numbers_end_in_a_message(run: Run, override: str) -> None:
+    outcome = run("analyse", AS2, "--set", override, "--json")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "must be at most" in outcome.err
+
+
+@pytest.mark.parametrize("override", ["mission.latitude_deg=95", "mission.latitude_deg=-80"])
+def test_overrides_of_the_mission_are_named_as_written(run: Run, override: str) -> None:
+    outcome = run("analyse", AS2, "--set", override)
+    assert outcome.code == 2
+    assert outcome.err.startswith("--set mission.latitude_deg: ")
+
+
+@pytest.mark.parametrize("name", ["12", "1e5", "null", "true"])
+def test_starters_of_any_name_are_valid(run: Run, name: str) -> None:
+    assert run("init", name).code == 0
+    assert run("validate", f"{name}.yaml", f"{name}-mission.yaml").code == 0
+
+
+@pytest.mark.parametrize("name", ["", "a\nb", 5000 * "a"])
+def test_odd_names_of_aircraft(run: Run, name: str) -> None:
+    outcome = run("analyse", name)
+    assert outcome.code == 2
+    assert outcome.err.count("\n") == 1
+    assert not outcome.err.startswith(":")
+    assert len(outcome.err) < 1000
+
+
+def test_terminal_without_unicode(tmp_path: Path) -> None:
+    variables = {"PYTHONIOENCODING": "ascii", "COLUMNS": "30"}
+    done = process("analyse", AS2, "-m", "central-europe-summer", cwd=tmp_path, variables=variables)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+# ---- as a process ---------------------------------------------------------------------
+
+
+def process(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "studies.cli", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        env=environment(**options.pop("variables", {})),
+        **options,
+    )
+
+
+def environment(**variables: str) -> dict[str, str]:
+    """Environment in which the same packages are found from any folder."""
+    root = str(Path(cli.__file__).parents[2])
+    return {**os.environ, "PYTHONPATH": root, **variables}
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys\n"
+        "from studies.cli.__main__ import main\n"
+        "sys.argv = ['solar-uav', *sys.argv[1:]]\n"
+        "try:\n"
+        "    main()\n"
+        "finally:\n"
+        "    print(*sorted({name.partition('.')[0] for name in sys.modules}), file=sys.stderr)\n"
+    )
+    heavy = {"numpy", "casadi", "pandas", "matplotlib", "xarray", "scipy", "pydantic", "rich"}
+    for arguments in (["--help"], ["size", "--help"]):
+        done = subprocess.run(
+            [sys.executable, "-c", code, *arguments],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=True,
+            env=environment(),
+        )
+        assert "Usage: solar-uav" in done.stdout
+        assert not heavy & set(done.stderr.split())
+
+
+def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
+    variables = {
+        "LC_ALL": "C",
+        "PYTHONIOENCODING": "ascii",
+        "COLUMNS": "30",
+        "HOME": "/nonexistent",
+    }
+    done = process("analyse", AS2, cwd=tmp_path, variables=variables)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.isascii()
+    assert "excess time" in done.stdout
+
+
+def test_mistake_ends_without_a_traceback(tmp_path: Path) -> None:
+    (tmp_path / "bird.yaml").write_text(edited(BIRD, "avionics_w: 6.0", "avionics_w: -6"))
+    done = process("analyse", "bird.yaml", cwd=tmp_path)
+    said = "bird.yaml:24:15: power.avionics_w: must be at least 0 (got -6)\n"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes and signals of POSIX")
+def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "studies.cli", "list"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
+        env=environment(),
+    ) as running:
+        assert running.stdout is not None
+        assert running.stderr is not None
+        running.stdout.close()
+        said = running.stderr.read()
+    assert b"Traceback" not in said
+    assert b"Exception" not in said
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes and signals of POSIX")
+def test_interrupted_sizing_leaves_nothing_behind(tmp_path: Path) -> None:
+    code = (
+        "import os, signal, sys\n"
+        # Python leaves an interrupt ignored that a background job of a shell was started with.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from sizing.optimisation import search\n"
+        "from studies.cli.__main__ import main\n"
+        "search.size_aircraft = lambda *a, **k: os.kill(os.getpid(), signal.SIGINT)\n"
+        f"sys.argv = ['solar-uav', 'size', '{DESIGN}', '-m', 'rafz-july', '--out', 'design']\n"
+        "main()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        cwd=tmp_path,
+        env=environment(),
+    )
+    assert done.returncode in (1, 130, -signal.SIGINT)
+    assert "Traceback" not in done.stderr
+    assert files(tmp_path) == set()

@@ -1,0 +1,63 @@
+"""Chunk functions for the tests of the engine, importable by worker processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studies.engine.run import Cell, Job
+
+BLANKS = {"root": np.float64("nan"), "number": np.int64(-1), "name": np.str_("")}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What goes wrong where: cells are numbers."""
+
+    scale: float = 1.0
+    raising: tuple[int, ...] = ()
+    deadly: tuple[int, ...] = ()
+    once: str = ""  # a file: who finds none leaves it and dies, others live
+    pause_s: float = 0.0
+    log: str = ""  # a folder that tells which cells were computed
+
+
+def work(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
+    numbers = [int(cell[0]) for cell in cells]
+    if settings.log:
+        name = f"{numbers[0]}-{len(numbers)}-{os.getpid()}-{threading.get_ident()}-{time.time_ns()}"
+        (Path(settings.log) / name).touch()
+    if settings.once and 3 in numbers and not Path(settings.once).exists():
+        Path(settings.once).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    for number in numbers:
+        if number in settings.deadly:
+            os._exit(7)
+        if number in settings.raising:
+            raise ArithmeticError(f"cell {number}\nis bad")
+    time.sleep(settings.pause_s)
+    values = np.asarray(numbers, float)
+    return {
+        "root": settings.scale * np.sin(np.sqrt(values)),
+        "number": np.asarray(numbers),
+        "name": [f"cell {n}" for n in numbers],
+    }
+
+
+def threads(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Whether the linear algebra was told to use one thread before NumPy was imported."""
+    return {"root": [float(os.environ["OPENBLAS_NUM_THREADS"])] * len(cells)}
+
+
+def job(settings: Settings, cells: int = 20, each: int = 4) -> Job:
+    numbers = [(float(n),) for n in range(cells)]
+    chunks = tuple(tuple(numbers[i : i + each]) for i in range(0, cells, each))
+    return Job(work, settings, chunks, BLANKS)

@@ -1,0 +1,577 @@
+"""Tests of the engine: the same result whoever computes it, however often it was stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from missions.files.writing import OutputError
+from studies.engine import chunk_store
+from studies.engine import run as engine
+from studies.engine.chunk_store import ChunkStore, Part, check_target, parts_folder
+from studies.engine.run import Job, Outcome, Stopped
+from studies.engine.workers import (
+    AutomaticCrew,
+    Crew,
+    DaskCrew,
+    ProcessCrew,
+    SerialCrew,
+    WorkersUnavailableError,
+)
+
+SUPPORT = Path(__file__).parent / "engine_support"
+
+
+@pytest.fixture(scope="module")
+def functions() -> Iterator[Any]:
+    """Chunk functions in a module that worker processes can import."""
+    sys.path.insert(0, str(SUPPORT))
+    import chunk_functions
+
+    yield chunk_functions
+    sys.path.remove(str(SUPPORT))
+
+
+def run(job: Job, crew: Crew | None = None, folder: Path | None = None) -> Outcome:
+    crew = crew or SerialCrew()
+    if folder is None:
+        return engine.run(job, crew)
+    with ChunkStore(folder).opened(job.size_bytes, len(job.chunks)) as store:
+        return engine.run(job, crew, store)
+
+
+def assert_identical(one: Outcome, other: Outcome) -> None:
+    assert one.columns.keys() == other.columns.keys()
+    for name, values in one.columns.items():
+        assert values.tobytes() == other.columns[name].tobytes(), name
+    assert one.failures == other.failures
+
+
+# ---- the same result whoever computes it
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_processes_agree_with_this_process_to_the_last_bit(functions: Any, workers: int) -> None:
+    job = functions.job(functions.Settings())
+    assert_identical(run(job), run(job, ProcessCrew(workers)))
+
+
+def test_cells_keep_their_order(functions: Any) -> None:
+    outcome = run(functions.job(functions.Settings(), cells=11, each=3))
+    assert outcome.columns["number"].tolist() == list(range(11))
+    assert outcome.columns["name"][10] == "cell 10"
+
+
+def test_small_work_starts_no_process(functions: Any, tmp_path: Path) -> None:
+    run(functions.job(functions.Settings(log=str(tmp_path))), AutomaticCrew(2))
+    assert {path.name.split("-")[2] for path in tmp_path.iterdir()} == {str(os.getpid())}
+
+
+def test_long_work_starts_processes_and_agrees(
+    functions: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studies.engine.workers._PAYS_S", 0.0)
+    job = functions.job(functions.Settings(log=str(tmp_path)))
+    assert_identical(run(job), run(job, AutomaticCrew(2)))
+    pids = {path.name.split("-")[2] for path in tmp_path.iterdir()}
+    assert len(pids) > 1
+    assert str(os.getpid()) in pids
+
+
+def test_workers_use_one_thread_and_the_environment_is_restored(functions: Any) -> None:
+    before = dict(os.environ)
+    job = Job(functions.threads, functions.Settings(), (((1.0,),),), {"root": np.float64(0)})
+    assert run(job, ProcessCrew(1)).columns["root"] == [1.0]
+    assert dict(os.environ) == before
+
+
+# ---- cells that go wrong
+
+
+@pytest.mark.parametrize("crew", [SerialCrew, lambda: ProcessCrew(2)])
+def test_a_raising_cell_fails_alone(functions: Any, crew: Any) -> None:
+    outcome = run(functions.job(functions.Settings(raising=(5, 19))), crew())
+    assert outcome.failures == {
+        5: "ArithmeticError: cell 5 is bad",
+        19: "ArithmeticError: cell 19 is bad",
+    }
+    good = np.delete(np.arange(20), [5, 19])
+    whole = run(functions.job(functions.Settings()))
+    np.testing.assert_array_equal(outcome.columns["root"][good], whole.columns["root"][good])
+    assert np.isnan(outcome.columns["root"][[5, 19]]).all()
+    assert outcome.columns["number"][5] == -1
+
+
+def test_a_deadly_cell_fails_alone(functions: Any) -> None:
+    outcome = run(functions.job(functions.Settings(deadly=(6,)), cells=12), ProcessCrew(2))
+    assert outcome.failures == {6: "the worker process died"}
+    good = np.delete(np.arange(12), 6)
+    np.testing.assert_array_equal(outcome.columns["number"][good], good)
+
+
+def test_a_worker_killed_once_changes_nothing(functions: Any, tmp_path: Path) -> None:
+    killed = functions.job(functions.Settings(once=str(tmp_path / "died")))
+    outcome = run(killed, ProcessCrew(2))
+    assert (tmp_path / "died").exists()
+    assert_identical(outcome, run(functions.job(functions.Settings())))
+
+
+def test_a_wrong_column_is_a_failure_with_its_name(functions: Any) -> None:
+    job = Job(functions.threads, functions.Settings(), (((1.0,),),), {"other": np.float64(0)})
+    assert "columns ['root'] are not ['other']" in run(job, ProcessCrew(1)).failures[0]
+
+
+# ---- kept chunks
+
+
+def computed(log: Path) -> set[str]:
+    """First cells of the chunks that were computed."""
+    return {path.name.split("-")[0] for path in log.iterdir()}
+
+
+def test_finished_chunks_are_not_computed_again(functions: Any, tmp_path: Path) -> None:
+    log, folder = tmp_path / "log", tmp_path / "parts"
+    log.mkdir()
+    job = functions.job(functions.Settings(log=str(log)))
+    first = run(job, folder=folder)
+    assert computed(log) == {"0", "4", "8", "12", "16"}
+    for path in log.iterdir():
+        path.unlink()
+    ChunkStore(folder).path(job.keys()[2]).unlink()
+    again = run(job, ProcessCrew(2), folder)
+    assert computed(log) == {"8"}
+    assert (again.computed_chunks, again.kept_chunks) == (1, 4)
+    assert_identical(first, again)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: data[:-40],
+        lambda data: b"",
+        lambda data: data[:200] + bytes([data[200] ^ 1]) + data[201:],
+        lambda data: data + b"more",
+    ],
+    ids=["cut", "empty", "a flipped bit", "longer"],
+)
+def test_a_damaged_part_is_computed_again(functions: Any, tmp_path: Path, damage: Any) -> None:
+    job = functions.job(functions.Settings())
+    first = run(job, folder=tmp_path)
+    path = ChunkStore(tmp_path).path(job.keys()[1])
+    path.write_bytes(damage(path.read_bytes()))
+    again = run(job, folder=tmp_path)
+    assert again.computed_chunks == 1
+    assert_identical(first, again)
+
+
+def test_a_part_under_another_name_is_not_believed(functions: Any, tmp_path: Path) -> None:
+    job = functions.job(functions.Settings())
+    first = run(job, folder=tmp_path)
+    store, keys = ChunkStore(tmp_path), job.keys()
+    store.path(keys[0]).write_bytes(store.path(keys[1]).read_bytes())
+    again = run(job, folder=tmp_path)
+    assert again.computed_chunks == 1
+    assert_identical(first, again)
+
+
+def test_another_configuration_or_version_is_another_chunk(
+    functions: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    keys = set(functions.job(functions.Settings()).keys())
+    assert not keys & set(functions.job(functions.Settings(scale=1.0 + 1e-15)).keys())
+    assert len(keys & set(functions.job(functions.Settings(), cells=18).keys())) == 4
+    monkeypatch.setattr(engine, "__version__", "another")
+    assert not keys & set(functions.job(functions.Settings()).keys())
+
+
+def test_failed_cells_are_tried_again_by_the_next_run(functions: Any, tmp_path: Path) -> None:
+    job = functions.job(functions.Settings(raising=(5,)))
+    assert run(job, folder=tmp_path).failures
+    again = run(job, folder=tmp_path)
+    assert (again.computed_chunks, again.kept_chunks) == (1, 4)
+    assert again.failures == {5: "ArithmeticError: cell 5 is bad"}
+
+
+def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
+    part = Part({"a": np.array([1.5, np.nan, np.inf]), "b": np.array(["x", "", "ü"])}, {1: "why"})
+    with ChunkStore(tmp_path / "p").opened() as store:
+        store.write("key", part)
+        again = store.read("key")
+        assert again is not None
+        assert again.failures == {1: "why"}
+        assert again.columns["a"].tobytes() == np.array([1.5, np.nan, np.inf]).tobytes()
+        assert again.columns["b"].tolist() == ["x", "", "ü"]
+        store.remove_parts()
+    assert not (tmp_path / "p").exists()
+
+
+def test_files_of_others_stay(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "film.part").write_text("half of a download")
+    (tmp_path / "film.scratch").write_text("mine")
+    with ChunkStore(tmp_path).opened() as store:
+        store.write("key", Part({"a": np.zeros(1)}))
+        store.remove_parts()
+    assert {path.name for path in tmp_path.iterdir()} == {"film.part", "film.scratch", "notes.txt"}
+
+
+def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "parts"
+    other = (
+        "import sys, pathlib\n"
+        "from studies.engine.chunk_store import ChunkStore\n"
+        "with ChunkStore(pathlib.Path(sys.argv[1])).opened():\n"
+        "    print('locked', flush=True)\n"
+        "    sys.stdin.read()\n"
+    )
+    holder = subprocess.Popen(
+        [sys.executable, "-c", other, str(folder)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environment(),
+    )
+    assert holder.stdout is not None
+    assert holder.stdout.readline() == b"locked\n"
+    with (
+        pytest.raises(OutputError, match=f"another run .process {holder.pid} on"),
+        ChunkStore(folder).opened(),
+    ):
+        pass
+    # A killed holder leaves nothing behind that would have to be cleaned up.
+    holder.kill()
+    holder.communicate()
+    with ChunkStore(folder).opened():
+        pass
+
+
+def test_a_full_disk_is_refused_before_the_work(tmp_path: Path) -> None:
+    with (
+        pytest.raises(OutputError, match="not enough room"),
+        ChunkStore(tmp_path / "parts").opened(needed_bytes=10**18),
+    ):
+        pass
+    assert not (tmp_path / "parts").exists()
+
+
+def test_a_disk_that_fills_up_keeps_what_was_finished(
+    functions: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = functions.job(functions.Settings())
+    whole, write = Path.write_bytes, chunk_store.Path.write_bytes
+    written: list[Path] = []
+
+    def filling(path: Path, data: Any) -> int:
+        if path.suffix == ".scratch":
+            if len(written) == 2:
+                whole(path, data[: len(data) // 2])
+                raise OSError(28, "No space left on device")
+            written.append(path)
+        return write(path, data)
+
+    monkeypatch.setattr(Path, "write_bytes", filling)
+    with pytest.raises(OutputError, match="no space left on device"):
+        run(job, folder=tmp_path / "parts")
+    monkeypatch.undo()
+    assert [p.suffix for p in (tmp_path / "parts").iterdir() if p.name != "lock"] == [".part"] * 2
+    again = run(job, folder=tmp_path / "parts")
+    assert (again.computed_chunks, again.kept_chunks) == (3, 2)
+    assert_identical(again, run(job))
+
+
+def test_targets_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="folder does not exist"):
+        check_target(tmp_path / "none" / "map.nc")
+    with pytest.raises(OutputError, match="it is a folder"):
+        check_target(tmp_path)
+    with pytest.raises(OutputError, match="a part of the path is a file"):
+        check_target(tmp_path / "file" / "map.nc")
+    check_target(tmp_path / "map.nc")
+    assert [p.name for p in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that takes no file")
+def test_a_folder_that_takes_no_file_is_refused() -> None:
+    with pytest.raises(OutputError, match=r"cannot write /proc/self/map\.nc"):
+        check_target("/proc/self/map.nc")
+
+
+@pytest.mark.skipif(not Path("/dev/null").exists(), reason="needs a device")
+def test_a_device_has_no_parts() -> None:
+    check_target("/dev/null")
+    assert parts_folder("/dev/null") is None
+    assert parts_folder("map.nc") == Path("map.nc.parts")
+
+
+# ---- stopping and going on
+
+
+DRIVER = """\
+import sys
+from pathlib import Path
+
+import chunk_functions
+from studies.engine import run as engine
+from studies.engine.chunk_store import ChunkStore
+from studies.engine.workers import crew_of
+
+if __name__ == "__main__":
+    folder, log, workers, scheduler = sys.argv[1:]
+    job = chunk_functions.job(chunk_functions.Settings(pause_s=0.05, log=log), cells=60, each=2)
+    crew = crew_of(int(workers), scheduler or None)
+    with ChunkStore(Path(folder)).opened() as store:
+        print("begin", flush=True)
+        try:
+            outcome = engine.run(job, crew, store)
+        except engine.Stopped as stopped:
+            sys.exit(128 + stopped.signum)
+        print(outcome.columns["root"].tobytes().hex(), outcome.kept_chunks)
+"""
+
+
+def environment() -> dict[str, str]:
+    root = Path(engine.__file__).parents[2]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join((str(root), str(SUPPORT)))}
+
+
+class Driver:
+    """A computation in a process group of its own, to be stopped in every way."""
+
+    def __init__(self, tmp_path: Path, workers: int = 2, scheduler: str = "") -> None:
+        self.script, self.folder, self.log = (tmp_path / n for n in ("drive.py", "parts", "log"))
+        self.script.write_text(DRIVER)
+        self.log.mkdir(exist_ok=True)
+        self.options = [str(workers), scheduler]
+
+    def start(self) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, str(self.script), str(self.folder), str(self.log), *self.options],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment(),
+            start_new_session=True,
+        )
+
+    def parts(self) -> int:
+        return len(list(self.folder.glob("*.part")))
+
+    def started_until(self, parts: int) -> subprocess.Popen[str]:
+        process = self.start()
+        deadline = time.monotonic() + 120.0
+        while self.parts() < parts and process.poll() is None:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        return process
+
+    def finish(self) -> tuple[bytes, int]:
+        out, err = self.start().communicate(timeout=300)
+        assert err == ""
+        values, kept = out.split()[-2:]
+        return bytes.fromhex(values), int(kept)
+
+    def orphans(self, process: subprocess.Popen[str]) -> list[str]:
+        """Processes of the driver's session that are left."""
+        deadline = time.monotonic() + 30.0
+        while time.monotonic() < deadline:
+            left = _session(process.pid)
+            if not left:
+                return []
+            time.sleep(0.05)
+        return left
+
+
+def _session(leader: int) -> list[str]:
+    left = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[3]) == leader and fields[0] != "Z":
+            left.append(stat.parent.name)
+    return left
+
+
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
+
+
+def kill_and_finish(driver: Driver, expected: bytes, kills: list[int]) -> None:
+    """Kill the driver whenever so many parts are there, then let it finish."""
+    for parts in kills:
+        process = driver.started_until(parts)
+        process.kill()
+        process.communicate()
+        assert driver.orphans(process) == []
+    before = driver.parts()
+    values, kept = driver.finish()
+    assert values == expected
+    assert kept >= min(before, 30) - 1  # the part under the knife may be half
+
+
+def expected_values(functions: Any) -> bytes:
+    outcome = run(functions.job(functions.Settings(), cells=60, each=2))
+    return bytes(outcome.columns["root"].tobytes())
+
+
+@needs_proc
+@pytest.mark.parametrize("workers", [1, 2])
+def test_killed_runs_go_on_and_end_alike(functions: Any, tmp_path: Path, workers: int) -> None:
+    kill_and_finish(Driver(tmp_path, workers), expected_values(functions), [3, 11, 20])
+
+
+@needs_proc
+@pytest.mark.slow
+@pytest.mark.parametrize("scheduler", ["", "local-cluster"])
+def test_twenty_kills(functions: Any, tmp_path: Path, scheduler: str) -> None:
+    if scheduler:
+        pytest.importorskip("distributed")
+    kills = np.random.default_rng(7).choice(np.arange(1, 29), 20, replace=False)
+    driver = Driver(tmp_path, 2, scheduler)
+    kill_and_finish(driver, expected_values(functions), sorted(kills.tolist()))
+
+
+@needs_proc
+@pytest.mark.parametrize(
+    ("signum", "to_group", "workers"),
+    [
+        (signal.SIGINT, True, 2),
+        (signal.SIGINT, True, 1),
+        (signal.SIGTERM, False, 2),
+        (signal.SIGTERM, True, 2),
+    ],
+)
+def test_signals_stop_cleanly_and_keep_what_is_finished(
+    functions: Any, tmp_path: Path, signum: signal.Signals, to_group: bool, workers: int
+) -> None:
+    driver = Driver(tmp_path, workers)
+    process = driver.started_until(4)
+    (os.killpg if to_group else os.kill)(process.pid, signum)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 128 + signum
+    assert err == ""
+    assert driver.orphans(process) == []
+    kept = driver.parts()
+    assert kept >= 4
+    values, reused = driver.finish()
+    assert reused == kept
+    assert values == expected_values(functions)
+
+
+def test_a_script_without_main_guard_gets_a_message(tmp_path: Path) -> None:
+    script = tmp_path / "plain.py"
+    script.write_text(
+        "import chunk_functions as f\n"
+        "from studies.engine import run as engine, workers\n"
+        "engine.run(f.job(f.Settings()), workers.ProcessCrew(1))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env=environment(),
+        check=False,
+    )
+    assert done.returncode != 0
+    assert "if __name__ == '__main__':" in done.stderr.splitlines()[-1]
+
+
+def test_stopped_is_not_swallowed_by_handlers_of_errors() -> None:
+    assert not issubclass(Stopped, Exception)
+
+
+# ---- dask
+
+
+def test_without_dask_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(WorkersUnavailableError, match="pip install distributed"):
+        DaskCrew("local-cluster")
+
+
+@pytest.mark.slow
+def test_dask_agrees_to_the_last_bit_and_isolates_failures(functions: Any) -> None:
+    pytest.importorskip("distributed")
+    job = functions.job(functions.Settings(raising=(5,)))
+    assert_identical(run(job), run(job, DaskCrew("local-cluster", 2)))
+
+
+@pytest.mark.slow
+def test_a_killed_dask_worker_changes_nothing(functions: Any, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    killed = functions.job(functions.Settings(once=str(tmp_path / "died")))
+    outcome = run(killed, DaskCrew("local-cluster", 2))
+    assert (tmp_path / "died").exists()
+    assert_identical(outcome, run(functions.job(functions.Settings())))
+
+
+@pytest.mark.slow
+def test_a_deadly_cell_fails_alone_on_dask(functions: Any) -> None:
+    pytest.importorskip("distributed")
+    job = functions.job(functions.Settings(deadly=(6,)), cells=12)
+    outcome = run(job, DaskCrew("local-cluster", 2))
+    assert outcome.failures == {6: "the worker process died"}
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("studies.engine.workers._CONNECT_S", 1.0)
+    with pytest.raises(WorkersUnavailableError, match="no worker at the scheduler tcp"):
+        DaskCrew("tcp://127.0.0.1:1")
+
+
+@pytest.mark.slow
+def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
+    functions: Any, tmp_path: Path
+) -> None:
+    pytest.importorskip("distributed")
+    log = tmp_path / "log"
+    log.mkdir()
+    job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
+    started = []
+    try:
+        place = tmp_path / "scheduler.json"
+        options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+        started.append(dask("scheduler", *options, "--scheduler-file", str(place)))
+        deadline = time.monotonic() + 120.0
+        while not place.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        address = json.loads(place.read_text())["address"]
+        worker = [address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        started += [dask("worker", *worker, "--name", name) for name in ("one", "two")]
+        crew = DaskCrew(address)
+        crew._client.wait_for_workers(2, timeout=60)
+        killer = threading.Timer(1.0, started[1].kill)
+        killer.start()
+        outcome = run(job, crew)
+        assert started[1].wait(timeout=10) == -signal.SIGKILL
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    pids = {path.name.split("-")[2] for path in log.iterdir()}
+    assert pids == {str(started[1].pid), str(started[2].pid)}
+    assert_identical(outcome, run(functions.job(functions.Settings(), cells=60, each=2)))
+
+
+def dask(*arguments: str) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "dask", *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=environment(),
+    )

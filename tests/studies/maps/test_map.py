@@ -1,0 +1,223 @@
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from missions.library import load_mission
+from missions.mission import Scenarios
+from sizing.energy.cycle import Status
+from sizing.library import load_aircraft
+from sizing.performance import SolarModel, performance, solar_day
+from studies.cli.__main__ import cli
+from studies.maps import feasibility as study
+
+AS2 = load_aircraft("atlantiksolar-as2")
+JULY = load_mission("rafz-july")
+LATITUDES = np.array([-75.0, -40.0, 0.0, 47.6, 89.0])
+DAYS = np.array([1, 80, 172, 266, 355])
+
+
+@pytest.fixture(scope="module")
+def data() -> xr.Dataset:
+    return study.feasibility_map(AS2, JULY, LATITUDES, DAYS, SolarModel(), endurance=True)
+
+
+def test_cells_are_those_of_single_analyses(data: xr.Dataset) -> None:
+    for latitude in LATITUDES:
+        for day in DAYS:
+            scenario = Scenarios(np.array([latitude]), np.array([day]))
+            lit = solar_day(AS2, JULY, scenarios=scenario)
+            cycle = performance(AS2, JULY, day=lit).cycle
+            cell = data.sel(latitude=latitude, day=day)
+            assert int(cell["status"]) == int(cycle.status[0])
+            # The fixed point is settled to 1e-11 of the battery, in a block or alone.
+            np.testing.assert_allclose(
+                [cell["excess_time"], cell["charge_margin"], cell["minimum_state_of_charge"]],
+                [
+                    cycle.excess_time_h[0],
+                    cycle.charge_margin_h[0],
+                    cycle.minimum_state_of_charge[0],
+                ],
+                rtol=1e-7,
+                atol=1e-9,
+            )
+
+
+def test_parts_of_a_map_are_the_map_to_the_last_digit() -> None:
+    latitudes, days = np.linspace(-90.0, 90.0, 13), np.arange(1, 366, 26)
+    whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    assert whole["status"].shape == (13, len(days))
+    for cuts in ([1, 2, 7], list(range(1, 13))):
+        parts = [
+            study.map_block(AS2, JULY, some, days, SolarModel(), True)
+            for some in np.split(latitudes, cuts)
+        ]
+        for name, values in whole.items():
+            joined = np.concatenate([part[name] for part in parts])
+            np.testing.assert_array_equal(joined, values, name)
+    for i, j in ((0, 0), (4, 5), (9, 3), (12, 6)):
+        cell = study.map_block(AS2, JULY, latitudes[[i]], days[[j]], SolarModel(), True)
+        for name, values in whole.items():
+            np.testing.assert_array_equal(cell[name], values[i : i + 1, j : j + 1], name)
+
+
+def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    latitudes, days = np.linspace(-66.0, 66.0, 9), np.arange(1, 366, 30)
+    whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    monkeypatch.setattr(study, "_CELLS_AT_ONCE", 50)
+    monkeypatch.setattr("sizing.energy.cycle.CELLS_AT_ONCE", 7)
+    monkeypatch.setattr("sizing.energy.endurance._FLIGHTS_AT_ONCE", 100)
+    monkeypatch.setattr("solar.power._POINTS_AT_ONCE", 333)
+    again = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    for name, values in whole.items():
+        np.testing.assert_array_equal(again[name], values, name)
+
+
+@pytest.mark.parametrize(
+    ("plane", "thermal"), [("atlantiksolar-as2", 0.6), ("atlantiksolar-design", 0.0)]
+)
+def test_cells_with_thermals_or_another_charger_are_those_of_analyses(
+    plane: str, thermal: float
+) -> None:
+    aircraft = load_aircraft(plane)
+    rough = JULY.model_copy(
+        update={"turbulence": JULY.turbulence.model_copy(update={"thermal": thermal})}
+    )
+    found = study.map_block(aircraft, rough, LATITUDES, DAYS, SolarModel("CDM"))
+    for i, latitude in enumerate(LATITUDES):
+        for j, day in enumerate(DAYS):
+            scenario = Scenarios(np.array([latitude]), np.array([day]))
+            lit = solar_day(aircraft, rough, SolarModel("CDM"), scenarios=scenario)
+            cycle = performance(aircraft, rough, SolarModel("CDM"), day=lit).cycle
+            assert found["excess_time"][i, j] == cycle.excess_time_h[0]
+            assert found["charge_margin"][i, j] == cycle.charge_margin_h[0]
+            assert found["load_energy"][i, j] == cycle.account.load_wh[0]
+
+
+def test_models_with_attitude_are_mapped_too() -> None:
+    found = study.map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
+    lit = solar_day(AS2, JULY, SolarModel("FM"))  # 15 July
+    cycle = performance(AS2, JULY, SolarModel("FM"), day=lit).cycle
+    assert found["excess_time"][0, 1] == cycle.excess_time_h[0]
+
+
+def test_tropics_fly_all_year_and_polar_winter_never(data: xr.Dataset) -> None:
+    assert int(study.season_length(data).sel(latitude=0.0)) == len(DAYS)
+    assert int(data["status"].sel(latitude=89.0, day=355)) == Status.never_lit
+    assert int(data["status"].sel(latitude=89.0, day=172)) == Status.always_lit
+    assert np.isinf(data["excess_time"].sel(latitude=89.0, day=172))
+
+
+def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data: xr.Dataset) -> None:
+    perpetual = data["status"].isin([Status.perpetual, Status.always_lit])
+    assert (np.isinf(data["endurance"]) == perpetual).all()
+    # By polar night the battery alone flies: its energy over the load.
+    load = float(data["load_energy"].sel(latitude=89.0, day=355)) / 24.0
+    assert float(data["endurance"].sel(latitude=89.0, day=355)) == pytest.approx(
+        2.918 * 251.0 * 0.97 / load, rel=1e-6
+    )
+
+
+def test_day_lasts_from_nothing_by_polar_night_to_all_hours(data: xr.Dataset) -> None:
+    assert float(data["day_length"].sel(latitude=89.0, day=355)) == 0.0
+    assert float(data["day_length"].sel(latitude=89.0, day=172)) == 24.0
+    # At the equator the sun's centre is up for half of every day.
+    np.testing.assert_allclose(data["day_length"].sel(latitude=0.0), 12.0, rtol=1e-12)
+    night = data.sel(latitude=89.0, day=355)
+    assert float(night["solar_energy"]) == 0.0
+    # Nothing charges and the battery is empty for ever: all 24 hours lack.
+    assert float(night["excess_time"]) == pytest.approx(-24.0, abs=1e-9)
+
+
+def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
+    again = xr.open_dataset(io.BytesIO(study.to_netcdf_bytes(data)), engine="h5netcdf")
+    assert again["excess_time"].attrs["units"] == "h"
+    assert again["status"].attrs["flag_meanings"] == "limited perpetual always_lit never_lit"
+    assert again.attrs["Conventions"].startswith("CF-")
+    assert json.loads(again.attrs["aircraft"])["name"] == "atlantiksolar-as2"
+    np.testing.assert_array_equal(again["status"], data["status"])
+    np.testing.assert_array_equal(again["excess_time"], data["excess_time"])
+
+
+def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
+    axes, bar = study.map_figure(data).axes
+    assert axes.get_ylabel() == "latitude [deg]"
+    assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
+    assert "CAM, uncorrected" in axes.get_title()
+    assert "[h]" in bar.get_ylabel()
+
+
+def test_command_writes_map_and_picture(tmp_path: Path) -> None:
+    target, picture = tmp_path / "map.nc", tmp_path / "map.png"
+    options = ["--latitudes", "40:50:5", "--days", "1:361:40", "--json"]
+    answer = CliRunner().invoke(
+        cli,
+        ["map", "atlantiksolar-as2", *options, "--out", str(target), "--plot", str(picture)],
+    )
+    assert answer.exit_code == 0, answer.output
+    record = json.loads(answer.stdout)
+    assert record["latitude_deg"] == [40.0, 45.0, 50.0]
+    assert record["perpetual_days"] == sorted(record["perpetual_days"], reverse=True)
+    assert target.stat().st_size > 1000
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
+    lit = study.feasibility_map(
+        AS2, JULY, np.array([89.0, 90.0]), np.array([170, 172, 174]), SolarModel()
+    )
+    axes, bar = study.map_figure(lit).axes
+    assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
+    assert axes.get_ylim()[1] == 90.0  # there is no latitude beyond the pole
+    # No cell has a finite excess time: the least range, by half hours.
+    assert np.diff(bar.get_yticks()) == pytest.approx(0.5)
+
+
+def test_a_map_is_no_table(tmp_path: Path) -> None:
+    target = tmp_path / "map.csv"
+    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target)])
+    assert answer.exit_code == 2
+    assert "must end in .nc" in answer.output
+    assert not target.exists()
+
+
+def test_picture_shows_a_map_of_one_cell() -> None:
+    one = study.feasibility_map(AS2, JULY, [47.6], [196], SolarModel())
+    axes = study.map_figure(one).axes[0]
+    (mesh,) = axes.collections
+    corners = mesh.get_coordinates()
+    assert np.ptp(corners[..., 0]) > 0.0
+    assert np.ptp(corners[..., 1]) > 0.0
+    west, east = axes.get_xlim()
+    assert west < 196 < east
+
+
+def test_resized_map_tells_an_excess_time_without_end(tmp_path: Path) -> None:
+    # At the pole in midsummer the sun stands at 23 degrees all day.
+    picture = tmp_path / "map.png"
+    where = ["--latitudes", "90:90:1", "--days", "172:177:5", "--resize", "min_wingspan"]
+    command = ["map", "atlantiksolar-design", *where]
+    answer = CliRunner().invoke(cli, [*command, "--json", "--plot", str(picture)])
+    assert answer.exit_code == 0, answer.output
+    record = json.loads(answer.stdout)
+    assert record["infeasible_days"] == [0]
+    assert record["least_excess_time_h"] == [None]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    table = CliRunner().invoke(cli, [*command[:-1], "max_excess_time"]).output
+    assert "no end" in table
+    assert "inf " not in table
+
+
+BAD_GRIDS = ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1", "0:9:inf", "0:9:1e-320"]
+
+
+@pytest.mark.parametrize("grid", BAD_GRIDS)
+def test_bad_grids_are_refused(grid: str) -> None:
+    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--latitudes", grid])
+    assert answer.exit_code == 2
+    assert "--latitudes" in answer.output
+    assert "Traceback" not in answer.output

@@ -1,0 +1,95 @@
+"""Seasons: windows around the solstice, and days found with few simulations."""
+
+import numpy as np
+import pytest
+
+from missions.dates import day_of_year
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.performance import SolarModel, perpetual_days, solar_day
+from studies.maps.season import Season, perpetual_flags, season_of
+from studies.models.solar_models import ModelDays, combinations
+
+AS2 = load_aircraft("atlantiksolar-as2")
+LOITER = load_mission("rafz-loiter")
+
+
+def flags(*spans: tuple[int, int]) -> np.ndarray:
+    found = np.zeros(365, bool)
+    for first, last in spans:
+        found[first - 1 : last] = True
+    return found
+
+
+@pytest.mark.parametrize(
+    ("spans", "latitude", "season"),
+    [
+        ([(100, 250)], 47.6, Season(151, 151, 100, 250)),
+        ([(172, 172)], 47.6, Season(1, 1, 172, 172)),
+        ([(173, 250)], 47.6, Season(78, 0, None, None)),
+        ([(100, 250), (260, 269)], 47.6, Season(161, 151, 100, 250)),
+        ([(1, 60), (300, 365)], -40.0, Season(126, 126, 300, 60)),
+        ([(1, 60), (300, 365)], 40.0, Season(126, 0, None, None)),
+        ([(1, 365)], -40.0, Season(365, 365, 1, 365)),
+        ([(2, 365)], 0.0, Season(364, 364, 2, 365)),
+        ([(1, 200), (202, 365)], 0.0, Season(364, 364, 202, 200)),
+        ([], 0.0, Season(0, 0, None, None)),
+    ],
+)
+def test_window_around_the_summer_solstice(
+    spans: list[tuple[int, int]], latitude: float, season: Season
+) -> None:
+    assert season_of(flags(*spans), latitude) == season
+
+
+@pytest.mark.parametrize("latitude", [-47.6, 0.0, 35.0, 70.0])
+def test_sampled_days_are_those_of_the_whole_year(latitude: float) -> None:
+    models = [SolarModel("CDM"), SolarModel("CAM", "report")]
+    sampled = perpetual_flags(AS2, LOITER, latitude, models)
+    for model in models:
+        every = perpetual_days(AS2, LOITER, latitude, model)
+        np.testing.assert_array_equal(np.flatnonzero(sampled[model]) + 1, every)
+
+
+def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
+    model = SolarModel("FM", "report")
+    season = season_of(perpetual_flags(AS2, LOITER, 47.6, [model])[model], 47.6)
+    assert season.first is not None
+    assert season.last is not None
+    around = [season.first - 1, season.first, season.last, season.last + 1]
+    found = perpetual_days(AS2, LOITER, 47.6, model, days=around)
+    assert found.tolist() == [season.first, season.last]
+    assert season.first < day_of_year("06-21") < season.last
+
+
+def test_every_model_is_that_of_a_single_analysis() -> None:
+    scenarios = load_mission("central-europe-summer").scenarios()
+    sun = ModelDays(AS2, LOITER, scenarios)
+    for solar in combinations():
+        expected = solar_day(AS2, LOITER, solar, scenarios=scenarios)
+        found = sun.day(solar)
+        np.testing.assert_array_equal(found.time_h, expected.time_h)
+        np.testing.assert_array_equal(found.sunset_h, expected.sunset_h)
+        # The same operations in another order: the last digits may differ.
+        np.testing.assert_allclose(
+            found.specific_power_w_per_m2, expected.specific_power_w_per_m2, rtol=1e-12
+        )
+
+
+def test_full_model_on_the_loiter_is_one_case_with_the_report() -> None:
+    every = combinations()
+    assert len(every) == 11
+    assert combinations(("FM",), ("loiter",)) == [SolarModel("FM", "report")]
+    assert combinations(("FM",), ("report", "loiter")) == [SolarModel("FM", "report")]
+    fm_by_report, fm_by_loiter = (
+        solar_day(AS2, LOITER, SolarModel("FM", c)).specific_power_w_per_m2
+        for c in ("report", "loiter")
+    )
+    np.testing.assert_allclose(fm_by_loiter, fm_by_report, rtol=1e-12)
+
+
+def test_without_a_path_only_horizontal_models_are_left() -> None:
+    left = combinations(attitude=False)
+    assert {(s.model, s.correction) for s in left} == {
+        (m, c) for m in ("CDM", "CAM") for c in ("none", "report")
+    }

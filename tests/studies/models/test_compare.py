@@ -1,0 +1,356 @@
+"""Comparison of models: numbers of single analyses, files, messages and exit codes."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner, Result
+from command_line import Run
+
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import SolarModel, performance, performance_of_designs
+from studies.cli import __main__ as cli
+from studies.maps.season import Season
+from studies.models import comparison as study
+from studies.models.plots import comparison_figure, spans
+from studies.models.records import to_json
+from studies.models.summary import fate, sentence
+from studies.models.tables import markdown
+
+AS2, DESIGN, SUMMER = "atlantiksolar-as2", "atlantiksolar-design", "central-europe-summer"
+AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
+FILES = {"comparison.csv", "comparison.json", "comparison.png"}
+
+
+@pytest.fixture(scope="module")
+def designs() -> study.Comparison:
+    models = [SolarModel("CDM"), SolarModel("CAM", "report"), SolarModel("FM", "report")]
+    return study.compare(AIRCRAFT, MISSION, models, required_excess_time_h=3.0)
+
+
+@pytest.fixture
+def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    return tmp_path
+
+
+def invoke(*arguments: str) -> Result:
+    return CliRunner().invoke(cli.cli, ["compare", *arguments])
+
+
+def record_of(result: Result) -> Any:
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+# ---- Python
+
+
+def test_predictions_are_those_of_single_analyses(designs: study.Comparison) -> None:
+    for case in designs.cases:
+        single = performance(AIRCRAFT, MISSION, case.solar)
+        worst = single.worst_scenario()
+        p = case.prediction
+        assert p.scenario == single.day.scenarios.label(worst)
+        assert p.excess_time_h == pytest.approx(single.cycle.excess_time_h[worst], rel=1e-9)
+        assert p.solar_energy_wh == pytest.approx(single.cycle.account.solar_wh[worst], rel=1e-9)
+        assert p.mean_solar_energy_wh == pytest.approx(
+            single.cycle.account.solar_wh.mean(), rel=1e-9
+        )
+        assert p.excess_time_low_h < p.excess_time_h < p.excess_time_high_h
+
+
+def test_designs_are_those_of_single_sizings_judged_by_the_reference(
+    designs: study.Comparison,
+) -> None:
+    reference = SolarModel("FM", "report")
+    assert designs.reference.solar == reference
+    for case in designs.cases:
+        built = case.built
+        assert built is not None
+        assert built.judged is not None
+        alone = size_aircraft(
+            AIRCRAFT, MISSION, Objective.min_wingspan, case.solar, required_excess_time_h=3.0
+        )
+        assert alone.design is not None
+        assert built.sizing.design is not None
+        # The sun differs in its last digits; the solver's tolerance is 1e-8.
+        assert built.sizing.design.variables.wingspan_m == pytest.approx(
+            alone.design.variables.wingspan_m, rel=1e-5
+        )
+        judged = performance_of_designs(AIRCRAFT, MISSION, built.sizing.design.variables, reference)
+        worst = judged.worst_scenario()
+        assert built.judged.excess_time_h == pytest.approx(
+            judged.cycle.excess_time_h[worst], rel=1e-6
+        )
+        flight = judged.endurances()[worst]
+        expected = np.inf if flight is None else float(flight.endurance_h)
+        # The longest flight is found to within seconds, of some hours.
+        assert built.judged.endurance_h == pytest.approx(expected, rel=1e-3)
+
+
+def test_optimism_builds_too_small_and_the_reference_keeps_its_promise(
+    designs: study.Comparison,
+) -> None:
+    cdm, cam, full = (case.built for case in designs.cases)
+    assert cdm is not None
+    assert cam is not None
+    assert full is not None
+    spans_m = [b.sizing.design.variables.wingspan_m for b in (cdm, full, cam) if b.sizing.design]
+    # Uncorrected CDM takes most sun, CAM with the report's error least.
+    assert spans_m == sorted(spans_m)
+    assert cdm.judged is not None
+    assert full.judged is not None
+    assert not cdm.judged.perpetual
+    assert full.judged.excess_time_h >= 3.0
+
+
+def test_sentence_of_the_designs_has_their_numbers(designs: study.Comparison) -> None:
+    cdm, full = designs.cases[0].built, designs.cases[2].built
+    assert cdm is not None
+    assert full is not None
+    assert cdm.sizing.design is not None
+    assert full.sizing.design is not None
+    assert cdm.judged is not None
+    told = sentence(designs)
+    assert told.startswith(
+        f"Sized with uncorrected CDM {DESIGN} gets a span of "
+        f"{cdm.sizing.design.variables.wingspan_m:.2f} m; judged by corrected FM it stays up "
+    )
+    assert f"at {cdm.judged.scenario}: it survives" in told
+    assert told.endswith(
+        f"(sized with corrected FM: a span of {full.sizing.design.variables.wingspan_m:.2f} m)."
+    )
+
+
+def test_sentence_where_the_reference_is_the_only_case() -> None:
+    only = [SolarModel("FM", "report")]
+    built = study.compare(AIRCRAFT, MISSION, only, required_excess_time_h=3.0)
+    assert sentence(built).startswith(f"Sized with corrected FM {DESIGN} gets a span of 4.")
+    assert "judged" not in sentence(built)
+    as_given = study.compare(AIRCRAFT, MISSION, only, designs=False)
+    assert sentence(as_given).startswith(f"By corrected FM {DESIGN} flies for ever in every")
+
+
+def test_sentence_where_nothing_is_feasible() -> None:
+    aircraft = load_aircraft(DESIGN, ["design_space.wingspan_m.maximum=4.1"])
+    both = study.compare(aircraft, MISSION, [SolarModel("CDM")], required_excess_time_h=3.0)
+    built = both.cases[0].built
+    assert built is not None
+    assert built.judged is not None
+    assert sentence(both) == (
+        f"Sized with uncorrected CDM {DESIGN} gets a span of "
+        f"{built.sizing.objective_value:.2f} m; judged by corrected FM it "
+        f"{fate(built.judged, 3.0)} (sized with corrected FM: no design)."
+    )
+    none = study.compare(aircraft, MISSION, [SolarModel("CDM")], required_excess_time_h=9.0)
+    assert sentence(none) == (
+        f"Sized with uncorrected CDM, no design of {DESIGN} meets the requirements (sized with "
+        "corrected FM: no design)."
+    )
+    assert to_json(none, "")["cases"][0]["design"]["judged"] is None
+    assert "no design" in str([t.get_text() for t in comparison_figure(none).axes[3].texts])
+
+
+def test_figure_names_its_axes_and_marks_who_comes_down(designs: study.Comparison) -> None:
+    figure = comparison_figure(designs)
+    assert [axes.get_xlabel()[:6] for axes in figure.axes] == [
+        "solar ",
+        "excess",
+        "perpet",
+        "design",
+    ]
+    assert all("[" in axes.get_xlabel() or "days" in axes.get_xlabel() for axes in figure.axes)
+    crosses = [line for line in figure.axes[3].lines if line.get_marker() == "x"]
+    down = [c for c in designs.cases if c.built and c.built.judged and not c.built.judged.perpetual]
+    assert len(crosses) == len(down) == 1
+
+
+def test_season_over_the_years_end_is_drawn_in_two_parts() -> None:
+    assert spans(Season(126, 126, 300, 60)) == [(1, 60), (300, 365)]
+    assert spans(Season(3, 0, None, None)) == []
+
+
+def test_markdown_has_a_row_for_each_case(designs: study.Comparison) -> None:
+    told = sentence(designs)
+    text = markdown(to_json(designs, told))
+    assert text.count("\n| C") == 2
+    assert text.count("\n| FM |") == 1
+    assert text.rstrip().endswith(told)
+
+
+# ---- Command
+
+
+def test_whole_comparison_as_json() -> None:
+    record = record_of(invoke(AS2, "--json"))
+    assert record["reference"] == {"model": "FM", "correction": "report"}
+    cases = {(c["model"], c["correction"]): c for c in record["cases"]}
+    assert len(cases) == 11
+    assert cases["FM", "report"]["income_above_reference"] == 0.0
+    # The loiter correction makes every model's daily energy that of the corrected Full Model.
+    for model in ("CDM", "CAM", "VM"):
+        assert cases[model, "loiter"]["income_above_reference"] == pytest.approx(0.0, abs=1e-9)
+    assert cases["CDM", "none"]["season"]["days"] > cases["FM", "report"]["season"]["days"]
+    assert all(c["design"] is None for c in record["cases"])
+    assert record["sentence"].startswith(f"By uncorrected CDM {AS2} flies for ever, with ")
+
+
+def test_table_for_the_terminal(in_folder: Path) -> None:
+    result = invoke(AS2, "--models", "cam,CDM", "--corrections", "none")
+    assert result.exit_code == 0
+    assert result.stdout.index("CDM") < result.stdout.index("CAM")
+    assert "judged by corrected FM" in result.stdout
+    assert "VM" not in result.stdout
+    assert not list(in_folder.iterdir())
+
+
+def test_aircraft_without_surfaces_is_compared_without_them() -> None:
+    record = record_of(invoke("sky-sailor", "--no-design", "--json"))
+    assert [(c["model"], c["correction"]) for c in record["cases"]] == [
+        ("CDM", "none"),
+        ("CDM", "report"),
+        ("CAM", "none"),
+        ("CAM", "report"),
+    ]
+    assert record["reference"] == {"model": "CAM", "correction": "report"}
+    assert "modules.geometry of sky-sailor" in record["notes"][0]
+
+
+def test_midnight_sun_has_no_end(in_folder: Path) -> None:
+    place = ["--set", "mission.latitude_deg=85.0", "--set", "mission.dates={on: 06-21}"]
+    record = record_of(
+        invoke(AS2, "--models", "CDM,CAM", "--corrections", "none", *place, "--json")
+    )
+    assert {c["excess_time_h"] for c in record["cases"]} == {None}
+    assert {c["status"] for c in record["cases"]} == {"always_lit"}
+    assert "as solar power always exceeds the load" in record["sentence"]
+    drawn = invoke(AS2, "--models", "CDM", *place, "--plot", "sun.png")
+    assert drawn.exit_code == 0
+    assert (in_folder / "sun.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_folder_gets_all_files(in_folder: Path) -> None:
+    result = invoke(
+        DESIGN, "-m", SUMMER, "--models", "CDM,FM", "--corrections", "report", "--out", "new"
+    )
+    assert result.exit_code == 0, result.output
+    assert {p.name for p in (in_folder / "new").iterdir()} == FILES
+    table = pd.read_csv(in_folder / "new" / "comparison.csv")
+    assert table["model"].tolist() == ["CDM", "FM"]
+    assert {"excess_time_h", "season_days", "design_judged_endurance_h"} <= set(table)
+    record = json.loads((in_folder / "new" / "comparison.json").read_text())
+    assert record["cases"][0]["design"]["wingspan_m"] == pytest.approx(
+        table["design_wingspan_m"][0]
+    )
+    assert (in_folder / "new" / "comparison.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_single_files_are_written_together_or_not_at_all(in_folder: Path) -> None:
+    options = (AS2, "--models", "CDM", "--corrections", "none", "--csv", "c.csv")
+    assert invoke(*options, "--plot", "p.svg").exit_code == 0
+    assert {p.name for p in in_folder.iterdir()} == {"c.csv", "p.svg"}
+    assert len(pd.read_csv(io.BytesIO((in_folder / "c.csv").read_bytes()))) == 1
+    (in_folder / "c.csv").unlink()
+    assert invoke(*options, "--plot", "missing/p.svg").exit_code != 0
+    assert {p.name for p in in_folder.iterdir()} == {"p.svg"}
+
+
+def test_no_design_at_all_ends_with_1() -> None:
+    result = invoke(
+        DESIGN,
+        *("-m", SUMMER, "--models", "CDM", "--corrections", "none", "--json"),
+        *("--set", "design_space.wingspan_m.maximum=2.5"),
+    )
+    assert result.exit_code == 1
+    record = json.loads(result.stdout)
+    assert record["cases"][0]["design"]["status"] == "infeasible"
+    assert record["cases"][0]["design"]["violated_requirements"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--models", "CAM,XM"], "'XM' is not one of CDM, CAM, VM, FM"),
+        (["--models", ""], "'' is not one of CDM, CAM, VM, FM"),
+        (["--corrections", "all"], "'all' is not one of none, report, loiter"),
+        (["--objective", "fun"], "'fun' is not one of"),
+        (["--objective", "longest_season"], "'longest_season' is not one of 'min_wingspan'"),
+        (["--required-excess-time", "nan"], "--required-excess-time"),
+        (["--required-excess-time", "-1"], "--required-excess-time"),
+        (["--out", "x", "--csv", "y.csv"], "give --out, or --csv and --plot, not both"),
+        (["--csv", "a.png", "--plot", "./a.png"], "--csv and --plot name the same file"),
+        (["--csv", ""], "needs the name of a file"),
+        (["--plot", "figure.doc"], "must end in .png, .svg, .pdf"),
+    ],
+)
+def test_wrong_options_end_with_2(arguments: list[str], said: str, in_folder: Path) -> None:
+    result = invoke(AS2, *arguments)
+    assert result.exit_code == 2
+    assert said in result.output
+    assert not list(in_folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["sky-sailor", "--models", "CAM,VM"], "modules: --models VM needs the module surfaces"),
+        (["sky-sailor", "--corrections", "loiter"], "--corrections loiter needs the module"),
+        ([AS2, "--models", "FM", "-m", "bare.yaml"], "--models FM needs a flight path"),
+        ([AS2, "--set", "mission.wind_m_per_s=9.5"], "flight_path"),
+        ([AS2, "--set", "mission.latitude_deg=89.0", "--set", "mission.dates={on: 12-21}"], "polar night"),  # noqa: E501
+        ([AS2, "--set", "battery.mas_kg=1"], "did you mean 'mass_kg'"),
+        (["atlantiksolar-as3"], "did you mean 'atlantiksolar-as2'"),
+    ],
+)  # fmt: skip
+def test_wrong_input_is_named_with_exit_code_2(
+    arguments: list[str],
+    said: str,
+    tmp_path: Path,
+    run: Run,
+) -> None:
+    (tmp_path / "bare.yaml").write_text("name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n")
+    outcome = run("compare", *arguments)
+    assert (outcome.code, "Traceback" in outcome.err) == (2, False)
+    assert said in outcome.err
+
+
+def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "taken").write_text("")
+    outcome = run("compare", AS2, "--out", "taken")
+    assert outcome.code == 1
+    assert "taken is not a folder" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("objective", "name", "unit"),
+    [("max_payload_mass", "payload_mass_kg", "kg"), ("max_payload_power", "payload_power_w", "W")],
+)
+def test_payload_is_compared_in_table_sentence_and_figure(
+    run: Run, tmp_path: Path, objective: str, name: str, unit: str
+) -> None:
+    options = ["--models", "CAM", "--corrections", "none", "--objective", objective]
+    options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c"]
+    outcome = run("compare", DESIGN, *options)
+    assert (outcome.code, outcome.err) == (0, "")
+    record = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    built = record["cases"][0]["design"][name]
+    assert built > 0.0
+    assert f"[{unit}]" in outcome.out
+    assert f"a payload of {built:.{1 if unit == 'W' else 2}f} {unit}" in record["sentence"]
+
+
+def test_a_season_is_no_objective_of_a_comparison(run: Run) -> None:
+    outcome = run("compare", DESIGN, "--objective", "longest_season")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "'longest_season' is not one of" in outcome.err

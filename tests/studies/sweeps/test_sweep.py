@@ -1,0 +1,446 @@
+"""Tests of trade studies: points agree with single analyses and sizings, and files tell it all."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+from missions.files.errors import InputError
+from missions.library import load_mission
+from sizing.design import design_of
+from sizing.library import load_aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import SolarModel, performance
+from studies.cli.__main__ import cli
+from studies.cli.library import LoadedAircraft, LoadedMission, open_aircraft, open_mission
+from studies.engine.workers import ProcessCrew, SerialCrew
+from studies.output.columns import SizingStatus
+from studies.sweeps import plots as sweep_plots
+from studies.sweeps.axes import Axis, axis_names, parse_axis, points, unit_of
+from studies.sweeps.plots import pareto_front
+from studies.sweeps.points import PointStatus, held
+from studies.sweeps.study import prepare, sweep, to_table
+
+AS2 = open_aircraft("atlantiksolar-as2")
+DESIGN = open_aircraft("atlantiksolar-design")
+JULY = open_mission("rafz-july")
+SUMMER = open_mission("central-europe-summer")
+
+
+def study(
+    aircraft: LoadedAircraft, mission: LoadedMission, *texts: str, **options: Any
+) -> xr.Dataset:
+    axes = [parse_axis(text) for text in texts]
+    return sweep(aircraft, mission, axes, crew=SerialCrew(), **options)
+
+
+# ---- axes and points
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "values"),
+    [
+        ("wingspan_m=2:3:0.5", "airframe.wingspan_m", (2.0, 2.5, 3.0)),
+        ("aircraft.battery.mass_kg=1,4,2", "battery.mass_kg", (1.0, 4.0, 2.0)),
+        ("mission.clearness=0.1:0.5:0.1", "mission.clearness", (0.1, 0.2, 0.3, 0.4, 0.5)),
+        ("mission.latitude_deg=-10:10:20", "mission.latitude_deg", (-10.0, 10.0)),
+        ("power.avionics_w = 6", "power.avionics_w", (6.0,)),
+    ],
+)
+def test_axes_are_read(text: str, key: str, values: tuple[float, ...]) -> None:
+    axis = parse_axis(text)
+    assert (axis.key, axis.values, axis.is_range) == (key, values, False)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["wingspan_m", "=1", "a=", "a=1:2:0", "a=2:1:1", "a=1,1", "a=x", "a=1:2:3:4", "a=1:nan:1",
+     "a=1_000", "a=inf", "a=1:2:1e-9", "a=2:2", "a=1,,2"],
+)  # fmt: skip
+def test_bad_axes_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"."):
+        parse_axis(text)
+
+
+def test_names_and_units_of_axes() -> None:
+    keys = [
+        "battery.mass_kg",
+        "mission.payload.mass_kg",
+        "mission.latitude_deg",
+        "power.avionics_w",
+    ]
+    names = axis_names([Axis(key, (1.0,)) for key in keys])
+    assert names == ["battery_mass_kg", "payload_mass_kg", "latitude_deg", "power_avionics_w"]
+    assert unit_of("battery.specific_energy_wh_per_kg") == "W h kg-1"
+    assert unit_of("mission.wind_m_per_s") == "m s-1"
+    assert unit_of("mission.clearness") == "1"
+
+
+def test_latin_hypercube_has_one_sample_in_every_slice() -> None:
+    axes = [parse_axis("wingspan_m=2:10"), parse_axis("battery_mass_kg=1:3")]
+    table, _ = points(axes, "lhs", samples=50, seed=3)
+    for column, low, high in zip(table.T, (2.0, 1.0), (10.0, 3.0), strict=True):
+        slices = np.floor((column - low) / (high - low) * 50).astype(int)
+        assert sorted(slices) == list(range(50))
+
+
+@pytest.mark.parametrize("sample", ["lhs", "sobol"])
+def test_draws_repeat_with_their_seed(sample: Any) -> None:
+    axes = [parse_axis("wingspan_m=2:10"), parse_axis("battery_mass_kg=1,3")]
+    first, _ = points(axes, sample, samples=10, seed=1)
+    again, _ = points(axes, sample, samples=10, seed=1)
+    other, _ = points(axes, sample, samples=10, seed=2)
+    np.testing.assert_array_equal(first, again)
+    assert not np.array_equal(first, other)
+    assert (first >= [2.0, 1.0]).all()
+    assert (first <= [10.0, 3.0]).all()
+
+
+def test_draws_need_ranges_and_grids_need_steps() -> None:
+    with pytest.raises(ValueError, match="needs a range"):
+        points([parse_axis("wingspan_m=3")], "lhs", samples=4)
+    with pytest.raises(ValueError, match="needs a step"):
+        points([parse_axis("wingspan_m=3:5")], "grid")
+
+
+# ---- judged points
+
+
+def test_grid_points_are_those_of_single_analyses() -> None:
+    data = study(
+        DESIGN,
+        SUMMER,
+        "battery_mass_kg=2,4",
+        "mission.clearness=0.7,1",
+        "battery.specific_energy_wh_per_kg=200,260",
+    )
+    assert dict(data.sizes) == {
+        "battery_mass_kg": 2,
+        "clearness": 2,
+        "specific_energy_wh_per_kg": 2,
+    }
+    for mass in (2, 4):
+        for clearness in (0.7, 1):
+            for energy in (200, 260):
+                craft = load_aircraft(
+                    "atlantiksolar-design",
+                    [f"battery.mass_kg={mass}", f"battery.specific_energy_wh_per_kg={energy}"],
+                )
+                mission = load_mission("central-europe-summer", [f"clearness={clearness}"])
+                perf = performance(craft, mission)
+                worst = perf.worst_scenario()
+                cell = data.sel(
+                    battery_mass_kg=mass, clearness=clearness, specific_energy_wh_per_kg=energy
+                )
+                # The mass is closed to 1e-13, the cycle to 1e-11 of the battery.
+                assert float(cell["excess_time"]) == pytest.approx(
+                    perf.cycle.excess_time_h[worst], rel=1e-7, abs=1e-8
+                )
+                assert float(cell["total_mass"]) == pytest.approx(
+                    design_of(craft, mission).total_mass_kg, rel=1e-10
+                )
+                assert int(cell["status"]) == int(perf.cycle.status[worst])
+                assert float(cell["worst_latitude"]) == perf.day.scenarios.latitude_deg[worst]
+
+
+def test_measured_aircraft_is_taken_as_it_is() -> None:
+    data = study(AS2, JULY, "battery_mass_kg=2:3:0.5", "power.avionics_w=6")
+    for mass in (2.0, 2.5, 3.0):
+        craft = load_aircraft("atlantiksolar-as2", [f"battery.mass_kg={mass}"])
+        excess = performance(craft, JULY.mission).cycle.excess_time_h[0]
+        cell = data["excess_time"].sel(battery_mass_kg=mass).item()
+        assert cell == pytest.approx(excess, rel=1e-9)
+
+
+def test_modules_cover_a_varied_wing_unless_told_otherwise() -> None:
+    coverage = 0.85  # of the aircraft file
+    data = study(DESIGN, JULY, "wingspan_m=4,8")
+    np.testing.assert_allclose(
+        data["module_area"], coverage * data["wingspan_m"] ** 2 / 18.5, rtol=1e-12
+    )
+    assert data.attrs["modules_cover_the_wing"] == 1
+    kept = study(DESIGN, JULY, "wingspan_m=4,8", cover=False)
+    np.testing.assert_array_equal(kept["module_area"], 1.35)
+    varied = study(DESIGN, JULY, "wingspan_m=8", "module_area_m2=1,2")
+    np.testing.assert_array_equal(varied["module_area"].values.ravel(), [1.0, 2.0])
+
+
+def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
+    small = study(DESIGN, JULY, "wingspan_m=4,8", cover=False)
+    assert small["status"].values.tolist() == [PointStatus.infeasible, PointStatus.perpetual]
+    needed = 1.35 / (0.85 * 16.0 / 18.5) - 1.0
+    assert f"{100 * needed:.3g} % more wing area" in str(small["message"].values[0])
+    assert np.isnan(small["excess_time"].values[0])
+    heavy = study(DESIGN, JULY, "airframe.structure.calibration=1,1000", "wingspan_m=8")
+    assert "carry its own mass" in str(heavy["message"].values[1, 0])
+    windy = study(DESIGN, JULY, "mission.wind_m_per_s=0,15", "battery_mass_kg=3")
+    assert "below the wind" in str(windy["message"].values[1, 0])
+
+
+def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
+    data = study(
+        DESIGN, SUMMER, "mission.wind_m_per_s=2,30", "battery_mass_kg=3", solar=SolarModel("FM")
+    )
+    good, bad = data["status"].values.ravel()
+    assert good <= PointStatus.perpetual
+    assert bad == PointStatus.infeasible
+    assert "flight path: " in str(data["message"].values[1, 0])
+
+
+def test_a_value_that_is_right_with_another_key_alone_is_varied() -> None:
+    # The file's highest lift coefficient is 1.4.
+    lift, highest = "airframe.aerodynamics.lift_coefficient", "maximum_lift_coefficient"
+    texts = f"{lift}=1,1.5", f"airframe.aerodynamics.{highest}=1.4,1.6"
+    data = study(DESIGN, JULY, *texts)
+    status = data["status"].sel(lift_coefficient=1.5)
+    assert int(status.sel(maximum_lift_coefficient=1.4)) == PointStatus.invalid
+    assert int(status.sel(maximum_lift_coefficient=1.6)) == PointStatus.perpetual
+    for alone in ({"sample": "one-at-a-time"}, {}):
+        with pytest.raises(InputError, match=r"--vary .*lift_coefficient: .* must be below"):
+            study(DESIGN, JULY, *(texts if alone else texts[:1]), **alone)
+
+
+def test_a_combination_that_the_files_refuse_is_invalid() -> None:
+    data = study(AS2, JULY, "module_area_m2=1.3,1.9")
+    assert data["status"].values.tolist() == [PointStatus.perpetual, PointStatus.invalid]
+    assert "modules.area_m2: must not exceed the wing area" in str(data["message"].values[1])
+
+
+def test_one_at_a_time_starts_from_the_files() -> None:
+    table = to_table(
+        study(
+            DESIGN, JULY, "power.avionics_w=4,8", "mission.clearness=0.8:1", sample="one-at-a-time"
+        )
+    )
+    assert table["varied"].tolist() == ["", *["power_avionics_w"] * 2, *["clearness"] * 2]
+    base = performance(DESIGN.aircraft, JULY.mission).cycle.excess_time_h[0]
+    assert table["excess_time"].iloc[0] == pytest.approx(base, rel=1e-7)
+    assert table["excess_time"].iloc[4] == pytest.approx(base, rel=1e-7)  # a clearness of 1
+    low, high = table["excess_time"].iloc[1:3]
+    assert low > base > high
+
+
+def test_processes_agree_to_the_last_bit() -> None:
+    axes = [parse_axis("wingspan_m=3:9:0.1"), parse_axis("battery_mass_kg=1:9:0.2")]
+    alone = sweep(DESIGN, JULY, axes, crew=SerialCrew())
+    xr.testing.assert_identical(alone, sweep(DESIGN, JULY, axes, crew=ProcessCrew(2)))
+    assert prepare_chunks(axes) > 1
+
+
+def prepare_chunks(axes: list[Axis]) -> int:
+    return len(prepare(DESIGN, JULY, axes, SolarModel()).job.chunks)
+
+
+# ---- sized points
+
+
+def test_holding_a_variable_at_its_optimum_changes_nothing() -> None:
+    free = size_aircraft(DESIGN.aircraft, JULY.mission, Objective.min_wingspan)
+    assert free.design is not None
+    battery = float(free.design.variables.battery_mass_kg)
+    axis = Axis("battery.mass_kg", (0.8 * battery, battery, 1.3 * battery))
+    data = sweep(DESIGN, JULY, [axis], resize=Objective.min_wingspan, crew=SerialCrew())
+    best = float(free.design.variables.wingspan_m)
+    spans = data["wingspan"].values
+    # The solver stops within its tolerance of 0.012 h of excess time above the requirement.
+    assert spans[1] == pytest.approx(best, rel=1e-3)
+    worse = np.nan_to_num(spans[[0, 2]], nan=np.inf)
+    assert (worse > best).all()
+
+
+def test_held_variables_keep_their_values_and_others_are_sized() -> None:
+    data = study(
+        DESIGN, JULY, "wingspan_m=2.5,6", "aspect_ratio=15", resize=Objective.max_excess_time
+    )
+    status = data["status"].values.ravel().tolist()
+    assert status == [SizingStatus.infeasible, SizingStatus.optimal]
+    assert float(data["wingspan"][1, 0]) == pytest.approx(6.0, rel=1e-12)
+    assert float(data["shortfall"][0, 0]) > 0.0
+    assert "short by" in str(data["message"][0, 0].item())
+    whole = held(DESIGN.aircraft, {"wingspan_m": 6.0, "aspect_ratio": 15.0})
+    same = size_aircraft(whole, JULY.mission, Objective.max_excess_time)
+    assert float(data["excess_time"][1, 0]) == pytest.approx(same.objective_value, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("texts", "options", "words"),
+    [
+        (["battery.mas_kg=1,2"], {}, "did you mean 'mass_kg'"),
+        (["name=1,2"], {}, "name"),
+        (["mission.clearness=0.5,1.5"], {}, "at most 1"),
+        (["wingspan_m=-1,2"], {}, "must be from 1e-09 to 1e+12 (got -1)"),
+        (["battery_mass_kg=1,1e300"], {}, "must be from 1e-09 to 1e+12 (got 1e+300)"),
+        (["wingspan_m=1,2", "airframe.wingspan_m=3"], {}, "varied twice"),
+        (["wingspan_m=3,4"], {"resize": Objective.min_wingspan}, "cannot be minimised"),
+        (["battery_mass_kg=3,4"], {"resize": Objective.min_mass, "cover": True}, "--cover"),
+        (["module_area_m2=1,2"], {"cover": True}, "cannot follow the wing"),
+        (["wingspan_m=3:4"], {}, "needs a step"),
+        (["mission.latitude_deg=0,1"], {"sample": "one-at-a-time"}, "no single number"),
+    ],
+)
+def test_mistakes_are_named_before_the_work(
+    texts: list[str], options: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(InputError, match="--vary") as caught:
+        study(DESIGN, SUMMER, *texts, **options)
+    assert words in str(caught.value)
+
+
+def test_a_measured_wing_cannot_be_varied() -> None:
+    with pytest.raises(InputError, match="measured aircraft's power"):
+        study(AS2, JULY, "wingspan_m=5,6")
+
+
+# ---- charts
+
+
+def test_front_is_that_of_comparing_all_pairs() -> None:
+    rng = np.random.default_rng(5)
+    # Few distinct values make ties; some points have none.
+    x, y = rng.integers(0, 12, (2, 300)).astype(float)
+    x[:20] = np.nan
+    beaten = ((x <= x[:, None]) & (y <= y[:, None]) & ((x < x[:, None]) | (y < y[:, None]))).any(1)
+    np.testing.assert_array_equal(pareto_front(x, y), ~beaten & np.isfinite(x))
+
+
+@pytest.mark.parametrize(
+    ("texts", "options"),
+    [
+        (["wingspan_m=3:6:1"], {}),
+        (["wingspan_m=3:6:1", "battery_mass_kg=1:4:1"], {"cover": False}),
+        (["wingspan_m=3:6:1", "battery_mass_kg=2,3", "aspect_ratio=15,20"], {}),
+        (["wingspan_m=3:6", "battery_mass_kg=1:4"], {"sample": "sobol", "samples": 8}),
+        (["power.avionics_w=2,9", "battery_mass_kg=1:4"], {"sample": "one-at-a-time"}),
+        (["wingspan_m=2.5,6", "battery_mass_kg=1,3"], {"resize": Objective.max_excess_time}),
+    ],
+)
+def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str, Any]) -> None:
+    data = study(DESIGN, JULY, *texts, **options)
+    figure = sweep_plots.figure_of(data)
+    words = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())]
+    assert any("[h]" in text for text in words)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png")
+    assert buffer.getvalue().startswith(b"\x89PNG")
+
+
+def test_points_without_a_design_are_not_drawn_over() -> None:
+    data = study(DESIGN, JULY, "wingspan_m=3:8:0.5", "battery_mass_kg=1:5:0.5", cover=False)
+    colours = sweep_plots.contour_figure(data).axes[0].collections[0].get_array()
+    drawn = ~np.ma.getmaskarray(colours).reshape(9, 11)
+    np.testing.assert_array_equal(drawn, (data["status"] == PointStatus.perpetual).values.T)
+
+
+# ---- command and files
+
+
+@pytest.fixture
+def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(cli, ["sweep", *arguments])
+
+
+def test_command_writes_files_that_hold_everything(invoke: Any, tmp_path: Path) -> None:
+    vary = ["--vary", "wingspan_m=4:6:1", "--vary", "battery_mass_kg=2,3"]
+    answer = invoke("atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png")
+    assert answer.exit_code == 0, answer.output
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["s.nc", "s.png"]
+    data = xr.open_dataset(tmp_path / "s.nc", engine="h5netcdf")
+    assert data["excess_time"].dims == ("wingspan_m", "battery_mass_kg")
+    assert data["wingspan_m"].attrs == {"units": "m", "long_name": "airframe.wingspan_m"}
+    assert json.loads(data.attrs["aircraft"])["name"] == "atlantiksolar-design"
+    assert json.loads(data.attrs["vary"])["battery.mass_kg"] == [2.0, 3.0]
+    assert data.attrs["source"].startswith("solar-uav ")
+    assert data["status"].attrs["flag_meanings"].split()[1:3] == ["limited", "perpetual"]
+    answer = invoke("atlantiksolar-design", *vary, "--out", "s.csv", "--json")
+    assert answer.exit_code == 0, answer.output
+    table = pd.read_csv(tmp_path / "s.csv", comment="#")
+    record = json.loads(answer.stdout)
+    assert table["excess_time"].tolist() == data["excess_time"].values.ravel().tolist()
+    assert [p["excess_time"] for p in record["points"]] == table["excess_time"].tolist()
+    assert record["status"] == table["status"].value_counts().to_dict()
+    with (tmp_path / "s.csv").open() as file:
+        assert json.loads(file.readline().removeprefix("# ")) == {
+            k: v.item() if isinstance(v, np.generic) else v for k, v in data.attrs.items()
+        }
+
+
+def test_command_draws_a_front(invoke: Any, tmp_path: Path) -> None:
+    vary = ["--vary", "battery_mass_kg=2:4:0.5", "--plot", "s.png"]
+    answer = invoke("atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
+    assert answer.exit_code == 0, answer.output
+    assert (tmp_path / "s.png").exists()
+    (tmp_path / "s.png").unlink()
+    answer = invoke("atlantiksolar-design", *vary, "--pareto", "mass", "excess_time")
+    assert answer.exit_code == 2
+    # The varied key comes first; texts and flags are no axes of a chart.
+    assert "'mass' is not one of battery_mass_kg, wingspan" in answer.output
+    assert "message" not in answer.output
+    assert "perpetual" not in answer.output  # refused before a point is flown
+    assert not (tmp_path / "s.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--vary", "wingspan_m=5:1:1"], "must rise"),
+        (["--vary", "wingspan_m=4,5", "--out", "x.xls"], ".nc, .csv, .parquet"),
+        (["--vary", "wingspan_m=4,5", "--pareto", "a", "b"], "needs --plot"),
+        (["--vary", "wingspan_m=4,5", "--keep-parts"], "needs --out or --work"),
+        (["--vary", "wingspan_m=4,5", "--scheduler", "here"], "tcp://HOST:PORT"),
+        (["--vary", "wingspan_m=4,5", "--workers", "0"], "--workers"),
+        ([], "--vary"),
+    ],
+)
+def test_command_names_mistakes(invoke: Any, arguments: list[str], words: str) -> None:
+    answer = invoke("atlantiksolar-design", *arguments)
+    assert answer.exit_code == 2
+    assert words in answer.output
+    assert "Traceback" not in answer.output
+
+
+def test_parquet_holds_table_and_configuration(invoke: Any, tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    vary = ["--vary", "battery_mass_kg=2,3", "--out", "s.parquet"]
+    answer = invoke("atlantiksolar-design", *vary)
+    assert answer.exit_code == 0, answer.output
+    table = pd.read_parquet(tmp_path / "s.parquet")
+    assert table["battery_mass_kg"].tolist() == [2.0, 3.0]
+    assert json.loads(table.attrs["mission"])["name"] == "rafz-july"
+
+
+def test_parquet_without_its_package_is_refused_at_once(
+    invoke: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")
+    assert answer.exit_code == 2
+    assert "pip install pyarrow" in answer.output
+
+
+@pytest.mark.parametrize(
+    ("axis", "message"),
+    [
+        ("wingspan=4,5", "--vary wingspan: unknown key; did you mean 'wingspan_m'?"),
+        (
+            "cost=4,5",
+            "--vary cost: unknown key; allowed: wingspan_m, aspect_ratio, battery_mass_kg",
+        ),
+        ("payload.mass_kg=0,1", "is a key of the mission: write mission.payload.mass_kg"),
+        ("battery.mas_kg=1,2", "unknown key; did you mean 'mass_kg'?"),
+    ],
+)
+def test_unknown_keys_get_a_hint(axis: str, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        prepare(DESIGN, JULY, [parse_axis(axis)], SolarModel())

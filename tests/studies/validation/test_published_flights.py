@@ -1,0 +1,80 @@
+"""What AtlantikSolar AS-2 did in 2015, as published, from the files that ship with the package."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+import numpy as np
+import pytest
+
+from missions.dates import day_of_year
+from missions.files.validation import load
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.performance import SolarModel, performance, perpetual_days
+from sizing.replay import calendar_run
+
+
+def mission(name: str) -> Mission:
+    with resources.as_file(resources.files("missions") / "library" / f"{name}.yaml") as path:
+        return load(path, Mission)
+
+
+def as2() -> Aircraft:
+    path = resources.files("sizing") / "library" / "atlantiksolar-as2.yaml"
+    with resources.as_file(path) as file:
+        return load(file, Aircraft)
+
+
+def test_cycle_of_the_81_hour_flight() -> None:
+    cycle = performance(as2(), mission("rafz-july"), SolarModel("CAM", "none")).cycle
+    assert bool(cycle.perpetual[0])
+    # Published with the flight: 39 %, 6.8 h, 6.2 h. The tool behind them flew two days on the
+    # calendar and had its own losses and load; papers differ by 4 % in the battery's energy alone
+    # (705 and 732 Wh), which is 0.6 h of the night, 0.5 h of charging and 3 points of charge.
+    assert cycle.minimum_state_of_charge[0] == pytest.approx(0.39, abs=0.03)
+    assert cycle.excess_time_h[0] == pytest.approx(6.8, abs=0.6)
+    assert cycle.charge_margin_h[0] == pytest.approx(6.2, abs=0.5)
+
+
+def test_perpetual_season_is_the_published_half_year() -> None:
+    days = perpetual_days(as2(), mission("rafz-july"), 47.6)
+    # One window, without gaps.
+    assert np.all(np.diff(days) == 1)
+    # "A 6-month window around June 21st": 183 days. At the window's ends the day's excess energy
+    # changes by 1 % in a day and a half, and the published tool was uncertain by 5 % in its solar
+    # power and more in the load (43 W flown against 42 W here); clear sky without any reserve
+    # stands at the long end. Five to seven and a half months.
+    assert 150 <= len(days) <= 228
+    # Centred on 21 June within ten days: the air's turbidity is not symmetric about it.
+    assert abs((days[0] + days[-1]) / 2.0 - day_of_year("06-21")) <= 10.0
+    corrected = perpetual_days(as2(), mission("rafz-july"), 47.6, SolarModel("CAM", "report"))
+    # With the published error of the model taken off, the season is nearer to the half-year.
+    assert abs(len(corrected) - 183) < abs(len(days) - 183)
+
+
+def test_28_hour_flight() -> None:
+    run = calendar_run(as2(), mission("rafz-28h"))
+    assert run.empty_clock_h is None
+    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(28.35, abs=1e-9)
+    # Flown: full at 14:08 CEST, from 57.7 % at 11:14. The taper makes the end of charging flat and
+    # haze and the wind's attitude are not modelled: 40 min of the 3 h of charging.
+    assert run.full_charge_clock_h[0] == pytest.approx(14.0 + 8.0 / 60.0, abs=40.0 / 60.0)
+    # Flown: about 35 % in the night, at a mean of 43 W against 42 W here, and with papers that
+    # differ by 4 % in the battery's energy: 6 points.
+    assert run.minimum_state_of_charge == pytest.approx(0.35, abs=0.06)
+    night = run.clock_h[np.argmin(run.state_of_charge)]
+    # The least charge is at equal power in the morning after, between 06:00 and 08:00 CEST.
+    assert 24.0 + 6.0 <= night <= 24.0 + 8.0
+    # Flown: mean night power 43 W.
+    assert run.load_w.mean() == pytest.approx(43.0, rel=0.05)
+
+
+def test_81_hour_flight_stays_up() -> None:
+    run = calendar_run(as2(), mission("rafz-81h"))
+    assert run.empty_clock_h is None
+    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(81.0, abs=1e-9)
+    # Full on each of its four days, as the flight was.
+    assert len(run.full_charge_clock_h) == 4
+    # Published 39 %, with the tolerance of the repeated day.
+    assert run.minimum_state_of_charge == pytest.approx(0.39, abs=0.03)
