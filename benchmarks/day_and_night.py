@@ -14,7 +14,7 @@ from sizing.energy.battery import Battery, NoChargeLimit
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.march import FloatArray, Store
 from sizing.library import load_aircraft
-from sizing.performance import solar_day
+from sizing.sunlight import solar_day
 
 _COUNT = 500
 _LOAD_W = 42.0

@@ -23,7 +23,7 @@ from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.energy.march import Store
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, day_axis_h
+from sizing.sunlight import SolarModel, day_axis_h
 from solar.clearsky import coefficients, pressure_ratio
 from solar.sun import declination, hour_angle, sun_arc
 from studies.maps.feasibility import map_block

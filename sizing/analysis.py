@@ -14,8 +14,9 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
-from sizing.performance import Performance, SolarModel, performance, solar_day
+from sizing.performance import Performance, performance
 from sizing.replay import CalendarRun, calendar_run
+from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from sizing.energy.march import (
     full_after_h,
     march,
 )
-from sizing.performance import UNCORRECTED_CAM, SolarModel, power_on_calendar
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from solar.sun import declination, solar_time_h, sun_times
 
 CALENDAR_STEP_H = 1.0 / 60.0

@@ -14,7 +14,7 @@ from rich.table import Table
 from missions.mission import Scenarios
 from sizing.altitude.ceiling import AltitudeFlight, PerpetualCeiling
 from sizing.analysis import finite
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.output.plots import CHARGE, LOAD, SUN, caption
 
 _PRINTED_ROWS = 20

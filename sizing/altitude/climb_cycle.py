@@ -34,7 +34,8 @@ from sizing.altitude.climb_levels import ClimbLimits, FlightLevels, flight_level
 from sizing.altitude.climb_march import Balance, Flows, March, Strategy, periodic_state
 from sizing.energy.cycle import Cycle, EnergyAccount, equal_power, excess_and_status
 from sizing.energy.march import BoolArray, FloatArray, Store
-from sizing.performance import UNCORRECTED_CAM, Performance, SolarModel, performance, solar_day
+from sizing.performance import Performance, performance
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 
 @dataclass(frozen=True)

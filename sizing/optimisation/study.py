@@ -28,13 +28,8 @@ from sizing.optimisation.sensitivity import (
     constraint_prices,
     sensitivities,
 )
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar._version import __version__
 
 if TYPE_CHECKING:

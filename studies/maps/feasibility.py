@@ -12,7 +12,8 @@ from missions.dates import MONTH_NAMES, date_label
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.cycle import Status
-from sizing.performance import Performance, SolarModel, performance, solar_day
+from sizing.performance import Performance, performance
+from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.performance import SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import SolarModel
 from studies.models.solar_models import ModelDays, stacked
 
 _STRIDE = 8

@@ -20,13 +20,8 @@ from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
-from sizing.performance import (
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance,
-    performance_of_designs,
-)
+from sizing.performance import Performance, performance, performance_of_designs
+from sizing.sunlight import SolarDay, SolarModel
 from studies.maps.season import Flags, Season, perpetual_flags, season_of
 from studies.models.solar_models import (
     ModelDays,

@@ -9,7 +9,7 @@ import numpy as np
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.march import FloatArray
-from sizing.performance import SolarDay, SolarModel, day_axis_h, modelled_power
+from sizing.sunlight import SolarDay, SolarModel, day_axis_h, modelled_power
 from solar.correction import correction
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.sun import declination, sun_times
@@ -77,7 +77,7 @@ def stacked(days: Sequence[SolarDay]) -> SolarDay:
 class ModelDays:
     """Specific power by every model in the same scenarios; corrections only scale what is known.
 
-    Gives what :func:`sizing.performance.solar_day` gives, without computing a model twice.
+    Gives what :func:`sizing.sunlight.solar_day` gives, without computing a model twice.
     """
 
     def __init__(self, aircraft: Aircraft, mission: Mission, scenarios: Scenarios) -> None:
@@ -103,7 +103,7 @@ class ModelDays:
         return self._power[model]
 
     def _full_over(self, model: ModelName) -> FloatArray:
-        """Daily energy of FM over that of a model; see :func:`sizing.performance.loiter_ratio`."""
+        """Daily energy of FM over that of a model; see :func:`sizing.sunlight.loiter_ratio`."""
         ours, theirs = (
             np.asarray(np.trapezoid(self._modelled(m), self.time_h, axis=-1)) for m in (model, "FM")
         )

@@ -15,15 +15,8 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.energy.cycle import Status, simulate_cycle
 from sizing.energy.march import Store
-from sizing.performance import (
-    DEFAULT_STEP_H,
-    SolarModel,
-    day_axis_h,
-    performance,
-    performance_of_designs,
-    perpetual_days,
-    solar_day,
-)
+from sizing.performance import performance, performance_of_designs, perpetual_days
+from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
 from solar.power import horizontal_specific_power
 
 

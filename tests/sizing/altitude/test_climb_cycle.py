@@ -18,7 +18,8 @@ from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import SolarModel
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
 

@@ -22,7 +22,7 @@ from sizing.energy.battery import (
 )
 from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
 from sizing.energy.march import FloatArray, Store
-from sizing.performance import day_axis_h
+from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
 

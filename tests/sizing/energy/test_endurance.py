@@ -11,7 +11,7 @@ from sizing.energy.battery import Battery, ChargeLimit, NoChargeLimit, RuleCharg
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.endurance import flight_time_h, longest_flight
 from sizing.energy.march import FloatArray, PowerBalance, Store, advance, empty_after_h
-from sizing.performance import day_axis_h
+from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
 

@@ -11,7 +11,8 @@ from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance, solar_day
+from sizing.performance import performance
+from sizing.sunlight import SolarModel, solar_day
 from studies.cli.__main__ import cli
 from studies.maps import feasibility as study
 

@@ -6,7 +6,8 @@ import pytest
 from missions.dates import day_of_year
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, perpetual_days, solar_day
+from sizing.performance import perpetual_days
+from sizing.sunlight import SolarModel, solar_day
 from studies.maps.season import Season, perpetual_flags, season_of
 from studies.models.solar_models import ModelDays, combinations
 

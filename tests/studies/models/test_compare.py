@@ -17,7 +17,8 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel, performance, performance_of_designs
+from sizing.performance import performance, performance_of_designs
+from sizing.sunlight import SolarModel
 from studies.cli import __main__ as cli
 from studies.maps.season import Season
 from studies.models import comparison as study
