@@ -83,7 +83,7 @@ def finite(value: Any) -> float | None:
 def scenario_record(analysis: Analysis, index: int, endurance: Endurance | None) -> dict[str, Any]:
     """Metrics of one scenario, JSON-ready."""
     perf = analysis.performance
-    cycle, account = perf.cycle, perf.cycle.account
+    cycle, account = perf.cycle, perf.cycle.energy_budget
     lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
     record = {
         "excess_time_h": finite(cycle.excess_time_h[index]),
@@ -120,7 +120,7 @@ def scenario_record(analysis: Analysis, index: int, endurance: Endurance | None)
 def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
     """What climbing does in one scenario, JSON-ready."""
     assert mission.climb is not None
-    flown, account = climbs.climb, climbs.climb.account
+    flown, account = climbs.climb, climbs.climb.energy_budget
     return {
         "strategy": mission.climb.strategy,
         "ceiling_m": mission.climb.ceiling_m,

@@ -63,12 +63,12 @@ class Performance:
         return hours
 
     def _longest_flights(self, scenarios: NDArray[np.intp]) -> Endurance:
-        energy = np.broadcast_to(self.store.energy_max_wh, self.cycle.status.shape)
+        energy = np.broadcast_to(self.store.battery_energy_wh, self.cycle.status.shape)
         hours, launch = np.empty((2, len(scenarios)))
         for start in range(0, len(scenarios), _SCENARIOS_AT_ONCE):
             part = slice(start, start + _SCENARIOS_AT_ONCE)
             some = scenarios[part]
-            store = replace(self.store, energy_max_wh=energy[some])
+            store = replace(self.store, battery_energy_wh=energy[some])
             flights = longest_flight(
                 self.day.time_h, self.solar_power_w[some], self.load_w[some], store
             )

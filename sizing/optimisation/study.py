@@ -269,8 +269,8 @@ def scenario_table(perf: Performance) -> pd.DataFrame:
             "excess_time_h": cycle.excess_time_h,
             "charge_margin_h": cycle.charge_margin_h,
             "minimum_state_of_charge": cycle.minimum_state_of_charge,
-            "solar_energy_wh": cycle.account.solar_wh,
-            "load_energy_wh": cycle.account.load_wh,
+            "solar_energy_wh": cycle.energy_budget.solar_wh,
+            "load_energy_wh": cycle.energy_budget.load_wh,
         }
     )
 

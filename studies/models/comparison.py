@@ -277,7 +277,7 @@ def predict(simulate: Simulate, day: SolarDay) -> Prediction:
     morning_h = float(cycle.equal_power_morning_h[worst])
     endurance_h = np.inf if flight is None else float(flight.endurance_h)
     launch_h = 0.0 if flight is None else float(flight.launch_h)
-    income_wh = np.asarray(cycle.account.solar_wh)
+    income_wh = np.asarray(cycle.energy_budget.solar_wh)
     return Prediction(
         scenario=day.scenarios.label(worst),
         latitude_deg=float(day.scenarios.latitude_deg[worst]),

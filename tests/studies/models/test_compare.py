@@ -64,9 +64,11 @@ def test_predictions_are_those_of_single_analyses(designs: study.Comparison) -> 
         p = case.prediction
         assert p.scenario == single.day.scenarios.label(worst)
         assert p.excess_time_h == pytest.approx(single.cycle.excess_time_h[worst], rel=1e-9)
-        assert p.solar_energy_wh == pytest.approx(single.cycle.account.solar_wh[worst], rel=1e-9)
+        assert p.solar_energy_wh == pytest.approx(
+            single.cycle.energy_budget.solar_wh[worst], rel=1e-9
+        )
         assert p.mean_solar_energy_wh == pytest.approx(
-            single.cycle.account.solar_wh.mean(), rel=1e-9
+            single.cycle.energy_budget.solar_wh.mean(), rel=1e-9
         )
         assert p.excess_time_low_h < p.excess_time_h < p.excess_time_high_h
 
