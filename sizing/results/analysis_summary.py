@@ -1,4 +1,4 @@
-"""Text of an analysis: the worst scenario in full, the others as rows, the flight if there is one."""
+"""Text of an analysis: the worst scenario in full, the others as rows, the flight, if any."""
 
 from __future__ import annotations
 

@@ -1,18 +1,15 @@
-"""Sizing of an aircraft for a mission: records, tables and the sized aircraft's own file."""
+"""Sizing of an aircraft for a mission, with all that is asked about it: ``size``."""
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from missions.dates import date_code
-from missions.files.writing import to_yaml
-from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.analysis import finite
 from sizing.design import Design, DesignVariables, FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.coverage import WidestRange, widest_range
@@ -28,106 +25,309 @@ from sizing.optimisation.sensitivity import (
     constraint_prices,
     sensitivities,
 )
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, SolarModel, performance_of_designs, solar_day
+from sizing.results.analysis import uncertainty_record
+from sizing.results.records import finite, finite_values
+from sizing.results.tables import Result, Summary
 from solar._version import __version__
+from solar.names import CorrectionName, ModelName
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True)
-class SizingStudy:
+@dataclass(frozen=True, repr=False)
+class SizingStudy(Result):
     """A sizing and what was asked about it.
 
-    ``band`` is the range of days or latitudes for the objectives that have one; ``remedies`` exist
-    for an infeasible sizing, ``worth`` and ``certificate`` where they were asked for;
-    ``as_assumed`` is the optimum without the mission's bands, where it has any.
+    Attributes
+    ----------
+    aircraft, mission, solar
+        What was sized, for what, and by which solar power model.
+    result : SizingResult
+        Optimum, or the requirements that cannot be met.
+    low, high : Performance or None
+        Optimum with the solar power one RMS error of the model lower and higher.
+    coverage : WidestRange or None
+        Range of days or latitudes, for the objectives that have one.
+    relaxations : tuple
+        Single changes that would make an infeasible sizing feasible.
+    sensitivities, multipliers : list or None
+        What parameters and constraints are worth at the optimum, where asked for.
+    cross_check : Certificate or None
+        Optimality cross-check by simulation, where asked for.
+    without_margins : Performance or None
+        Optimum without the mission's uncertainty margins, where it has any.
     """
 
     aircraft: Aircraft
     mission: Mission
     solar: SolarModel
     result: SizingResult
-    band: WidestRange | None = None
-    remedies: tuple[Remedy, ...] = ()
-    worth: list[Sensitivity] | None = None
-    prices: list[ConstraintPrice] | None = None
-    certificate: Certificate | None = None
-    as_assumed: Performance | None = None
+    low: Performance | None = None
+    high: Performance | None = None
+    coverage: WidestRange | None = None
+    relaxations: tuple[Remedy, ...] = ()
+    sensitivities: list[Sensitivity] | None = field(default=None)
+    multipliers: list[ConstraintPrice] | None = field(default=None)
+    cross_check: Certificate | None = None
+    without_margins: Performance | None = None
 
-    def record(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
-        record = to_json(self.result, self.aircraft, self.mission)
-        if self.band is not None:
-            record["range"] = _range_record(self.band)
-        if self.result.status == "infeasible":
-            record["remedies"] = [_remedy_record(remedy) for remedy in self.remedies]
-        if self.worth is not None:
-            record["sensitivities"] = sensitivity_records(self.worth)
-        if self.prices is not None:
-            record["constraint_prices"] = [dict(price.__dict__) for price in self.prices]
-        if self.certificate is not None:
-            record["certificate"] = certificate_record(self.certificate)
-        if self.as_assumed is not None:
-            record["as_assumed"] = _reached(self.as_assumed)
+    @property
+    def status(self) -> str:
+        """How the sizing ended: ``optimal``, ``infeasible`` or ``not_converged``."""
+        return self.result.status
+
+    @property
+    def feasible(self) -> bool:
+        """Whether an optimum was found."""
+        return self.result.feasible
+
+    @property
+    def objective(self) -> Objective:
+        """What was optimised."""
+        return self.result.objective
+
+    @property
+    def design(self) -> Design | None:
+        """Masses and power of the optimum."""
+        return self.result.design
+
+    @property
+    def variables(self) -> DesignVariables | None:
+        """Wingspan, aspect ratio, battery mass, module area ... of the optimum."""
+        return None if self.result.design is None else self.result.design.variables
+
+    def sized_aircraft(self) -> Aircraft:
+        """Aircraft with the optimum put in, ready to be analysed or written to a file.
+
+        Raises
+        ------
+        ValueError
+            Where no optimum was found.
+        """
+        return Aircraft.model_validate(self._sized_data())
+
+    def sized_mission(self) -> Mission:
+        """Mission with the payload that the optimum carries.
+
+        Raises
+        ------
+        ValueError
+            Where no optimum was found.
+        """
+        design = self._optimum()
+        power_w = design.variables.payload_power_w or self.mission.payload.power_w
+        carried = {"mass_kg": design.masses.payload, "power_w": power_w}
+        payload = self.mission.payload.model_copy(update=carried)
+        return self.mission.model_copy(update={"payload": payload})
+
+    def _optimum(self) -> Design:
+        if self.result.design is None:
+            raise ValueError(f"the sizing is {self.status.replace('_', ' ')}: it has no design")
+        return self.result.design
+
+    def _sized_data(self) -> dict[str, Any]:
+        """Aircraft's file as data, the optimum put in."""
+        variables = self._optimum().variables
+        data = self.aircraft.model_dump(mode="json", exclude_unset=True)
+        data["name"] = f"{data['name']}-sized"
+        data["airframe"]["wingspan_m"] = variables.wingspan_m
+        data["airframe"]["aspect_ratio"] = variables.aspect_ratio
+        data["battery"]["mass_kg"] = variables.battery_mass_kg
+        data["modules"]["area_m2"] = variables.module_area_m2
+        if variables.lift_coefficient is not None:
+            data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
+        return data
+
+    def headline(self) -> str:
+        """Aircraft, mission, verdict and objective in one line."""
+        from sizing.results.sizing_summary import headline
+
+        return headline(self)
+
+    def summary(self) -> Summary:
+        """What the terminal shows."""
+        from sizing.results.sizing_summary import summary
+
+        return summary(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it, JSON-ready; what only an optimum has is null without one."""
+        record = _result_record(self.result, self.aircraft, self.mission)
+        record |= {"model": self.solar.model, "correction": self.solar.correction}
+        record["uncertainty"] = None
+        if self.low is not None and self.high is not None and self.result.simulated is not None:
+            worst = self.result.simulated.worst_scenario()
+            record["uncertainty"] = uncertainty_record(self.low, self.high, worst)
+        if self.coverage is not None:
+            record["range"] = _range_record(self.coverage)
+        if self.status == "infeasible":
+            record["remedies"] = [
+                {**finite_values(one.__dict__), "text": one.text} for one in self.relaxations
+            ]
+        if self.sensitivities is not None:
+            record["sensitivities"] = sensitivity_records(self.sensitivities)
+        if self.multipliers is not None:
+            record["constraint_prices"] = [dict(one.__dict__) for one in self.multipliers]
+        if self.cross_check is not None:
+            record["certificate"] = finite_values(self.cross_check.__dict__)
+        if self.without_margins is not None:
+            record["as_assumed"] = _reached(self.without_margins)
         return record
+
+    def to_frame(self) -> pd.DataFrame:
+        """Design as rows of quantity, value and unit.
+
+        Raises
+        ------
+        ValueError
+            Where no optimum was found.
+        """
+        import pandas as pd
+
+        from sizing.results.sizing_summary import design_rows
+
+        self._optimum()
+        return pd.DataFrame(design_rows(self), columns=["quantity", "value", "unit"])
+
+    def masses(self) -> pd.DataFrame:
+        """Mass budget, one row per item."""
+        import pandas as pd
+
+        masses = self._optimum().masses._asdict()
+        return pd.DataFrame({"item": list(masses), "mass_kg": list(masses.values())})
+
+    def scenarios(self) -> pd.DataFrame:
+        """Metrics of the optimum in every scenario, one row each."""
+        import pandas as pd
+
+        self._optimum()
+        perf = self.result.simulated
+        assert perf is not None
+        scenarios, cycle = perf.day.scenarios, perf.cycle
+        return pd.DataFrame(
+            {
+                "latitude_deg": scenarios.latitude_deg,
+                "day_of_year": scenarios.day_of_year,
+                "excess_time_h": cycle.excess_time_h,
+                "charge_margin_h": cycle.charge_margin_h,
+                "minimum_state_of_charge": cycle.minimum_state_of_charge,
+                "solar_energy_wh": cycle.account.solar_wh,
+                "load_energy_wh": cycle.account.load_wh,
+            }
+        )
 
 
 def size(
     aircraft: Aircraft,
     mission: Mission,
-    objective: Objective,
-    solar: SolarModel = UNCORRECTED_CAM,
+    objective: Objective | str = Objective.min_mass,
     *,
     required_excess_time_h: float | None = None,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
     with_sensitivities: bool = False,
-    with_certificate: bool = False,
+    with_cross_check: bool = False,
 ) -> SizingStudy:
-    """Size an aircraft, and say what would help where that is infeasible."""
+    """Find the best design of a parametric aircraft for a mission, or say why there is none.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        A parametric one; its ``design_space`` bounds what is chosen.
+    mission : Mission
+        All of its latitudes and dates must be flown.
+    objective : Objective or str
+        ``min_mass``, ``min_wingspan``, ``max_excess_time``, ``max_payload_mass``,
+        ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``.
+    required_excess_time_h : float, optional
+        Excess time that every scenario must have [h], instead of the mission's.
+    model : {"CAM", "CDM", "VM", "FM"}
+        Solar power model.
+    correction : {"none", "report", "loiter"}
+        Correction of the model's systematic error.
+    with_sensitivities : bool
+        Also what each technology parameter and constraint is worth.
+    with_cross_check : bool
+        Also try to beat the optimum with thousands of other designs in the simulator.
+
+    Returns
+    -------
+    SizingStudy
+
+    Raises
+    ------
+    TypeError
+        For a measured aircraft.
+    ValueError
+        For an unknown objective, model or correction.
+    """
+    wanted, solar = checked_objective(objective), SolarModel(model, correction)
     problems = SizingProblems(aircraft)
-    band = None
-    if objective.of_range:
-        band = widest_range(
-            aircraft,
-            mission,
-            objective,
-            solar,
-            required_excess_time_h=required_excess_time_h,
-            problems=problems,
-        )
-        result = band.sizing
+    coverage = None
+    options: dict[str, Any] = {
+        "required_excess_time_h": required_excess_time_h,
+        "problems": problems,
+    }
+    if wanted.of_range:
+        coverage = widest_range(aircraft, mission, wanted, solar, **options)
+        result = coverage.sizing
     else:
-        result = size_aircraft(
-            aircraft,
-            mission,
-            objective,
-            solar,
-            required_excess_time_h=required_excess_time_h,
-            problems=problems,
-        )
-    helpful: tuple[Remedy, ...] = ()
-    if result.status == "infeasible" and not objective.of_range:
-        helpful = tuple(remedies(aircraft, mission, result, solar, problems=problems))
+        result = size_aircraft(aircraft, mission, wanted, solar, **options)
     asked = (aircraft, mission, result, solar)
+    relaxed: tuple[Remedy, ...] = ()
+    if result.status == "infeasible" and not wanted.of_range:
+        relaxed = tuple(remedies(*asked, problems=problems))
+    worth = with_sensitivities and result.feasible
+    low, high = _under_model_error(*asked)
     return SizingStudy(
-        *(aircraft, mission, solar, result, band, helpful),
-        worth=sensitivities(*asked) if with_sensitivities and result.feasible else None,
-        prices=constraint_prices(result) if with_sensitivities and result.feasible else None,
-        certificate=certify(*asked) if with_certificate and result.feasible else None,
-        as_assumed=_as_assumed(aircraft, mission, result, solar),
+        *(aircraft, mission, solar, result, low, high, coverage, relaxed),
+        sensitivities=sensitivities(*asked) if worth else None,
+        multipliers=constraint_prices(result) if worth else None,
+        cross_check=certify(*asked) if with_cross_check and result.feasible else None,
+        without_margins=_without_margins(*asked),
     )
 
 
-def _as_assumed(
+def checked_objective(objective: Objective | str) -> Objective:
+    """Objective of a name.
+
+    Raises
+    ------
+    ValueError
+        For another name, with those that exist.
+    """
+    try:
+        return Objective(objective)
+    except ValueError:
+        allowed = ", ".join(Objective)
+        raise ValueError(f"objective must be one of {allowed} (got {objective!r})") from None
+
+
+def _under_model_error(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
+) -> tuple[Performance | None, Performance | None]:
+    """Optimum with the solar power one RMS error of the model lower and higher."""
+    if result.design is None or result.simulated is None:
+        return None, None
+    low, high = (
+        performance_of_designs(
+            aircraft,
+            result.simulated.mission,
+            result.design.variables,
+            solar,
+            day=result.simulated.day.scaled(factor),
+        )
+        for factor in (1.0 - solar.rms_relative, 1.0 + solar.rms_relative)
+    )
+    return low, high
+
+
+def _without_margins(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
-    """Optimum without the mission's bands; None where the mission has none."""
+    """Optimum without the mission's uncertainty margins; None where the mission has none."""
     if result.design is None or result.simulated is None or not mission.bands.given:
         return None
     plain = mission.without_bands()
@@ -135,8 +335,7 @@ def _as_assumed(
     return performance_of_designs(aircraft, plain, result.design.variables, solar, day=day)
 
 
-def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
-    """Result of a sizing, JSON-ready; what only an optimum has is null without one."""
+def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
     record: dict[str, Any] = {
         "status": result.status,
         "aircraft": aircraft.name,
@@ -217,7 +416,7 @@ def _simulated_record(perf: Performance | None) -> dict[str, Any]:
 
 def _reached(perf: Performance) -> dict[str, Any]:
     """What a design reaches in its worst scenario."""
-    worst = perf.worst_scenario()
+    worst = int(np.argmin(perf.cycle.excess_time_h))
     return {
         "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
         "charge_margin_h": finite(perf.cycle.charge_margin_h[worst]),
@@ -225,101 +424,41 @@ def _reached(perf: Performance) -> dict[str, Any]:
     }
 
 
-def _range_record(band: WidestRange) -> dict[str, Any]:
-    season = band.sizing.objective is Objective.longest_season
-    first, last = band.first, band.last
+def _range_record(coverage: WidestRange) -> dict[str, Any]:
+    season = coverage.sizing.objective is Objective.longest_season
+    first, last = coverage.first, coverage.last
     if season and first is not None and last is not None:
         ends = {"from": date_code(int(first)), "to": date_code(int(last))}
-        return {**ends, "days": int(band.extent)}
-    return {"from_deg": first, "to_deg": last, "width_deg": band.extent}
+        return {**ends, "days": int(coverage.extent)}
+    return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
 
 
-def _remedy_record(remedy: Remedy) -> dict[str, Any]:
-    return {**_strict(remedy.__dict__), "text": remedy.text}
-
-
-def sensitivity_records(worth: list[Sensitivity]) -> list[dict[str, Any]]:
+def sensitivity_records(found: list[Sensitivity]) -> list[dict[str, Any]]:
     """Sensitivities, JSON-ready, most important first."""
-    return [_strict({**s.__dict__, "per_percent": s.per_percent}) for s in worth]
+    return [finite_values({**one.__dict__, "per_percent": one.per_percent}) for one in found]
 
 
-def certificate_record(certificate: Certificate) -> dict[str, Any]:
-    """Certificate, JSON-ready; a value that does not exist is null."""
-    return _strict(certificate.__dict__)
+def sized_yaml(study: SizingStudy, source: str) -> str:
+    """Sized aircraft as a file that the other commands accept.
 
+    Parameters
+    ----------
+    study : SizingStudy
+        With an optimum.
+    source : str
+        File or name that the aircraft came from, for the heading.
 
-def _strict(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Record with null for numbers that are infinite or not defined."""
-    return {
-        name: finite(value) if isinstance(value, float) else value for name, value in record.items()
-    }
+    Returns
+    -------
+    str
+    """
+    from missions.files.writing import to_yaml
 
-
-def sensitivity_table(worth: list[Sensitivity]) -> pd.DataFrame:
-    """Sensitivities, one row each, most important first."""
-    import pandas as pd
-
-    return pd.DataFrame(sensitivity_records(worth))
-
-
-def scenario_table(perf: Performance) -> pd.DataFrame:
-    """Metrics of a design in every scenario, one row each."""
-    import pandas as pd
-
-    scenarios, cycle = perf.day.scenarios, perf.cycle
-    return pd.DataFrame(
-        {
-            "latitude_deg": scenarios.latitude_deg,
-            "day_of_year": scenarios.day_of_year,
-            "excess_time_h": cycle.excess_time_h,
-            "charge_margin_h": cycle.charge_margin_h,
-            "minimum_state_of_charge": cycle.minimum_state_of_charge,
-            "solar_energy_wh": cycle.account.solar_wh,
-            "load_energy_wh": cycle.account.load_wh,
-        }
-    )
-
-
-def mass_table(design: Design) -> pd.DataFrame:
-    """Mass budget, one row per item."""
-    import pandas as pd
-
-    masses = design.masses._asdict()
-    return pd.DataFrame({"item": list(masses), "mass_kg": list(masses.values())})
-
-
-def sized_document(document: Document, design: Design) -> dict[str, Any]:
-    """Aircraft file's data with the sized design put in."""
-    data: dict[str, Any] = copy.deepcopy(dict(document.data))
-    data["name"] = f"{data['name']}-sized"
-    data["airframe"]["wingspan_m"] = design.variables.wingspan_m
-    data["airframe"]["aspect_ratio"] = design.variables.aspect_ratio
-    data["battery"]["mass_kg"] = design.variables.battery_mass_kg
-    data["modules"]["area_m2"] = design.variables.module_area_m2
-    if design.variables.lift_coefficient is not None:
-        data["airframe"]["aerodynamics"]["lift_coefficient"] = design.variables.lift_coefficient
-    return data
-
-
-def sized_mission(mission: Mission, design: Design) -> Mission:
-    """Mission with the payload that the design carries."""
-    payload = mission.payload.model_copy(
-        update={
-            "mass_kg": design.masses.payload,
-            "power_w": design.variables.payload_power_w or mission.payload.power_w,
-        }
-    )
-    return mission.model_copy(update={"payload": payload})
-
-
-def sized_yaml(document: Document, design: Design, result: SizingResult, mission: Mission) -> str:
-    """Sized aircraft as a file that the other commands accept."""
-    carried = sized_mission(mission, design).payload
+    carried, result = study.sized_mission().payload, study.result
     header = (
-        f"# Sized by solar-uav {__version__} from {document.source} for the mission "
-        f"{mission.name}.\n"
+        f"# Sized by solar-uav {__version__} from {source} for the mission {study.mission.name}.\n"
         f"# Objective: {result.objective.value}, required excess time "
         f"{result.required_excess_time_h:g} h.\n"
         f"# Payload, to be set on the mission: {carried.mass_kg:.6g} kg, {carried.power_w:.6g} W.\n"
     )
-    return header + to_yaml(sized_document(document, design))
+    return header + to_yaml(study._sized_data())
