@@ -13,7 +13,7 @@ from rich.table import Table
 
 from missions.mission import Scenarios
 from sizing.altitude.ceiling import AltitudeFlight, PerpetualCeiling
-from sizing.analysis import finite
+from sizing.results.records import finite
 from sizing.sunlight import SolarModel
 from studies.output.plots import CHARGE, LOAD, SUN, caption
 
