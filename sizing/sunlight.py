@@ -6,6 +6,7 @@ mission's uncertainty margin is taken off.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,6 +54,20 @@ class SolarDay:
     sunrise_h: FloatArray
     sunset_h: FloatArray
 
+    @classmethod
+    def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
+        """Scenarios of several days with the same time axis, one day after the other."""
+        return cls(
+            Scenarios(
+                np.concatenate([d.scenarios.latitude_deg for d in days]),
+                np.concatenate([d.scenarios.day_of_year for d in days]),
+            ),
+            days[0].time_h,
+            np.concatenate([d.specific_power_w_per_m2 for d in days]),
+            np.concatenate([d.sunrise_h for d in days]),
+            np.concatenate([d.sunset_h for d in days]),
+        )
+
     def scaled(self, factor: float) -> SolarDay:
         """Same day with all power multiplied by a factor."""
         return replace(self, specific_power_w_per_m2=self.specific_power_w_per_m2 * factor)
@@ -83,6 +98,78 @@ def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
     return np.linspace(0.0, 24.0, int(np.ceil(24.0 / step_h - 1e-9)) + 1)
 
 
+class Sunlight:
+    """Sunlight on an aircraft in some scenarios, by any solar power model.
+
+    Each model is evaluated once, however many days are asked of it; corrections only scale.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Whose solar modules they are.
+    mission : Mission
+        Altitude, air, wind, flight path and uncertainty margins.
+    scenarios : Scenarios, optional
+        Latitudes and days of the year; those of the mission by default.
+    step_h : float
+        Largest step of the time axis [h].
+    """
+
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        scenarios: Scenarios | None = None,
+        *,
+        step_h: float = DEFAULT_STEP_H,
+    ) -> None:
+        self.aircraft, self.mission = aircraft, mission
+        self.scenarios = mission.scenarios() if scenarios is None else scenarios
+        self.time_h = day_axis_h(step_h)
+        self._power: dict[ModelName, FloatArray] = {}
+
+    def modelled_power(self, model: ModelName) -> FloatArray:
+        """Uncorrected specific power [W/m2], shape ``(scenario, time)``: :func:`modelled_power`."""
+        if model not in self._power:
+            self._power[model] = modelled_power(
+                self.aircraft, self.mission, model, self.scenarios, self.time_h
+            )
+        return self._power[model]
+
+    def loiter_ratio(self, model: ModelName) -> FloatArray:
+        """Daily energy of the Full Model on the flight path over that of a model, per scenario.
+
+        The single numbers of the report hold for one morning; this ratio holds for the latitude,
+        the day, the wind and the path at hand. It is 1 where no sun is seen. Shape
+        ``(scenario, 1)``.
+        """
+        if model == "FM":
+            return np.ones((len(self.scenarios), 1))
+        modelled_wh, full_wh = (
+            np.trapezoid(self.modelled_power(name), self.time_h, axis=-1) for name in (model, "FM")
+        )
+        lit = modelled_wh > 0.0
+        return np.where(lit, full_wh / np.where(lit, modelled_wh, 1.0), 1.0)[:, np.newaxis]
+
+    def day(self, solar: SolarModel) -> SolarDay:
+        """Specific power by a model, corrected and less the mission's margin.
+
+        Raises
+        ------
+        ValueError
+            If the model or its correction lacks the aircraft's module geometry or the mission's
+            flight path.
+        """
+        power = self.modelled_power(solar.model)
+        if solar.correction == "loiter":
+            power = power * self.loiter_ratio(solar.model)
+        factor = correction_and_margin_factor(self.mission, solar)
+        corrected = power if factor == 1.0 else power * factor
+        latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
+        times = sun_times(latitude_deg, declination(day))
+        return SolarDay(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h)
+
+
 def solar_day(
     aircraft: Aircraft,
     mission: Mission,
@@ -91,20 +178,39 @@ def solar_day(
     scenarios: Scenarios | None = None,
     step_h: float = DEFAULT_STEP_H,
 ) -> SolarDay:
-    """Specific power of an aircraft's modules in the mission's (or other) scenarios."""
-    chosen = mission.scenarios() if scenarios is None else scenarios
-    time_h = day_axis_h(step_h)
-    times = sun_times(chosen.latitude_deg, declination(chosen.noon_day))
-    power = modelled_power(aircraft, mission, solar.model, chosen, time_h)
-    if solar.correction == "loiter":
-        power = power * loiter_ratio(aircraft, mission, solar.model, chosen, time_h, power)
-    factor = correction_and_margin_factor(mission, solar)
-    corrected = power if factor == 1.0 else power * factor
-    return SolarDay(chosen, time_h, corrected, times.sunrise_h, times.sunset_h)
+    """Specific power of an aircraft's modules in the mission's (or other) scenarios.
+
+    Parameters
+    ----------
+    aircraft, mission, scenarios, step_h
+        As for :class:`Sunlight`.
+    solar : SolarModel
+        Solar power model and its correction.
+
+    Returns
+    -------
+    SolarDay
+        Power corrected and less the mission's margin.
+
+    Raises
+    ------
+    ValueError
+        If the model or its correction lacks the aircraft's module geometry or the mission's flight
+        path, or the step is not between 1 s and 1 h.
+    """
+    return Sunlight(aircraft, mission, scenarios, step_h=step_h).day(solar)
 
 
 def correction_and_margin_factor(mission: Mission, solar: SolarModel) -> float:
-    """Factor on a model's power: its correction, and the low end of the mission's band."""
+    """Factor on a model's power: its correction, and the low end of the mission's margin [-].
+
+    Parameters
+    ----------
+    mission : Mission
+        With its uncertainty margins.
+    solar : SolarModel
+        Model and correction.
+    """
     factor = correction(solar.model, solar.correction).factor
     return factor * mission.bands.solar_factor(solar.rms_relative)
 
@@ -112,23 +218,42 @@ def correction_and_margin_factor(mission: Mission, solar: SolarModel) -> float:
 def modelled_power(
     aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
 ) -> FloatArray:
-    """Specific power of a model, uncorrected, over scenarios and time [W/m2].
+    """Specific power of a model, uncorrected, over scenarios and time.
 
-    VM and FM are averaged over the mission's flight path.
+    CDM and CAM see one horizontal surface (:func:`solar.power.horizontal_specific_power`); VM and
+    FM are averaged over the mission's flight path (:mod:`missions.loiter_power`).
+
+    Parameters
+    ----------
+    aircraft, mission
+        Solar modules, and where they fly.
+    model : {"CDM", "CAM", "VM", "FM"}
+        Solar power model.
+    scenarios : Scenarios
+        Latitudes and days of the year.
+    time_h : ndarray, shape (time,)
+        Local solar time [h].
+
+    Returns
+    -------
+    ndarray, shape (scenario, time)
+        Electric power per area of module [W/m2].
 
     Raises
     ------
     ValueError
         If VM or FM lack the aircraft's module geometry or the mission's flight path.
     """
+    latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
     if model not in ATTITUDE_MODELS:
-        latitude, day = scenarios.latitude_deg, scenarios.noon_day
         # In memory the time comes first: the simulator marches over it, all scenarios at once.
         column = time_h[:, np.newaxis]
-        return _horizontal_power(aircraft, mission, model, latitude, day, column).T
-    pairs = zip(scenarios.latitude_deg, scenarios.noon_day, strict=True)
+        return _specific_power(aircraft, mission, model, latitude_deg, day, column).T
     return np.stack(
-        [_power_on_path(aircraft, mission, model, float(lat), day, time_h) for lat, day in pairs]
+        [
+            _specific_power(aircraft, mission, model, float(latitude), noon, time_h)
+            for latitude, noon in zip(latitude_deg, day, strict=True)
+        ]
     )
 
 
@@ -139,97 +264,72 @@ def power_on_calendar(
     day_of_year: FloatArray,
     time_solar_h: FloatArray,
 ) -> FloatArray:
-    """Specific power at a mission's single latitude while the date advances, corrected [W/m2].
+    """Specific power at a mission's single latitude while the date advances, corrected.
 
     Parameters
     ----------
+    aircraft, mission, solar
+        As for :func:`solar_day`.
     day_of_year, time_solar_h : ndarray, shape (time,)
         Fractional day of year and local solar time [h] at each instant.
+
+    Returns
+    -------
+    ndarray, shape (time,)
+        Electric power per area of module [W/m2].
+
+    Raises
+    ------
+    ValueError
+        As :func:`solar_day`.
     """
     latitude = mission.latitudes()[0]
-    if solar.model in ATTITUDE_MODELS:
-        power = _power_on_path(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
-    else:
-        power = _horizontal_power(
-            aircraft, mission, solar.model, latitude, day_of_year, time_solar_h
-        )
+    power = _specific_power(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
     if solar.correction == "loiter":
         days, place = np.unique(np.floor(day_of_year).astype(int), return_inverse=True)
         scenarios = Scenarios(np.full(len(days), latitude), (days - 1) % 365 + 1)
-        axis = day_axis_h()
-        repeated = modelled_power(aircraft, mission, solar.model, scenarios, axis)
-        ratio = loiter_ratio(aircraft, mission, solar.model, scenarios, axis, repeated)
+        ratio = Sunlight(aircraft, mission, scenarios).loiter_ratio(solar.model)
         power = power * ratio[place, 0]
     return power * correction_and_margin_factor(mission, solar)
 
 
-def _horizontal_power(
+def _specific_power(
     aircraft: Aircraft,
     mission: Mission,
     model: ModelName,
-    latitude_deg: ArrayLike,
-    day_of_year: ArrayLike,
-    time_solar_h: ArrayLike,
-) -> FloatArray:
-    return horizontal_specific_power(
-        latitude_deg,
-        day_of_year,
-        time_solar_h,
-        cell=aircraft.modules,
-        module_temperature_c=mission.module_temperature_c(),
-        altitude_m=mission.altitude_m,
-        clearness=mission.judged_clearness,
-        model=model,
-    )
-
-
-def _power_on_path(
-    aircraft: Aircraft,
-    mission: Mission,
-    model: ModelName,
-    latitude_deg: float,
+    latitude_deg: float | FloatArray,
     day_of_year: ArrayLike,
     time_solar_h: FloatArray,
 ) -> FloatArray:
-    geometry, path = aircraft.modules.geometry, mission.flight_path
-    if geometry is None:
+    """Uncorrected power by any model [W/m2]; VM and FM take a single latitude."""
+    modules = aircraft.modules
+    if model not in ATTITUDE_MODELS:
+        return horizontal_specific_power(
+            latitude_deg,
+            day_of_year,
+            time_solar_h,
+            cell=modules,
+            module_temperature_c=mission.module_temperature_c(),
+            altitude_m=mission.altitude_m,
+            clearness=mission.judged_clearness,
+            model=model,
+        )
+    if modules.geometry is None:
         raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
-    if path is None:
+    if mission.flight_path is None:
         raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
     return mean_power_on_path(
         model,
-        latitude_deg,
+        float(latitude_deg),
         day_of_year,
         time_solar_h,
-        geometry=geometry,
-        cell=aircraft.modules,
-        path=path,
+        geometry=modules.geometry,
+        cell=modules,
+        path=mission.flight_path,
         wind=mission.wind,
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
         clearness=mission.judged_clearness,
-        shading=aircraft.modules.shading,
+        shading=modules.shading,
     )
-
-
-def loiter_ratio(
-    aircraft: Aircraft,
-    mission: Mission,
-    model: ModelName,
-    scenarios: Scenarios,
-    time_h: FloatArray,
-    power: FloatArray,
-) -> FloatArray:
-    """Daily energy of the Full Model on the flight path over that of a model, per scenario.
-
-    The single numbers of the report hold for one morning; this ratio holds for the latitude, the
-    day, the wind and the path at hand. It is 1 where no sun is seen. Shape ``(scenario, 1)``.
-    """
-    if model == "FM":
-        return np.ones((len(scenarios), 1))
-    full = modelled_power(aircraft, mission, "FM", scenarios, time_h)
-    ours = np.trapezoid(power, time_h, axis=-1)
-    theirs = np.trapezoid(full, time_h, axis=-1)
-    lit = ours > 0.0
-    return np.where(lit, theirs / np.where(lit, ours, 1.0), 1.0)[:, np.newaxis]
