@@ -19,11 +19,12 @@ from sizing.design import (
 )
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, longest_flight
-from sizing.energy.march import FloatArray, Store
+from sizing.energy.march import Store
 from solar.correction import correction
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
+from solar.types import FloatArray
 
 DEFAULT_STEP_H = 1.0 / 12.0
 # Scenarios whose best launch is searched for together.

@@ -33,8 +33,9 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import ClimbLimits, FlightLevels, flight_levels
 from sizing.altitude.climb_march import Balance, Flows, March, Strategy, periodic_state
 from sizing.energy.cycle import Cycle, EnergyAccount, equal_power, excess_and_status
-from sizing.energy.march import BoolArray, FloatArray, Store
+from sizing.energy.march import Store
 from sizing.performance import UNCORRECTED_CAM, Performance, SolarModel, performance, solar_day
+from solar.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)

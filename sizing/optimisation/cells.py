@@ -25,7 +25,6 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, Masses, variables_of
-from sizing.energy.march import FloatArray
 from sizing.limits import meets_requirements
 from sizing.optimisation.agreement import GOAL_CUSHION_H, WASTE_H, shifted
 from sizing.optimisation.energy_constraints import lowest_sun_parameters, never_dark
@@ -41,6 +40,7 @@ from sizing.performance import (
     solar_day,
 )
 from sizing.smooth import Value
+from solar.types import FloatArray
 
 # Prices of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, 300.0)

@@ -8,11 +8,11 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.march import FloatArray
 from sizing.performance import SolarDay, SolarModel, day_axis_h, modelled_power
 from solar.correction import correction
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.sun import declination, sun_times
+from solar.types import FloatArray
 
 # The best knowledge of the solar power there is: the Full Model on the flight path without the
 # systematic error that it showed in flight; without a path, CAM without its own.
