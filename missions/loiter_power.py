@@ -18,7 +18,8 @@ from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.shading import Shading
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_vector_ned
+from solar.sun import cos_zenith, declination, hour_angle, sun_vector_ned
+from solar.types import FloatArray
 
 # Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
 # within 1e-4 of the limit (docs/full-model.md).

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from solar.schema import Real, Record
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator

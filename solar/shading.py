@@ -21,7 +21,7 @@ from solar.attitude import direction_cosines
 from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
 from solar.schema import PositiveReal, Real, Record
 from solar.shading_losses import LossModel, apply_losses, no_losses
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 # A sun closer than 0.06 degrees to the plane of a module gives it less than 1 W/m2 of direct light;
 # the shadows would be hundreds of metres long, and their corners inexact.

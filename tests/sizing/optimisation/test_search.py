@@ -13,11 +13,11 @@ from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
-from sizing.energy.march import FloatArray
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
+from solar.types import FloatArray
 
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
     Objective.max_excess_time,
