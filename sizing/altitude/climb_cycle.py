@@ -32,8 +32,8 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import ClimbLimits, FlightLevels, flight_levels
 from sizing.altitude.climb_march import Balance, Flows, March, Strategy, periodic_state
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
-from sizing.energy.march import Store
 from sizing.performance import Performance, performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
@@ -268,7 +268,7 @@ class _Record:
         equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
         excess, status = excess_and_status(
             equal,
-            starved=sums.unserved_wh > 1e-9 * capacity,
+            runs_empty=sums.unserved_wh > 1e-9 * capacity,
             sunlit=np.any(floor_w > 0.0, axis=0),
             missing_h=sums.missing_h,
             reserve_h=self._reserve_h(equal.morning_h),

@@ -11,11 +11,8 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
-from sizing.energy.march import (
-    Store,
-    crossing_fraction,
-    positive_part_wh,
-)
+from sizing.energy.battery import Store
+from sizing.energy.power_balance import crossing_fraction, positive_part_wh
 from solar.types import BoolArray, FloatArray
 
 Strategy = Literal["battery_full", "surplus"]

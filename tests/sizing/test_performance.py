@@ -13,8 +13,8 @@ from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Status, simulate_cycle
-from sizing.energy.march import Store
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h
 from solar.power import horizontal_specific_power
