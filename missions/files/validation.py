@@ -1,9 +1,9 @@
-"""Strict reader of aircraft and mission files that points at the line of every mistake.
+"""Check of aircraft and mission files against their models, with the line of every mistake.
 
 A file is read in three steps: the text is parsed into plain data and the place of each key
 (`missions.files.yaml`), values given on the command line replace or add keys
-(`missions.files.overrides`), and a pydantic model checks the result (`validate`). Every mistake of the user ends as an `InputError`, whose problems name file, line and
-column.
+(`missions.files.overrides`), and a pydantic model checks the result (`validate`). Every mistake of
+the user ends as an `InputError`, whose problems name file, line and column.
 """
 
 from __future__ import annotations
