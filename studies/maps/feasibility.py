@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192

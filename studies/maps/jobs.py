@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 # Time of a cell [s], roughly: it decides the size of a chunk and nothing else. A chunk must not
 # depend on the workers, or results would.
