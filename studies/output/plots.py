@@ -19,7 +19,7 @@ from solar.names import ModelName
 
 if TYPE_CHECKING:
     from sizing.altitude.climb_cycle import ClimbPerformance
-    from sizing.analysis import Analysis
+    from sizing.results.analysis import Analysis
     from sizing.optimisation.objectives import Objective
     from sizing.optimisation.sensitivity import Sensitivity
     from sizing.performance import Performance, SolarModel
