@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from studies.cli.library import LoadedAircraft, LoadedMission
+    from studies.cli.files import LoadedAircraft, LoadedMission
 
 
 def refuse_climb(where: LoadedMission, command: str) -> None:

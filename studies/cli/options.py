@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from missions.mission import Mission
     from sizing.performance import SolarModel
-    from studies.cli.library import LoadedAircraft, LoadedMission
+    from studies.cli.files import LoadedAircraft, LoadedMission
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -133,7 +133,7 @@ def load(
 ) -> tuple[LoadedAircraft, LoadedMission]:
     """Load both files and report what is wrong with either of them together."""
     from missions.files.errors import InputError
-    from studies.cli.library import open_aircraft, open_mission, split_overrides
+    from studies.cli.files import open_aircraft, open_mission, split_overrides
 
     of_aircraft, of_mission = split_overrides(overrides)
     try:

@@ -13,7 +13,7 @@ from sizing.aircraft import Aircraft
 from sizing.analysis import analyse
 from sizing.optimisation import study as sizing_study
 from sizing.optimisation.study import SizingStudy
-from studies.cli.library import LoadedAircraft
+from studies.cli.files import LoadedAircraft
 from studies.cli.options import csv_bytes
 from studies.output import plots
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sizing.performance import SolarModel
-    from studies.cli.library import LoadedAircraft, LoadedMission
+    from studies.cli.files import LoadedAircraft, LoadedMission
     from studies.models.comparison import Comparison
 
 DEFAULT_OBJECTIVE = "min_wingspan"
