@@ -30,9 +30,7 @@ _COMMANDS = {
     "analyse": _Lazy("analyse", "analyse", "How long it flies, there and then."),
     "ceiling": _Lazy("ceiling", "ceiling", "How high it flies perpetually."),
     "compare": _Lazy("compare", "compare", "All solar power models side by side."),
-    "efficiencies": _Lazy(
-        "validation", "efficiencies", "What drives the power of the Full Model."
-    ),
+    "efficiencies": _Lazy("validation", "efficiencies", "What drives the power of the Full Model."),
     "init": _Lazy("files", "init", "Commented files to start your own aircraft from."),
     "list": _Lazy("files", "list_", "Shipped aircraft and missions."),
     "loiter-correction": _Lazy(

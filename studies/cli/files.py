@@ -26,7 +26,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import with_resolved_airfoil
 from sizing.performance import SolarModel
-from studies.output.run_folder import InputFile, RunFolder, RunInputs, file_sha256
+from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
 T = TypeVar("T")
 
@@ -105,12 +105,19 @@ class Case:
         mission = LoadedMission(validate(document, Mission), document, self.where.sha256)
         return dataclasses.replace(self, where=mission)
 
-    def inputs(self) -> RunInputs:
-        """Everything that a folder of results keeps of what went in."""
+    def inputs(self, **others: Path) -> RunInputs:
+        """Everything that a folder of results keeps of what went in.
+
+        Parameters
+        ----------
+        **others
+            Further files that were read, by what they are.
+        """
         craft, where = self.craft, self.where
         files = {
             "aircraft": InputFile(craft.document.source, craft.sha256),
             "mission": InputFile(where.document.source, where.sha256),
+            **{kind: InputFile.of(path) for kind, path in others.items()},
         }
         return RunInputs(craft.document.data, where.document.data, self.solar, files)
 
@@ -287,12 +294,9 @@ def _find(kind: Kind, name_or_path: str) -> Document:
 
 def _checksum(kind: Kind, name_or_path: str) -> str | None:
     """SHA-256 of a file that was read; None for a pipe, which cannot be read again."""
-    path = Path(name_or_path)
-    if path.is_file():
-        return file_sha256(path)
-    if name_or_path in shipped_names(kind):
+    if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
         return hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
-    return None
+    return InputFile.of(Path(name_or_path)).sha256
 
 
 def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:

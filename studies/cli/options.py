@@ -35,9 +35,7 @@ class Parsed(click.ParamType[Any]):
     def __init__(self, name: str, reader: str) -> None:
         self.name, self._reader = name, reader
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> Any:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Read the value."""
         module, _, function = self._reader.partition(":")
         try:

@@ -10,16 +10,18 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from missions.files.writing import write_files_atomically
+from sizing.results.tables import Result
 from studies.cli.files import Case
 from studies.cli.options import print_json
 from studies.output.formats import image_format
 from studies.output.plots import to_bytes
+from studies.output.terminal import console, show
 
 
 def tell(
     case: Case,
     record: Any,
-    show: Callable[[Console], None],
+    shown: Result | Callable[[Console], None],
     *,
     as_json: bool = False,
     out_dir: str | None = None,
@@ -32,8 +34,8 @@ def tell(
         What the command was asked about.
     record : JSON-ready
         Result as :meth:`Case.named` made it.
-    show : callable
-        Prints the result's tables on a console.
+    shown : Result or callable
+        Result itself, or what prints its tables on a console.
     as_json : bool
         Whether JSON is asked for.
     out_dir : str, optional
@@ -42,12 +44,14 @@ def tell(
     if as_json:
         print_json(record)
         return
-    # Names from files are text, never markup.
-    console = Console(highlight=False, markup=False, emoji=False)
-    console.print(case.title, style="dim")
-    show(console)
+    screen = console()
+    screen.print(case.title, style="dim")
+    if isinstance(shown, Result):
+        show(shown)
+    else:
+        shown(screen)
     if out_dir is not None:
-        console.print(f"written to {out_dir}")
+        screen.print(f"written to {out_dir}")
 
 
 def write_results(

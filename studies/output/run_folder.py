@@ -30,7 +30,7 @@ from sizing.performance import SolarModel
 from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 
-__all__ = ["InputFile", "RunFolder", "RunInputs", "file_sha256", "json_bytes", "write_run_folder"]
+__all__ = ["InputFile", "RunFolder", "RunInputs", "write_run_folder"]
 
 AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
 POLAR = "polar.csv"
@@ -43,6 +43,12 @@ class InputFile:
 
     source: str
     sha256: str | None
+
+    @classmethod
+    def of(cls, path: Path) -> InputFile:
+        """File at a path; one that is no regular file, such as a pipe, has no checksum."""
+        data = path.read_bytes() if path.is_file() else None
+        return cls(str(path), None if data is None else hashlib.sha256(data).hexdigest())
 
 
 @dataclass(frozen=True)
@@ -121,25 +127,20 @@ def write_run_folder(
     files = dict(inputs.files)
     if polar is not None:
         extra = {**extra, POLAR: polar.read_bytes()}
-        files["airfoil"] = InputFile(str(polar), file_sha256(polar))
+        files["airfoil"] = InputFile.of(polar)
     contents = {
         AIRCRAFT: _described(aircraft, files["aircraft"]),
         MISSION: _described(inputs.mission, files["mission"]),
-        RUN: json_bytes(_run_record(inputs.solar, files)),
-        RESULTS: json_bytes(record),
+        RUN: _json_bytes(_run_record(inputs.solar, files)),
+        RESULTS: _json_bytes(record),
         **extra,
     }
     write_folder(folder, contents)
 
 
-def json_bytes(record: Any) -> bytes:
+def _json_bytes(record: Any) -> bytes:
     """Record as strict JSON."""
     return (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
-
-
-def file_sha256(path: Path) -> str:
-    """SHA-256 of a file's content."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _described(data: Mapping[str, Any], file: InputFile) -> bytes:

@@ -59,13 +59,12 @@ def analyse(
 ) -> None:
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
     from missions.dates import date_code
-    from sizing import analysis as study
+    from sizing.results.analysis import analyse as run_analysis
     from studies.cli.checks import check_outputs, require_climber, require_path
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.output.formats import csv_bytes
     from studies.output.plots import cycle_figure, flight_figure
-    from studies.output.tables import print_analysis
 
     if day_of_year is not None and date is not None:
         raise click.UsageError("give --day-of-year or --date, not both")
@@ -81,13 +80,15 @@ def analyse(
         case = case.with_mission(**moved, launch=None)
     require_path(case)
     require_climber(case)
-    result = study.analyse(case.aircraft, case.mission, case.solar)
+    solar = case.solar
+    result = run_analysis(
+        case.aircraft, case.mission, model=solar.model, correction=solar.correction
+    )
     flight = result.flight
     write_results(
         csv_file,
-        lambda: csv_bytes(study.trajectory_table(result)),
+        lambda: csv_bytes(result.trajectory()),
         plot_file,
         lambda: cycle_figure(result) if flight is None else flight_figure(result, flight),
     )
-    record = case.named(study.to_json(result))
-    tell(case, record, lambda console: print_analysis(console, result, record), as_json=as_json)
+    tell(case, case.named(result.to_dict()), result, as_json=as_json)
