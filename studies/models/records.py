@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_code
-from sizing.analysis import finite
 from sizing.design import DesignVariables
+from sizing.results.records import finite
 from solar._version import __version__
 from studies.maps.season import Season
 from studies.models.comparison import Built, Case, Comparison, Prediction

@@ -6,13 +6,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from missions.files.validation import validate
+import pandas as pd
+
 from missions.files.writing import write_folder
-from missions.files.yaml import parse_yaml
-from sizing.aircraft import Aircraft
-from sizing.analysis import analyse
-from sizing.optimisation import study as sizing_study
-from sizing.optimisation.study import SizingStudy
+from sizing.results.analysis import analyse
+from sizing.results.sizing import SizingStudy, sensitivity_records, sized_yaml
 from studies.cli.library import LoadedAircraft
 from studies.cli.options import csv_bytes
 from studies.output import plots
@@ -30,24 +28,25 @@ def write_sizing(
     OutputError
         If the folder cannot be written.
     """
-    result, worth = study.result, study.worth
+    result, worth = study.result, study.sensitivities
     assert result.design is not None
     assert result.simulated is not None
-    text = sizing_study.sized_yaml(craft.document, result.design, result, study.mission)
-    sized = validate(parse_yaml(text, "sized aircraft"), Aircraft)
-    flown = sizing_study.sized_mission(study.mission, result.design)
-    analysis = analyse(sized, flown, result.simulated.solar, replay=False)
+    text = sized_yaml(study, craft.document.source)
+    sized, solar = study.sized_aircraft(), study.solar
+    analysis = analyse(
+        sized, study.sized_mission(), model=solar.model, correction=solar.correction, replay=False
+    )
     masses = plots.mass_figure(result.design.masses._asdict(), f"{sized.name}: mass budget")
     contents: dict[str, bytes] = {
         "aircraft.yaml": text.encode(),
         "result.json": json.dumps(record, indent=2, allow_nan=False).encode(),
-        "scenarios.csv": csv_bytes(sizing_study.scenario_table(result.simulated)),
-        "masses.csv": csv_bytes(sizing_study.mass_table(result.design)),
+        "scenarios.csv": csv_bytes(study.scenarios()),
+        "masses.csv": csv_bytes(study.masses()),
         "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
         "masses.png": plots.to_bytes(masses, "png"),
     }
     if worth:
-        contents["sensitivities.csv"] = csv_bytes(sizing_study.sensitivity_table(worth))
+        contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(sensitivity_records(worth)))
         tornado = plots.tornado_figure(worth, result.objective, sized.name, result.simulated.solar)
         contents["sensitivities.png"] = plots.to_bytes(tornado, "png")
     write_folder(folder, contents)

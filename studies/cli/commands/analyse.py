@@ -10,7 +10,6 @@ from studies.cli.checks import require_climber
 from studies.cli.options import (
     check_image,
     check_outputs,
-    console,
     csv_bytes,
     load,
     mission_option,
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from missions.mission import Mission
-    from sizing.analysis import Analysis
+    from sizing.results.analysis import Analysis
 
 
 class Latitude(click.ParamType[float]):
@@ -89,7 +88,7 @@ def analyse(
     as_json: bool,
 ) -> None:
     """Analyse how long AIRCRAFT (name or file) flies, there and then."""
-    from sizing import analysis as study
+    from sizing.results.analysis import analyse as run_analysis
 
     if day_of_year is not None and date is not None:
         raise click.UsageError("give --day-of-year or --date, not both")
@@ -102,20 +101,22 @@ def analyse(
     require_path(model, correction, craft, where)
     require_climber(craft, where)
     replay = latitude is None and day is None
-    result = study.analyse(craft.aircraft, placed, solar_model(model, correction), replay=replay)
-    record = study.to_json(result)
+    solar = solar_model(model, correction)
+    result = run_analysis(
+        craft.aircraft, placed, model=solar.model, correction=solar.correction, replay=replay
+    )
     write_results(
         csv_file,
-        lambda: csv_bytes(study.trajectory_table(result)),
+        lambda: csv_bytes(result.trajectory()),
         plot_file,
         lambda: _figure(result),
     )
     if as_json:
-        print_json(record)
+        print_json(result.to_dict())
         return
-    from studies.output.tables import print_analysis
+    from studies.output.terminal import show
 
-    print_analysis(console(), result, record)
+    show(result)
 
 
 def _figure(result: Analysis) -> Figure:

@@ -147,7 +147,7 @@ def _print_seasons(data: xr.Dataset, as_json: bool) -> None:
 
 def _print_designs(data: xr.Dataset, as_json: bool) -> None:
     """Of every latitude: on how many days there is a design, and the range of its size."""
-    from sizing.analysis import finite
+    from sizing.results.records import finite
     from studies.output.columns import SIZED, SizingStatus
 
     record: dict[str, Any] = {

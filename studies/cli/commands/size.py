@@ -11,7 +11,6 @@ from solar.names import OBJECTIVE_NAMES
 from studies.cli.checks import refuse_climb
 from studies.cli.options import (
     EXIT_FAILED,
-    console,
     load,
     mission_option,
     print_json,
@@ -64,8 +63,8 @@ def size(
 ) -> None:
     """Find the best design of AIRCRAFT (name or file) for a mission."""
     from sizing.aircraft import MeasuredAirframe
-    from sizing.optimisation import study as sizing_study
     from sizing.optimisation.objectives import Objective
+    from sizing.results import sizing as sizing_study
 
     asked = Objective(objective)
     if asked.of_range and (with_sensitivities or with_certificate):
@@ -89,16 +88,18 @@ def size(
         from missions.files.writing import check_writable_folder
 
         check_writable_folder(Path(out_dir))
+    solar = solar_model(model, correction)
     study = sizing_study.size(
         craft.aircraft,
         where.mission,
         asked,
-        solar_model(model, correction),
+        model=solar.model,
+        correction=solar.correction,
         required_excess_time_h=required_h,
         with_sensitivities=with_sensitivities,
-        with_certificate=with_certificate,
+        with_cross_check=with_certificate,
     )
-    record = study.record()
+    record = study.to_dict()
     if out_dir is not None and study.result.feasible:
         from studies.output.sizing_files import write_sizing
 
@@ -106,9 +107,9 @@ def size(
     if as_json:
         print_json(record)
     else:
-        from studies.output.tables import print_sizing_study
+        from studies.output.terminal import show
 
-        print_sizing_study(console(), study, record)
+        show(study)
         if out_dir is not None and study.result.feasible:
             click.echo(f"written to {out_dir}")
     if not study.result.feasible:
