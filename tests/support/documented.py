@@ -5,8 +5,8 @@ wrote. HTML comments above a block, which readers do not see, say how:
 
 ``<!-- exit 1 -->``
     the exit code of every command in the block, if it is not 0;
-``<!-- needs: FILE -->``
-    a file that the page does not make itself;
+``<!-- makes: FILE -->``, ``<!-- needs: FILE -->``
+    a file that Python of one page makes and commands of any page use;
 ``<!-- not run: REASON -->``
     the block is not run;
 ``<!-- printed: A; B -->``
@@ -60,6 +60,7 @@ class Block:
     text: str
     exit_code: int = 0
     not_run: str | None = None
+    makes: list[str] = field(default_factory=list)
     needs: list[str] = field(default_factory=list)
     printed: list[str] = field(default_factory=list)
     output: str | None = None
@@ -132,8 +133,8 @@ def _apply(block: Block, comment: str) -> None:
     name, _, value = comment.partition(" ")
     if name == "exit":
         block.exit_code = int(value)
-    elif name == "needs:":
-        block.needs.append(value)
+    elif name in ("needs:", "makes:"):
+        (block.needs if name == "needs:" else block.makes).append(value)
     elif comment.startswith("not run:"):
         block.not_run = comment.removeprefix("not run:").strip()
 
