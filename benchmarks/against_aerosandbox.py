@@ -26,7 +26,7 @@ from sizing.energy.march import FloatArray
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.performance import SolarDay
+from sizing.sunlight import SolarDay
 
 _PEER = "AeroSandbox Opti"
 # Equal optima differ by the trapezoids of the collocation, 10 min wide, and by the margin of one

@@ -33,7 +33,7 @@ from sizing.library import load_aircraft
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
-from sizing.performance import SolarDay, solar_day
+from sizing.sunlight import SolarDay, solar_day
 
 POINTS_PER_DAY = 150
 REQUIRED_H = 3.0

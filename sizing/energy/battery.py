@@ -139,6 +139,6 @@ class Battery(Record):
     charge_limit: ChargeLimit = NoChargeLimit()
 
     @property
-    def energy_wh(self) -> float:
+    def battery_energy_wh(self) -> float:
         """Energy at full charge [Wh]."""
         return self.mass_kg * self.specific_energy_wh_per_kg

@@ -33,14 +33,9 @@ from sizing.optimisation.objectives import Objective, without_battery
 from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import objective_value
 from sizing.optimisation.solver import FIRST_MARGIN, Answer, ProgramSolver, Question
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_pairs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_pairs
 from sizing.smooth import Value
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # Prices of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, 300.0)

@@ -23,13 +23,8 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, Violation
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 IntArray = NDArray[np.intp]
 

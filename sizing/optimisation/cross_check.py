@@ -20,13 +20,8 @@ from sizing.limits import meets_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, objective_value
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # An attack that wins by less than this is within what the time steps and tolerances allow.
 RELATIVE_TOLERANCE = 0.005

@@ -28,13 +28,8 @@ from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.solver import Answer, ProgramSolver, Question
 from sizing.parameters import parameter_value, with_parameter
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 Direction = Literal["at least", "at most"]
 

@@ -25,15 +25,8 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.solver import Answer, ProgramSolver, Question
 from sizing.parameters import with_parameter
-from sizing.performance import (
-    DEFAULT_STEP_H,
-    UNCORRECTED_CAM,
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
 __all__ = ["SizingResult", "SolverReport", "Violation", "size_aircraft"]
 

@@ -26,7 +26,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import LINEAR_SCALES, SizingProblem, build_problem
 from sizing.optimisation.result import Optimum, SizingResult
 from sizing.parameters import parameter_value, with_parameter
-from sizing.performance import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # Charge limited by the sun turns into charge limited by the charger within a relative change of
 # some 1e-5, and optima like to sit at such a turn: a longer step would average over both sides.

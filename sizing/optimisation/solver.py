@@ -23,7 +23,7 @@ from sizing.optimisation.problem import (
     SizingProblems,
 )
 from sizing.optimisation.result import SolverReport
-from sizing.performance import SolarDay
+from sizing.sunlight import SolarDay
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from missions.mission import Mission
-    from sizing.performance import SolarModel
+    from sizing.sunlight import SolarModel
     from studies.cli.library import LoadedAircraft, LoadedMission
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
@@ -205,7 +205,7 @@ def progress_bar(unit: str) -> Iterator[Callable[[int, int], None]]:
 
 def solar_model(model: str, correction: str) -> SolarModel:
     """Solar model that the options name."""
-    from sizing.performance import SolarModel
+    from sizing.sunlight import SolarModel
 
     return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
 

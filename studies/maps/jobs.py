@@ -14,7 +14,7 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import ATTITUDE_MODELS
 from studies.engine.run import Cell, Job, Outcome, pieces

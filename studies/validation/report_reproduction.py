@@ -21,7 +21,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.march import FloatArray
 from sizing.library import load_aircraft
-from sizing.performance import modelled_power
+from sizing.sunlight import modelled_power
 from solar.names import MODEL_NAMES, ModelName
 
 MISSION = "rafz-loiter"

@@ -33,7 +33,7 @@ from studies.cli.options import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from sizing.performance import SolarModel
+    from sizing.sunlight import SolarModel
     from studies.cli.library import LoadedAircraft, LoadedMission
     from studies.models.comparison import Comparison
 

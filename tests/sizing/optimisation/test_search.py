@@ -16,7 +16,8 @@ from sizing.design import DesignVariables
 from sizing.energy.march import FloatArray
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
-from sizing.performance import SolarModel, performance_of_designs, solar_day
+from sizing.performance import performance_of_designs
+from sizing.sunlight import SolarModel, solar_day
 
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
     Objective.max_excess_time,

@@ -11,8 +11,9 @@ from missions.dates import day_of_year
 from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.performance import SolarModel, performance, perpetual_days
+from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
+from sizing.sunlight import SolarModel
 
 
 def mission(name: str) -> Mission:
