@@ -12,9 +12,10 @@ from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.energy.battery import Battery, NoChargeLimit
 from sizing.energy.cycle import simulate_cycle
-from sizing.energy.march import FloatArray, Store
+from sizing.energy.march import Store
 from sizing.library import load_aircraft
 from sizing.sunlight import solar_day
+from solar.types import FloatArray
 
 _COUNT = 500
 _LOAD_W = 42.0

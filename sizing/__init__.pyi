@@ -17,11 +17,8 @@ from .optimisation.cells import size_cells as size_cells
 from .optimisation.objectives import Objective as Objective
 from .optimisation.result import SizingResult as SizingResult
 from .performance import Performance as Performance
-from .performance import SolarDay as SolarDay
-from .performance import SolarModel as SolarModel
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days
-from .performance import solar_day as solar_day
 from .replay import CalendarRun as CalendarRun
 from .replay import calendar_run as calendar_run
 from .results.analysis import Analysis as Analysis
@@ -30,3 +27,6 @@ from .results.sizing import SizingStudy as SizingStudy
 from .results.sizing import size as size
 from .results.tables import Summary as Summary
 from .results.tables import Table as Table
+from .sunlight import SolarDay as SolarDay
+from .sunlight import SolarModel as SolarModel
+from .sunlight import solar_day as solar_day

@@ -18,8 +18,9 @@ from sizing.design import (
 )
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, longest_flight
-from sizing.energy.march import FloatArray, Store
+from sizing.energy.march import Store
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048

@@ -11,7 +11,6 @@ from missions.mission import Launch, Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
 from sizing.energy.march import (
-    FloatArray,
     PowerBalance,
     Step,
     Store,
@@ -21,6 +20,7 @@ from sizing.energy.march import (
 )
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from solar.sun import declination, solar_time_h, sun_times
+from solar.types import FloatArray
 
 CALENDAR_STEP_H = 1.0 / 60.0
 

@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike
 from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.power_balance import FloatArray
 from solar.correction import correction
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
+from solar.types import FloatArray
 
 DEFAULT_STEP_H = 1.0 / 12.0
 

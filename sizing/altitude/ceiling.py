@@ -17,9 +17,9 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError
-from sizing.energy.march import FloatArray
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from solar.types import FloatArray
 
 DEFAULT_HIGHEST_M = 20000.0
 DEFAULT_STEP_M = 250.0

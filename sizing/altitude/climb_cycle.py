@@ -33,9 +33,10 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import ClimbLimits, FlightLevels, flight_levels
 from sizing.altitude.climb_march import Balance, Flows, March, Strategy, periodic_state
 from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
-from sizing.energy.march import BoolArray, FloatArray, Store
+from sizing.energy.march import Store
 from sizing.performance import Performance, performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,11 @@ import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.energy.march import (
-    BoolArray,
-    FloatArray,
     Store,
     crossing_fraction,
     positive_part_wh,
 )
+from solar.types import BoolArray, FloatArray
 
 Strategy = Literal["battery_full", "surplus"]
 

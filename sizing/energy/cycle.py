@@ -23,11 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sizing.energy.march import (
-    BoolArray,
     ChargingDay,
     DayRun,
-    FloatArray,
-    IntArray,
     PowerBalance,
     Step,
     Store,
@@ -41,6 +38,7 @@ from sizing.energy.march import (
     surplus_phase_h,
     unserved_h,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
 _FULL = 1.0 - 1e-9  # of the capacity: what the clock's table resolves
 # Elements of a batch simulated at once: a day of each array stays near the processor.

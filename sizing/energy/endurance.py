@@ -16,10 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sizing.energy.march import (
-    BoolArray,
     ChargingDay,
-    FloatArray,
-    IntArray,
     PowerBalance,
     Step,
     Store,
@@ -29,6 +26,7 @@ from sizing.energy.march import (
     positive_part_wh,
     running_sum,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
 HOURS_PER_DAY = 24.0
 MAXIMUM_DAYS = 366

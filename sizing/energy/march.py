@@ -25,9 +25,6 @@ from numpy.typing import ArrayLike
 from sizing.energy.battery import Battery, ChargeClock
 from sizing.energy.bracketing import falling_root
 from sizing.energy.power_balance import (
-    BoolArray,
-    FloatArray,
-    IntArray,
     Interval,
     PowerBalance,
     crossing_fraction,
@@ -39,13 +36,11 @@ from sizing.energy.power_balance import (
     sum_over_time,
     surplus_phase_h,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
 __all__ = [
-    "BoolArray",
     "ChargingDay",
     "DayRun",
-    "FloatArray",
-    "IntArray",
     "Interval",
     "PowerBalance",
     "Step",

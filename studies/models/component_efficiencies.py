@@ -14,7 +14,7 @@ from sizing.aircraft import Aircraft
 from sizing.sunlight import day_axis_h
 from solar._version import __version__
 from solar.full_model import ModulePower
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 _LABELS = {
     "incidence_efficiency": ("angle of incidence", "#D55E00"),

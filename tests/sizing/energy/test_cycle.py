@@ -21,10 +21,11 @@ from sizing.energy.battery import (
     TableChargeLimit,
 )
 from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
-from sizing.energy.march import FloatArray, Store
+from sizing.energy.march import Store
 from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
+from solar.types import FloatArray
 
 MEASURED = TableChargeLimit(
     state_of_charge=(0.78, 0.82, 0.86, 0.89, 0.90, 0.92, 0.93, 0.94, 0.95, 0.96, 0.97, 0.98, 0.99),

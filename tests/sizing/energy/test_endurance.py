@@ -10,10 +10,11 @@ import pytest
 from sizing.energy.battery import Battery, ChargeLimit, NoChargeLimit, RuleChargeLimit
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.endurance import flight_time_h, longest_flight
-from sizing.energy.march import FloatArray, PowerBalance, Store, advance, empty_after_h
+from sizing.energy.march import PowerBalance, Store, advance, empty_after_h
 from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
+from solar.types import FloatArray
 
 TIME = day_axis_h()
 HOURLY = day_axis_h(1.0)  # where a flight may last 366 days of marching

@@ -19,7 +19,6 @@ from sizing.energy.battery import (
 )
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.march import (
-    FloatArray,
     PowerBalance,
     Store,
     crossing_fraction,
@@ -31,6 +30,7 @@ from sizing.energy.march import (
     ramp_fraction,
     unserved_h,
 )
+from solar.types import FloatArray
 
 TABLE = TableChargeLimit(
     state_of_charge=(0.5, 0.8, 0.9, 0.99),
