@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from missions.dates import date_code
-from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Status, simulate_cycle
+from sizing.library import load_aircraft
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h
 from solar.power import horizontal_specific_power
@@ -22,7 +22,7 @@ from solar.power import horizontal_specific_power
 
 def aircraft(name: str, *overrides: str) -> Aircraft:
     with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load(path, Aircraft, overrides)
+        return load_aircraft(path, overrides)
 
 
 def mission(**changes: object) -> Mission:

@@ -19,13 +19,7 @@ from sizing.energy.battery import (
     TableChargeLimit,
 )
 from sizing.energy.cycle import simulate_cycle
-from sizing.energy.march import (
-    ChargingDay,
-    empty_after_h,
-    march,
-    repeated_day,
-    unserved_h,
-)
+from sizing.energy.march import ChargingDay, empty_after_h, march, repeated_day, unserved_h
 from sizing.energy.power_balance import (
     PowerBalance,
     crossing_fraction,

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
+from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.performance import performance_of_designs
@@ -28,7 +28,7 @@ MAX_EXCESS, MIN_SPAN, MIN_MASS = (
 
 def aircraft(name: str, *overrides: str) -> Aircraft:
     with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load(path, Aircraft, overrides)
+        return load_aircraft(path, overrides)
 
 
 def mission(**changes: Any) -> Mission:
