@@ -94,7 +94,15 @@ class Propulsion(Record):
         return self
 
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
-        """Rated electric power [W] for that of level flight and a weight [N]."""
+        """Rated electric power [W].
+
+        Parameters
+        ----------
+        level_w
+            Electric power of level flight [W].
+        weight_n
+            Weight of the aircraft [N].
+        """
         if self.climb_rate_m_per_s is not None:
             return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency
         ratio = self.climb_power_ratio
@@ -126,7 +134,7 @@ Aerodynamics = Annotated[
 
 
 class ParametricAirframe(Record):
-    """An aircraft to be: masses and power follow from geometry and technology."""
+    """An aircraft to be sized: masses and power follow from geometry and technology."""
 
     kind: Literal["parametric"]
     wingspan_m: PositiveReal
@@ -144,7 +152,7 @@ Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator=
 
 
 class SolarModules(SolarCell):
-    """Solar modules: area, efficiencies, and the mass of modules and tracker.
+    """Solar modules: area, efficiencies, and the mass of modules and MPPT.
 
     ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
     surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.

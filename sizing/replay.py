@@ -56,10 +56,6 @@ class CalendarRun:
         begin = self.full_charge_clock_h[0] if self.full_charge_clock_h else self.clock_h[0]
         return float(self.state_of_charge[self.clock_h >= begin].min())
 
-    def state_of_charge_at(self, clock_h: float) -> float:
-        """State of charge at a local clock time [h]."""
-        return float(np.interp(clock_h, self.clock_h, self.state_of_charge))
-
 
 def calendar_run(
     aircraft: Aircraft,
@@ -69,6 +65,15 @@ def calendar_run(
     step_h: float = CALENDAR_STEP_H,
 ) -> CalendarRun:
     """Fly a mission that has a launch; the date advances and the sun with it.
+
+    Parameters
+    ----------
+    aircraft, mission
+        What flies, and where; the mission has ``launch`` and a longitude.
+    solar : SolarModel
+        Solar power model and its correction.
+    step_h : float
+        Largest time step [h].
 
     Raises
     ------
@@ -105,7 +110,7 @@ def _fly(
     power: FloatArray,
     load: FloatArray,
 ) -> CalendarRun:
-    store = Store.of(aircraft.battery)
+    store = Store.of(aircraft.battery, design.battery_energy_wh)
     energy = np.asarray(launch.state_of_charge * store.battery_energy_wh)
     trajectory = [float(energy)]
     full: dict[int, float] = {}
