@@ -299,7 +299,15 @@ class DesignSpace(Record):
         return named | self.limits
 
     def key_of_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> str:
-        """Key by which a limit was given."""
+        """Key by which a limit was given.
+
+        Parameters
+        ----------
+        quantity : str
+            Quantity of the design that is limited.
+        end : {"minimum", "maximum"}
+            Which of its limits.
+        """
         for key, place in _NAMED_LIMITS.items():
             if place == (quantity, end) and getattr(self, key) is not None:
                 return key
@@ -308,7 +316,15 @@ class DesignSpace(Record):
     def with_limit(
         self, quantity: LimitedQuantity, end: LimitEnd, value: float | None
     ) -> DesignSpace:
-        """Same space with a limit that it has at another value, or without it; not validated."""
+        """Same space with a limit that it has at another value; not validated.
+
+        Parameters
+        ----------
+        quantity, end
+            As for :meth:`key_of_limit`.
+        value : float or None
+            New limit in the quantity's unit; None takes it away.
+        """
         key = self.key_of_limit(quantity, end)
         if key in _NAMED_LIMITS:
             return self.model_copy(update={key: value})

@@ -135,7 +135,15 @@ class FlightConditions(NamedTuple):
 
 
 def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
-    """Electric power of avionics and payload [W]."""
+    """Electric power of avionics and payload, drawn from the battery [W].
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Its avionics, and the efficiency of their power supply.
+    payload_power_w
+        Power of the payload [W].
+    """
     return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
 
 
