@@ -109,7 +109,7 @@ class FlightConditions(NamedTuple):
     payload_power_w: Value
     turbulence: Value
     wind_m_per_s: Value
-    usable_capacity: Value
+    battery_capacity_fraction: Value
 
     @classmethod
     def of(cls, mission: Mission) -> FlightConditions:
@@ -122,7 +122,7 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=mission.wind_m_per_s,
-            usable_capacity=mission.bands.battery_capacity,
+            battery_capacity_fraction=mission.bands.battery_capacity,
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -217,7 +217,7 @@ def parametric_design(
         ),
         battery_energy_wh=variables.battery_mass_kg
         * aircraft.battery.specific_energy_wh_per_kg
-        * air.usable_capacity,
+        * air.battery_capacity_fraction,
         propulsion_power_w=electric_w,
         constant_power_w=constant_power_w(aircraft, air.payload_power_w),
         airspeed_m_per_s=airspeed,
@@ -350,7 +350,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
             payload=mission.payload.mass_kg,
             other=airframe.mass_without_battery_kg - modules_kg,
         ),
-        battery_energy_wh=aircraft.battery.battery_energy_wh * air.usable_capacity,
+        battery_energy_wh=aircraft.battery.battery_energy_wh * air.battery_capacity_fraction,
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),

@@ -190,7 +190,7 @@ def _simulate(
     def over_scenarios(value: ArrayLike) -> FloatArray:
         return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
 
-    # An impossible design draws infinite power; a finite, hopeless one keeps the arithmetic clean.
+    # An impossible design draws infinite power; a huge finite one keeps NaN out of the arithmetic.
     power_w = np.asarray(design.propulsion_power_w)
     sound = design._replace(propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12))
     area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]

@@ -16,7 +16,7 @@ from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
 
 
 class Polar(Protocol):
-    """What level flight asks of an aerodynamic model."""
+    """Interface of an aerodynamic model to level flight."""
 
     @property
     def flight_lift_coefficient(self) -> Value:
@@ -85,7 +85,7 @@ class DragPolar(Record):
         return self.lift_coefficient
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft [-]; parameters as for :meth:`Polar.drag_coefficient`."""
+        """Drag coefficient of the aircraft [-]; as :meth:`Polar.drag_coefficient`."""
         profile = (
             self.profile_drag_coefficient
             * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
