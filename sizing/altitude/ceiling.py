@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -108,16 +109,14 @@ def highest_perpetual_altitude(
     if not step_m > 0.0:
         raise ValueError(f"step_m must be above 0 (got {step_m:g})")
     altitudes = scanned_altitudes_m(mission.altitude_m, highest_m, step_m)
+    flown = partial(flight_at_altitude, aircraft, mission, solar)
     flights = []
-    for number, altitude_m in enumerate(altitudes):
-        flights.append(flight_at_altitude(aircraft, mission, solar, altitude_m))
+    for number, altitude_m in enumerate(altitudes, start=1):
+        flights.append(flown(altitude_m))
         if progress is not None:
-            progress(number + 1, len(altitudes))
+            progress(number, len(altitudes))
     if all(np.isnan(flight.propulsion_power_w) for flight in flights):
         raise ImpossibleDesignError(f"{aircraft.name} cannot carry its own mass at any altitude")
-
-    def flown(altitude_m: float) -> AltitudeFlight:
-        return flight_at_altitude(aircraft, mission, solar, altitude_m)
 
     required_h = mission.required_excess_time_h
     highest = _highest(flights, flown, required_h)
