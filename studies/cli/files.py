@@ -25,7 +25,7 @@ from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import with_resolved_airfoil
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
 T = TypeVar("T")

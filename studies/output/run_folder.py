@@ -26,7 +26,7 @@ from typing import Any
 
 from missions.files.errors import file_error
 from missions.files.writing import to_yaml, write_folder
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 

@@ -20,7 +20,7 @@ from missions.files.errors import InputError, Problem
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import ATTITUDE_MODELS
 from studies.cli.files import LoadedAircraft, LoadedMission

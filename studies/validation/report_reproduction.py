@@ -19,10 +19,10 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.march import FloatArray
 from sizing.library import load_aircraft
-from sizing.performance import modelled_power
+from sizing.sunlight import modelled_power
 from solar.names import MODEL_NAMES, ModelName
+from solar.types import FloatArray
 
 AIRCRAFT, MISSION = "atlantiksolar-as2", "rafz-loiter"
 MEASURED_W = 99.61

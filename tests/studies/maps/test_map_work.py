@@ -23,7 +23,7 @@ from missions.mission import Dates
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import run as compute
 from studies.engine.workers import ProcessCrew, SerialCrew
