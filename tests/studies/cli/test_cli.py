@@ -345,7 +345,9 @@ def test_a_signal_ends_a_command_quietly(
     tmp_path: Path, arguments: tuple[str, ...], module: str, function: str, name: str
 ) -> None:
     number = getattr(signal, name)
-    done = stopped(tmp_path, arguments, f"{module}:{function}", f"os.kill(os.getpid(), {int(number)})")
+    done = stopped(
+        tmp_path, arguments, f"{module}:{function}", f"os.kill(os.getpid(), {int(number)})"
+    )
     assert done.returncode == 128 + number
     assert (done.stdout, done.stderr.strip()) == ("", "")
     assert files(tmp_path) == set()
