@@ -206,13 +206,17 @@ def map_figure(data: xr.Dataset) -> Figure:
     Cells are drawn as they are: nothing is smoothed or filled in between.
     """
     from matplotlib.colors import BoundaryNorm
-    from matplotlib.figure import Figure
 
-    from studies.output.hatching import cell_edges
-    from studies.output.plots import correction_label
+    from studies.output.cells import cell_edges
+    from studies.output.plots import correction_label, new_figure
 
-    figure = Figure(figsize=(8.5, 5.2), layout="constrained")
-    axes = figure.subplots()
+    corrected = correction_label(data.attrs["correction"])
+    figure, (axes,) = new_figure(
+        title=f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
+        "line: edge of perpetual flight",
+        size_in=(8.5, 5.2),
+        grid="",
+    )
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     excess = data["excess_time"].to_numpy()
     top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
@@ -226,12 +230,6 @@ def map_figure(data: xr.Dataset) -> Figure:
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
         axes.contour(days, latitudes, np.where(shown > 0.0, 1.0, 0.0), [0.5], colors="black")
     season_axes(axes, days)
-    corrected = correction_label(data.attrs["correction"])
-    axes.set_title(
-        f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
-        "line: edge of perpetual flight",
-        parse_math=False,
-    )
     return figure
 
 

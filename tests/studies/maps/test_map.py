@@ -145,10 +145,11 @@ def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
 
 
 def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
-    axes, bar = study.map_figure(data).axes
+    figure = study.map_figure(data)
+    axes, bar = figure.axes
     assert axes.get_ylabel() == "latitude [deg]"
     assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
-    assert "CAM, uncorrected" in axes.get_title()
+    assert "CAM, uncorrected" in figure.get_suptitle()
     assert "[h]" in bar.get_ylabel()
 
 
