@@ -106,15 +106,9 @@ def solar_day(
     power = modelled_power(aircraft, mission, solar.model, chosen, time_h)
     if solar.correction == "loiter":
         power = power * loiter_ratio(aircraft, mission, solar.model, chosen, time_h, power)
-    factor = judged_factor(mission, solar)
+    factor = mission.pessimistic_power_factor(solar.model, solar.correction)
     corrected = power if factor == 1.0 else power * factor
     return SolarDay(chosen, time_h, corrected, times.sunrise_h, times.sunset_h)
-
-
-def judged_factor(mission: Mission, solar: SolarModel) -> float:
-    """Factor on a model's power: its correction, and the low end of the mission's band."""
-    factor = correction(solar.model, solar.correction).factor
-    return factor * mission.bands.solar_factor(solar.rms_relative)
 
 
 def modelled_power(
@@ -168,7 +162,7 @@ def power_on_calendar(
         repeated = modelled_power(aircraft, mission, solar.model, scenarios, axis)
         ratio = loiter_ratio(aircraft, mission, solar.model, scenarios, axis, repeated)
         power = power * ratio[place, 0]
-    return power * judged_factor(mission, solar)
+    return power * mission.pessimistic_power_factor(solar.model, solar.correction)
 
 
 def _horizontal_power(
@@ -186,7 +180,7 @@ def _horizontal_power(
         cell=aircraft.modules,
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
-        clearness=mission.judged_clearness,
+        clearness=mission.pessimistic_clearness,
         model=model,
     )
 
@@ -216,7 +210,7 @@ def _power_on_path(
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
-        clearness=mission.judged_clearness,
+        clearness=mission.pessimistic_clearness,
         shading=aircraft.modules.shading,
     )
 

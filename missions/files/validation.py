@@ -4,6 +4,9 @@ A file is read in three steps: the text is parsed into plain data and the place 
 (`missions.files.yaml`), values given on the command line replace or add keys
 (`missions.files.overrides`), and a pydantic model checks the result (`validate`). Every mistake of
 the user ends as an `InputError`, whose problems name file, line and column.
+
+A record whose keys had other names in earlier versions lists them, old to new, in a class variable
+``renamed_keys``: an old one is refused with its new name.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ class SizingStudy:
 
     ``band`` is the range of days or latitudes for the objectives that have one; ``remedies`` exist
     for an infeasible sizing, ``worth`` and ``certificate`` where they were asked for;
-    ``as_assumed`` is the optimum without the mission's bands, where it has any.
+    ``as_assumed`` is the optimum without the mission's uncertainty margins, where it has any.
     """
 
     aircraft: Aircraft
@@ -127,10 +127,10 @@ def size(
 def _as_assumed(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
-    """Optimum without the mission's bands; None where the mission has none."""
-    if result.design is None or result.simulated is None or not mission.bands.given:
+    """Optimum without the mission's uncertainty margins; None where the mission has none."""
+    if result.design is None or result.simulated is None or not mission.uncertainty_margins.given:
         return None
-    plain = mission.without_bands()
+    plain = mission.without_margins()
     day = solar_day(aircraft, plain, solar, scenarios=result.simulated.day.scenarios)
     return performance_of_designs(aircraft, plain, result.design.variables, solar, day=day)
 

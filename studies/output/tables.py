@@ -161,7 +161,8 @@ def print_sizing_study(console: Console, study: SizingStudy, record: dict[str, A
     if study.as_assumed is not None:
         reached = record["as_assumed"]["excess_time_h"]
         console.print(
-            "without the mission's bands the excess time would be " + hours(reached, "without end")
+            "without the mission's uncertainty margins the excess time would be "
+            + hours(reached, "without end")
         )
     if study.result.status == "infeasible" and study.band is None:
         _print_remedies(console, study.remedies)

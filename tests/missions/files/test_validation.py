@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from typing import Annotated, Any, Literal, NewType
+from typing import Annotated, Any, ClassVar, Literal, NewType
 
 import pytest
 from hypothesis import given
@@ -243,6 +243,19 @@ def test_counts_are_whole_numbers() -> None:
 
 def test_empty_text() -> None:
     assert problem_of(GOOD.replace("AS-2", "''")).endswith("name: must not be empty (got '')")
+
+
+def test_key_of_an_earlier_version_is_refused_with_its_new_name() -> None:
+    class Pack(Battery):
+        renamed_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
+
+    class Model(Record):
+        packs: tuple[Pack, ...]
+
+    text = "packs:\n- mass_kg: 1\n- weight_kg: 1\n  mass_kg: 1\n"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:3:3: packs.1.weight_kg: this key is called 'mass_kg' now"
+    ]
 
 
 # ---- unions ----
