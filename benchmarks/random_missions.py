@@ -1,9 +1,10 @@
 """Random missions and technology sets, sized, certified and held against a search by simulation.
 
 ``python -m benchmarks.random_missions --count 300``. Each case is drawn from its own seed:
-aircraft, latitudes, dates, altitude, clearness, turbulence, payload, wind, uncertainty margins, battery,
-cells, avionics, free variables, objective and required excess time. The optimum is certified; the verdict,
-feasible or not, is compared with a grid over the whole design space that only the simulator judges.
+aircraft, latitudes, dates, altitude, clearness, turbulence, payload, wind, uncertainty margins,
+battery, cells, avionics, free variables, objective and required excess time. The optimum is
+certified; the verdict, feasible or not, is compared with a grid over the whole design space that
+only the simulator judges.
 """
 
 from __future__ import annotations
