@@ -17,7 +17,6 @@ from missions.files.errors import file_error
 from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.almanac import SECONDS_PER_DAY, sun_position
 from solar.attitude import direction_cosines
 from solar.clearsky import Irradiance, clear_sky
 from solar.full_model import ModulePower, full_model, verification_model
@@ -25,6 +24,7 @@ from solar.geometry import ModuleGeometry
 from solar.names import ModelName
 from solar.power import conceptual_analysis_model, conceptual_design_model
 from solar.shading import shaded_area
+from solar.sun import SECONDS_PER_DAY, sun_position
 from solar.types import FloatArray, IntArray
 
 ShadedArea: TypeAlias = Callable[[FloatArray], FloatArray]

@@ -17,10 +17,10 @@ from missions.flight_path import Circle, orbit
 from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.almanac import SunPosition, sun_position
 from solar.attitude import direction_cosines
 from solar.clearsky import Irradiance, clear_sky
 from solar.full_model import full_model
+from solar.sun import SunPosition, sun_position
 from solar.types import FloatArray
 from studies.flight_logs.samples import ShadedArea, day_of_year
 

@@ -10,8 +10,7 @@ from solar.full_model import full_model, verification_model
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.modules import IncidenceTable, LowLightTable, MpptTable, SolarCell
 from solar.power import conceptual_analysis_model
-from solar.shading import Shading
-from solar.shading_losses import proportional_losses
+from solar.shading import Shading, proportional_losses
 from solar.sun import sun_vector_ned
 
 FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))
