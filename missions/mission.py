@@ -21,6 +21,7 @@ from missions.air import (
     standard_air,
 )
 from missions.flight_path import FlightPath, Heading, Wind
+from solar.clearsky import ClearSky, named_clear_sky
 from solar.correction import correction
 from solar.names import CorrectionName, ModelName
 from solar.schema import (
@@ -239,6 +240,7 @@ class Mission(Record):
     dates: Dates
     altitude_m: Altitude = 0.0
     air: AirConditions = AirConditions()
+    clear_sky: Text = "ashrae"
     clearness: Fraction = 1.0
     uncertainty_margins: UncertaintyMargins = UncertaintyMargins()
     turbulence: Turbulence = Turbulence()
@@ -249,6 +251,12 @@ class Mission(Record):
     required_excess_time_h: ExcessTime = 0.0
     launch: Launch | None = None
     climb: Climb | None = None
+
+    @field_validator("clear_sky")
+    @classmethod
+    def _check_sky(cls, value: str) -> str:
+        named_clear_sky(value)
+        return value
 
     @model_validator(mode="after")
     def _check_climb(self) -> Mission:
@@ -344,6 +352,11 @@ class Mission(Record):
     def without_margins(self) -> Mission:
         """Same mission with everything as assumed."""
         return self.model_copy(update={"uncertainty_margins": UncertaintyMargins()})
+
+    @property
+    def sky(self) -> ClearSky:
+        """Clear-sky model."""
+        return named_clear_sky(self.clear_sky)
 
     @property
     def wind(self) -> Wind:

@@ -181,6 +181,7 @@ def _horizontal_power(
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
         clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
         model=model,
     )
 
@@ -211,6 +212,7 @@ def _power_on_path(
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
         clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
         shading=aircraft.modules.shading,
     )
 

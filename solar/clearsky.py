@@ -7,11 +7,15 @@ in the middle of each month and interpolated linearly, periodically over the yea
 The ratio C was fitted on the ground. High up, with less air to scatter the light, it would give
 more light than arrives: the diffuse light is therefore never more than what the direct beam has
 lost on its way (:func:`clear_sky`). That bound takes effect above some 8 km alone.
+
+Any function with the arguments and the result of :func:`clear_sky` can take its place; see
+:func:`register_clear_sky`.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -176,3 +180,49 @@ def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArr
     """Global horizontal irradiance [W/m2]."""
     projected = irradiance.dni * np.maximum(np.asarray(cos_zenith, float), 0.0)
     return np.asarray(projected + irradiance.dhi)
+
+
+ClearSky: TypeAlias = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Irradiance]
+"""Irradiance of day of year, latitude [deg], cosine of the zenith angle and altitude [m].
+
+As :func:`clear_sky`: the arguments broadcast, and both results are zero with the sun below the
+horizon.
+"""
+
+CLEAR_SKIES: dict[str, ClearSky] = {"ashrae": clear_sky}
+
+
+def register_clear_sky(name: str, sky: ClearSky) -> None:
+    """Make the user's own clear sky known by a name, that of a mission's ``clear_sky``.
+
+    The name holds in this process alone: others, such as the workers of a long map, must register
+    the sky themselves.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    sky : ClearSky
+        From day of year, latitude [deg], cosine of the zenith angle and altitude [m] to irradiance.
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    if name in CLEAR_SKIES:
+        raise ValueError(f"there is a clear sky {name} already")
+    CLEAR_SKIES[name] = sky
+
+
+def named_clear_sky(name: str) -> ClearSky:
+    """Clear sky of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if name not in CLEAR_SKIES:
+        raise ValueError(f"unknown clear sky {name!r}; choose from {', '.join(CLEAR_SKIES)}")
+    return CLEAR_SKIES[name]

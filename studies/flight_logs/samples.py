@@ -18,7 +18,7 @@ from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from solar.attitude import direction_cosines
-from solar.clearsky import Irradiance, clear_sky
+from solar.clearsky import ClearSky, Irradiance
 from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.names import ModelName
@@ -147,6 +147,7 @@ def lit_samples(
     module_c, module_source = _constant_module_c(log, mission, ambient)
     lit = _Lit(
         aircraft=aircraft,
+        sky=mission.sky,
         clearness=mission.clearness,
         day=day_of_year(log.time_s[index]),
         latitude_deg=log.latitude_deg[index],
@@ -184,6 +185,7 @@ class _Lit:
     """Sunlit samples as the models need them; ``attitude`` has the rows roll, pitch, yaw."""
 
     aircraft: Aircraft
+    sky: ClearSky
     clearness: float
     day: FloatArray
     latitude_deg: FloatArray
@@ -258,7 +260,7 @@ def _modelled(
 
 
 def _light(lit: _Lit, chunk: slice) -> Irradiance:
-    clear = clear_sky(
+    clear = lit.sky(
         lit.day[chunk], lit.latitude_deg[chunk], -lit.sun[chunk, 2], lit.altitude_m[chunk]
     )
     return Irradiance(*(lit.clearness * part for part in clear))

@@ -57,6 +57,7 @@ def component_efficiencies(
         ambient_temperature_c=float(mission.air_state().temperature_c),
         altitude_m=mission.altitude_m,
         clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
         shading=aircraft.modules.shading,
     )
     factor = mission.pessimistic_power_factor("FM")

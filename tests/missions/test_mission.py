@@ -432,6 +432,18 @@ def test_the_81_hour_flight_is_the_published_one() -> None:
     assert (flight.launch.date, flight.launch.duration_h) == ("07-14", 81.0)
 
 
+# ---- clear sky ----
+
+
+def test_unknown_sky_is_refused() -> None:
+    assert mission().clear_sky == "ashrae"
+    with pytest.raises(InputError) as caught:
+        load_mission("rafz-july", ["clear_sky=bright"])
+    assert str(caught.value) == (
+        "--set mission.clear_sky: unknown clear sky 'bright'; choose from ashrae"
+    )
+
+
 # ---- earlier versions ----
 
 
