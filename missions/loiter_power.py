@@ -128,7 +128,12 @@ def module_power_on_path(
 ) -> tuple[BoolArray, Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
 
-    Parameters are those of :func:`mean_power_on_path`.
+    Parameters
+    ----------
+    latitude_deg, day_of_year, time_solar_h, geometry, cell, path, wind, ambient_temperature_c
+        As in :func:`mean_power_on_path`.
+    altitude_m, clearness, shading, samples, sky
+        As in :func:`mean_power_on_path`.
 
     Returns
     -------

@@ -69,7 +69,20 @@ class Coefficients(NamedTuple):
 
 
 def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArray:
-    """Interpolate twelve mid-month values linearly, periodic over the year."""
+    """Interpolate twelve mid-month values linearly, periodic over the year.
+
+    Parameters
+    ----------
+    day_of_year : array_like
+        Fractional day of year.
+    monthly : array_like, shape (12,)
+        Values at the middle of each month, January first.
+
+    Returns
+    -------
+    ndarray
+        Value on each day, in the unit given.
+    """
     return np.asarray(
         np.interp(
             np.asarray(day_of_year, float), MID_MONTH_DAY, np.asarray(monthly), period=DAYS_PER_YEAR
@@ -82,6 +95,18 @@ def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficient
 
     B and C describe the season's water vapour and dust, so south of the equator they are shifted
     by half a year; A follows the distance to the sun and does not depend on the hemisphere.
+
+    Parameters
+    ----------
+    day_of_year : array_like
+        Fractional day of year.
+    latitude_deg : array_like
+        Latitude [deg]; only its sign matters.
+
+    Returns
+    -------
+    Coefficients
+        Broadcast shape of the arguments.
     """
     day = np.asarray(day_of_year, float)
     southern = np.asarray(latitude_deg, float) < 0.0
@@ -168,7 +193,22 @@ def clear_sky(
 def irradiance_under(
     sky: Coefficients, cos_zenith: ArrayLike, relative_pressure: ArrayLike
 ) -> Irradiance:
-    """Irradiance [W/m2] under a sky of given coefficients, at a pressure relative to sea level."""
+    """Irradiance [W/m2] under a sky of given coefficients, at a pressure relative to sea level.
+
+    Parameters
+    ----------
+    sky : Coefficients
+        A [W/m2], B [-], C [-] and the light outside the atmosphere [W/m2].
+    cos_zenith : array_like
+        Cosine of the zenith angle.
+    relative_pressure : array_like
+        Pressure over that at sea level [-], see :func:`pressure_ratio`.
+
+    Returns
+    -------
+    Irradiance
+        Direct normal and diffuse horizontal [W/m2]; zero with the sun below the horizon.
+    """
     cos_z = np.asarray(cos_zenith, float)
     optical_path = sky.b * np.asarray(relative_pressure, float) * air_mass(cos_z)
     dni = np.where(cos_z > 0.0, sky.a * np.exp(-optical_path), 0.0)
@@ -177,7 +217,20 @@ def irradiance_under(
 
 
 def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArray:
-    """Global horizontal irradiance [W/m2]."""
+    """Global horizontal irradiance [W/m2].
+
+    Parameters
+    ----------
+    irradiance : Irradiance
+        Direct normal and diffuse horizontal [W/m2].
+    cos_zenith : array_like
+        Cosine of the zenith angle.
+
+    Returns
+    -------
+    ndarray
+        ``DNI cos z + DHI`` [W/m2] (Duffie & Beckman, Solar Engineering of Thermal Processes).
+    """
     projected = irradiance.dni * np.maximum(np.asarray(cos_zenith, float), 0.0)
     return np.asarray(projected + irradiance.dhi)
 

@@ -57,7 +57,7 @@ class LowLightTable(_Table):
 
 
 class MpptTable(_Table):
-    """Tracker efficiency against its load relative to the rated power."""
+    """MPPT efficiency against its load relative to the rated power."""
 
     relative_load: tuple[NonNegativeReal, ...] = Field(min_length=2)
     mppt_efficiency: tuple[Fraction, ...] = Field(min_length=2)
@@ -156,12 +156,12 @@ def _without_header(text: str) -> str:
 
 
 class SolarCell(Record):
-    """Efficiencies of module and maximum-power-point tracker (eq. 6-13 of the report).
+    """Efficiencies of module and maximum power point tracker (MPPT; eq. 6-13 of the report).
 
     The defaults are those of AtlantikSolar AS-2: SunPower E60 cells, foil covered. The constants
     ``mppt_efficiency`` and the curves ``mppt`` and ``low_light`` exclude each other: the simple
     models use the former, the Full Model the latter. ``rated_power_w_per_m2`` is the power at which
-    the modules are ``temperature_rise_k`` warmer than the air and to which the tracker's load is
+    the modules are ``temperature_rise_k`` warmer than the air and to which the MPPT's load is
     related; left out it is that of AS-2 (265 W of 1.35 m2, 12 K) in proportion to the efficiency,
     because modules heat up by the light, not by the power they make of it.
     """
@@ -199,8 +199,8 @@ class SolarCell(Record):
         """Component efficiency ``eps_I`` [-] of the irradiance on a module."""
         return self._low_light_curve(irradiance_w_per_m2)
 
-    def tracker_efficiency(self, relative_load: ArrayLike) -> FloatArray:
-        """Efficiency of the power tracker [-] at a load relative to the rated power."""
+    def mppt_efficiency_at(self, relative_load: ArrayLike) -> FloatArray:
+        """Efficiency of the MPPT [-] at a load relative to the rated power."""
         return self._mppt_curve(relative_load)
 
     @cached_property

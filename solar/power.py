@@ -1,6 +1,6 @@
 """Specific electric power of horizontal solar modules: the models CDM and CAM.
 
-Every function returns power per module area [W/m2] behind the power tracker; times the module
+Every function returns power per module area [W/m2] behind the MPPT; times the module
 area it is what reaches battery and load. Source: Oettershagen, "High-Fidelity Solar Power Income
 Modeling for Solar-Electric UAVs" (the report), table 2 and the equations named below.
 """
@@ -37,7 +37,7 @@ def conceptual_design_model(
 ) -> FloatArray:
     """Specific power of the Conceptual Design Model (CDM): one efficiency for all light.
 
-    Equation 4 of the report with ``eta = eta_STC eps_T eps_cbr`` and a constant tracker
+    Equation 4 of the report with ``eta = eta_STC eps_T eps_cbr`` and a constant MPPT
     efficiency.
 
     Parameters
@@ -47,7 +47,7 @@ def conceptual_design_model(
     cos_aoi : array_like
         Cosine of the angle of incidence; for a horizontal module that of the zenith angle.
     cell : SolarCell
-        Module and tracker efficiencies.
+        Module and MPPT efficiencies.
     module_temperature_c : array_like
         Constant module temperature [C].
 
@@ -75,8 +75,23 @@ def conceptual_analysis_model(
     """Specific power of the Conceptual Analysis Model (CAM): direct and diffuse light apart.
 
     Equation 5 of the report; the efficiency of direct light depends on its angle of incidence,
-    that of diffuse light is constant and knows no camber (eq. 12 and 13). Parameters and result
-    are those of :func:`conceptual_design_model`.
+    that of diffuse light is constant and knows no camber (eq. 12 and 13).
+
+    Parameters
+    ----------
+    irradiance : Irradiance
+        Direct normal and diffuse horizontal irradiance [W/m2].
+    cos_aoi : array_like
+        Cosine of the angle of incidence; for a horizontal module that of the zenith angle.
+    cell : SolarCell
+        Module and MPPT efficiencies.
+    module_temperature_c : array_like
+        Constant module temperature [C].
+
+    Returns
+    -------
+    ndarray
+        Specific power [W/m2], broadcast shape of the arguments.
     """
     cosine = np.maximum(np.asarray(cos_aoi, float), 0.0)
     common = (
@@ -122,7 +137,7 @@ def horizontal_specific_power(
         shapes ``(lat, 1, 1)``, ``(day, 1)`` and ``(time,)`` give a whole map. For a repeated day
         pass the day's noon, ``day + 0.5``.
     cell : SolarCell
-        Module and tracker efficiencies.
+        Module and MPPT efficiencies.
     module_temperature_c : array_like
         Constant module temperature [C].
     altitude_m : array_like

@@ -196,8 +196,22 @@ def shaded_area(
     """Shaded area of every module [m2], shape ``(..., surface)``.
 
     The shaded fraction of the outline times the module's area, which is smaller than the outline's
-    by gaps and by the cut corners of the cells. Parameters and exceptions are those of
-    :func:`shaded_fraction`.
+    by gaps and by the cut corners of the cells.
+
+    Parameters
+    ----------
+    geometry, tail, sun_vector_body
+        As in :func:`shaded_fraction`.
+
+    Returns
+    -------
+    ndarray, shape (..., surface)
+        Shaded area [m2].
+
+    Raises
+    ------
+    ValueError
+        As :func:`shaded_fraction`.
     """
     areas = np.array([surface.area_m2 for surface in geometry.surfaces])
     return np.asarray(shaded_fraction(geometry, tail, sun_vector_body) * areas)
@@ -254,7 +268,7 @@ def no_losses(shaded: FloatArray) -> FloatArray:
 def proportional_losses(shaded: FloatArray) -> FloatArray:
     """Lose direct light in proportion to the shaded area: the least a shadow can cost.
 
-    It would be so if every cell had its own tracker.
+    It would be so if every cell had its own MPPT.
     """
     return shaded
 
@@ -284,7 +298,7 @@ def string_losses(substrings: int = 4, threshold: float = 0.005) -> LossModel:
     -----
     Cells in series carry the current of the weakest one, and a bypass diode takes its whole
     sub-string out. Assumptions: the shadow is in one piece and covers one sub-string after the
-    other; diodes drop no voltage; the tracker finds the greatest of several maxima. A long, thin
+    other; diodes drop no voltage; the MPPT finds the greatest of several maxima. A long, thin
     shadow that grazes many cells costs more than this.
     """
     if substrings < 1:
@@ -312,6 +326,13 @@ def register_loss_model(name: str, model: LossModel) -> None:
 
     The name holds in this process alone: others, such as the workers of a long map, must register
     the model themselves.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    model : LossModel
+        From shaded to lost fractions of the direct light.
 
     Raises
     ------
@@ -379,7 +400,22 @@ class Shading:
     def direct_left(
         self, direct_by_surface: FloatArray, geometry: ModuleGeometry, sun_vector_body: FloatArray
     ) -> FloatArray:
-        """Direct light of every surface that is left; no shadow is cast where none costs."""
+        """Direct light of every surface that is left; no shadow is cast where none costs.
+
+        Parameters
+        ----------
+        direct_by_surface : ndarray, shape (..., surface)
+            Direct light on the unshaded surfaces, in any unit.
+        geometry : ModuleGeometry
+            Module surfaces.
+        sun_vector_body : ndarray, shape (..., 3)
+            Unit vectors to the sun in body axes.
+
+        Returns
+        -------
+        ndarray, shape (..., surface)
+            In the same unit.
+        """
         if self.model is no_losses:
             return direct_by_surface
         shaded = shaded_fraction(geometry, self.tail, sun_vector_body)

@@ -2,7 +2,7 @@
 
 Everything broadcasts. Angles are radians inside, degrees in arguments that end in ``_deg``.
 Time is *local solar time* in hours (noon is 12); ``day_of_year`` is fractional and starts at
-1.0 on 1 January, 00:00. A sizing study that repeats one day for ever holds the declination of
+1.0 on 1 January, 00:00. A sizing study that repeats one day endlessly holds the declination of
 that day's noon (``day + 0.5``): morning and afternoon are then mirror images, and the sun's
 elevation errs by up to 0.4 degrees against the true sun, far below the uncertainty of any clear
 sky. With the fractional day of year the RMS error is below 0.08 degrees.
@@ -78,6 +78,11 @@ def solar_time_h(utc_h: ArrayLike, day_of_year: ArrayLike, longitude_deg: ArrayL
         Fractional day of year, for the equation of time.
     longitude_deg : array_like
         Longitude, positive eastwards [deg].
+
+    Returns
+    -------
+    ndarray
+        Local solar time [h]; below 0 or above 24 on the neighbouring days.
     """
     east_h = np.asarray(longitude_deg, float) / 15.0
     return np.asarray(np.asarray(utc_h, float) + east_h + equation_of_time_h(day_of_year))
@@ -96,7 +101,20 @@ class SunArc(NamedTuple):
 
 
 def sun_arc(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunArc:
-    """Path of the sun at a latitude [deg] for a declination [rad]."""
+    """Path of the sun at a latitude [deg] for a declination [rad].
+
+    Parameters
+    ----------
+    latitude_deg : array_like
+        Latitude [deg].
+    sun_declination : array_like
+        Declination [rad].
+
+    Returns
+    -------
+    SunArc
+        Mean and amplitude [-], broadcast shape (Duffie & Beckman, eq. 1.6.5).
+    """
     lat = np.radians(np.asarray(latitude_deg, float))
     dec = np.asarray(sun_declination, float)
     return SunArc(np.asarray(np.sin(lat) * np.sin(dec)), np.asarray(np.cos(lat) * np.cos(dec)))
@@ -111,6 +129,11 @@ def cos_zenith(latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayL
         Latitude [deg].
     sun_declination, hour : array_like
         Declination and hour angle [rad].
+
+    Returns
+    -------
+    ndarray
+        Broadcast shape of the arguments [-] (Duffie & Beckman, eq. 1.6.5).
     """
     arc = sun_arc(latitude_deg, sun_declination)
     return np.asarray(arc.mean + arc.amplitude * np.cos(np.asarray(hour, float)))
@@ -121,8 +144,18 @@ def sun_vector_ned(
 ) -> FloatArray:
     """Unit vector from the aircraft to the sun, North-East-Down, on the last axis.
 
-    The parameters are those of :func:`cos_zenith`; the result has their broadcast shape plus
-    an axis of length 3. Below the horizon the down component is positive.
+    Parameters
+    ----------
+    latitude_deg : array_like
+        Latitude [deg].
+    sun_declination, hour : array_like
+        Declination and hour angle [rad].
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Broadcast shape of the arguments and an axis North, East, Down. Below the horizon the down
+        component is positive.
     """
     lat = np.radians(np.asarray(latitude_deg, float))
     dec = np.asarray(sun_declination, float)
@@ -150,6 +183,18 @@ def sun_times(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunTimes:
 
     Polar night is a day of length zero around noon, polar day one of 24 hours; at a pole, and
     at the horizon-grazing limit, the result is one of these two. Nothing is NaN.
+
+    Parameters
+    ----------
+    latitude_deg : array_like
+        Latitude [deg].
+    sun_declination : array_like
+        Declination [rad].
+
+    Returns
+    -------
+    SunTimes
+        Solar time [h], broadcast shape (Duffie & Beckman, eq. 1.6.10).
     """
     lat = np.radians(np.asarray(latitude_deg, float))
     dec = np.asarray(sun_declination, float)

@@ -50,6 +50,11 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     prefix : str
         What the user wrote before each key, for the problems that name it.
 
+    Returns
+    -------
+    Document
+        With the data changed, and its places without those of what was replaced.
+
     Raises
     ------
     InputError

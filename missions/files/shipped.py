@@ -34,6 +34,11 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
     name_or_path : str
         A file comes before a shipped one of the same name.
 
+    Returns
+    -------
+    Document
+        Data of the file and their places.
+
     Raises
     ------
     InputError
@@ -73,7 +78,7 @@ def shipped_text(name: str) -> str:
 
 
 def document_kind(document: Document) -> Kind:
-    """Whether a document describes an aircraft or a mission, judged by its keys."""
+    """Whether a document describes an aircraft or a mission, by its keys."""
     keys = set(document.data)
     aircraft = len(keys & {"airframe", "battery", "modules", "power", "design_space"})
     mission = len(keys & {"latitude_deg", "dates", "altitude_m", "air", "payload", "launch"})

@@ -43,6 +43,11 @@ def validate(document: Document, model: type[M]) -> M:
     model : type
         Class of the record.
 
+    Returns
+    -------
+    Record
+        Of that class.
+
     Raises
     ------
     InputError
@@ -71,6 +76,11 @@ def located_error(document: Document, path: Sequence[str | int], message: str) -
         nearest mapping around it.
     message : str
         What is wrong with the value.
+
+    Returns
+    -------
+    InputError
+        With one problem.
     """
     return InputError([_located(document, tuple(path), message)])
 
@@ -303,6 +313,11 @@ def unknown_key(key: str, allowed: Sequence[str], renamed: Mapping[str, str] | N
         Keys that there are.
     renamed : mapping, optional
         New names of keys that had another one in earlier versions.
+
+    Returns
+    -------
+    str
+        The message.
     """
     if renamed and key in renamed:
         return f"this key is called '{renamed[key]}' now"

@@ -84,6 +84,13 @@ def to_yaml(data: Mapping[str, Any]) -> str:
 def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
     """Write a UTF-8 text file completely or not at all; line breaks are written as they are.
 
+    Parameters
+    ----------
+    path : str or path
+        File to write; a symbolic link is followed, a device or pipe is written to.
+    text : str
+        What to write, as UTF-8.
+
     Raises
     ------
     OutputError
@@ -94,6 +101,13 @@ def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
 
 def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file completely or not at all.
+
+    Parameters
+    ----------
+    path : str or path
+        File to write; a symbolic link is followed, a device or pipe is written to.
+    data : bytes
+        What to write.
 
     Raises
     ------
@@ -131,6 +145,13 @@ def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> 
 
 def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     """Write files into a folder, made if need be: all of them, or none.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder to write into.
+    contents : mapping
+        What to write, by file name.
 
     Raises
     ------

@@ -149,6 +149,11 @@ def parse_yaml(text: str, source: str) -> Document:
     source : str
         File name used in messages.
 
+    Returns
+    -------
+    Document
+        Data and their places.
+
     Raises
     ------
     InputError
