@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ _LABELS = {
     "mppt_efficiency": ("power tracker", "#009E73"),
 }
 _DASHES = ("-", "--", "-.", ":")
-# Narrower bands are no more than a thick line.
+# Narrower ranges are no more than a thick line.
 _VISIBLE = 0.02
 
 
@@ -33,6 +34,7 @@ def component_efficiencies(
     """Component efficiencies of the Full Model over a day, averaged over the flight path.
 
     Efficiencies are weighted with the time of the orbit, by surface on the dimension ``surface``.
+    The mission's uncertainty margins are taken off the power, as in every other study.
 
     Raises
     ------
@@ -54,10 +56,13 @@ def component_efficiencies(
         wind=mission.wind,
         ambient_temperature_c=float(mission.air_state().temperature_c),
         altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
+        clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
         shading=aircraft.modules.shading,
     )
-
+    factor = mission.pessimistic_power_factor("FM")
+    specific_power = power.specific_power_w_per_m2 * factor
+    power = replace(power, specific_power_w_per_m2=specific_power)
     return xr.Dataset(
         _variables(power, orbit.weights),
         coords={

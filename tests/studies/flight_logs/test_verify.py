@@ -143,9 +143,9 @@ def test_all_models_agree_with_the_library_on_single_samples() -> None:
     modules = aircraft().modules
     assert modules.geometry is not None
     assert log.attitude is not None
-    from solar.almanac import sun_position
     from solar.attitude import direction_cosines
     from solar.clearsky import clear_sky
+    from solar.sun import sun_position
 
     for place in (10, 3000, 9000):
         i = result.samples.index[place]
