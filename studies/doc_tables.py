@@ -14,11 +14,8 @@ from pathlib import Path
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from studies.models import comparison
-from studies.models import records as comparison_records
-from studies.models import summary as comparison_sentence
-from studies.models import tables as comparison_tables
 from studies.models import transfer as model_transfer
+from studies.models.comparison import compare
 from studies.validation import (
     altitude_tables,
     clear_sky_comparison,
@@ -41,9 +38,8 @@ def _report() -> str:
 
 
 def _transfer() -> str:
-    return model_transfer.markdown(
-        model_transfer.transferred_errors(*report_reproduction.reference())
-    )
+    errors = model_transfer.transferred_errors(*report_reproduction.reference())
+    return model_transfer.transfer_table(errors).to_markdown()
 
 
 def _clear_sky() -> str:
@@ -55,14 +51,10 @@ def _structure() -> str:
 
 
 def _comparison(aircraft: str, mission: str, required_h: float) -> str:
-    found = comparison.compare(
-        load_aircraft(aircraft),
-        load_mission(mission),
-        required_excess_time_h=required_h,
+    found = compare(
+        load_aircraft(aircraft), load_mission(mission), required_excess_time_h=required_h
     )
-    return comparison_tables.markdown(
-        comparison_records.to_json(found, comparison_sentence.sentence(found))
-    )
+    return "\n".join([*(table.to_markdown() for table in found.tables()), found.headline() + "\n"])
 
 
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {

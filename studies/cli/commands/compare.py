@@ -15,7 +15,6 @@ from studies.cli.options import (
     EXIT_FAILED,
     check_image,
     check_outputs,
-    console,
     csv_bytes,
     figure_bytes,
     json_option,
@@ -33,7 +32,7 @@ from studies.cli.options import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from sizing.performance import SolarModel
+    from solar.names import CorrectionName, ModelName
     from studies.cli.library import LoadedAircraft, LoadedMission
     from studies.models.comparison import Comparison
 
@@ -95,8 +94,8 @@ class Names(click.ParamType["tuple[str, ...]"]):
 def compare(
     aircraft: str,
     mission: str,
-    models: tuple[str, ...] | None,
-    corrections: tuple[str, ...] | None,
+    models: tuple[ModelName, ...] | None,
+    corrections: tuple[CorrectionName, ...] | None,
     objective: str,
     required_h: float | None,
     no_design: bool,
@@ -118,35 +117,33 @@ def compare(
     craft, where = load(aircraft, mission, overrides)
     refuse_climb(where, "compare")
     refuse_polar_night(where.mission, where, options=False)
-    wanted = _wanted(models, corrections, craft, where)
-    from sizing.optimisation.objectives import Objective
-    from studies.models import comparison as study
-    from studies.models.records import to_json
-    from studies.models.summary import sentence
+    _require_path(models, corrections, craft, where)
+    from studies.models.comparison import compare as compare_models
+    from studies.output.terminal import show
 
     with progress_bar("models") as progress:
-        found = study.compare(
+        found = compare_models(
             craft.aircraft,
             where.mission,
-            wanted,
-            objective=Objective(objective),
+            models=models,
+            corrections=corrections,
+            objective=objective,
             required_excess_time_h=required_h,
-            designs=not no_design,
+            design=not no_design,
             progress=progress,
         )
-    record = to_json(found, sentence(found))
     if out_dir is not None:
         from missions.files.writing import write_folder
 
-        write_folder(Path(out_dir), _folder_contents(found, record))
+        write_folder(Path(out_dir), _folder_contents(found))
     else:
-        write_results(csv_file, lambda: _csv(record), plot_file, lambda: _figure(found))
+        write_results(
+            csv_file, lambda: csv_bytes(found.to_frame()), plot_file, lambda: _figure(found)
+        )
     if as_json:
-        print_json(record)
+        print_json(found.to_dict())
     else:
-        from studies.models.tables import print_comparison
-
-        print_comparison(console(), record)
+        show(found)
         if out_dir is not None:
             click.echo(f"written to {out_dir}")
     sized = [case.built for case in found.cases if case.built is not None]
@@ -154,40 +151,30 @@ def compare(
         sys.exit(EXIT_FAILED)
 
 
-def _wanted(
-    models: tuple[str, ...] | None,
-    corrections: tuple[str, ...] | None,
+def _require_path(
+    models: tuple[ModelName, ...] | None,
+    corrections: tuple[CorrectionName, ...] | None,
     craft: LoadedAircraft,
     where: LoadedMission,
-) -> list[SolarModel]:
-    """Cases to compare; what was asked for by name must be possible, the rest may be left out."""
-    from studies.models.solar_models import attitude_is_known, combinations
+) -> None:
+    """Refuse what was asked for by name and is not possible; the rest may be left out."""
+    from studies.models.solar_models import attitude_is_known
 
     asked = next((f"--models {m}" for m in models or () if m in ATTITUDE_MODELS), None)
     if asked is None and "loiter" in (corrections or ()):
         asked = "--corrections loiter"
-    known = attitude_is_known(craft.aircraft, where.mission)
-    if asked is not None or known:
+    if asked is not None or attitude_is_known(craft.aircraft, where.mission):
         # With surfaces and a path, the reference flies it even if no case does.
         require_path_for(asked or "the reference", craft, where)
-    chosen_models: Any = models or MODEL_NAMES
-    chosen_corrections: Any = corrections or CORRECTION_NAMES
-    return combinations(chosen_models, chosen_corrections, attitude=known)
 
 
-def _folder_contents(found: Comparison, record: dict[str, Any]) -> dict[str, bytes]:
+def _folder_contents(found: Comparison) -> dict[str, bytes]:
     """Files of ``--out``, each with its content."""
     return {
-        "comparison.json": json.dumps(record, indent=2, allow_nan=False).encode(),
-        "comparison.csv": _csv(record),
+        "comparison.json": json.dumps(found.to_dict(), indent=2, allow_nan=False).encode(),
+        "comparison.csv": csv_bytes(found.to_frame()),
         "comparison.png": figure_bytes(_figure(found), "comparison.png"),
     }
-
-
-def _csv(record: dict[str, Any]) -> bytes:
-    from studies.models.records import case_table
-
-    return csv_bytes(case_table(record))
 
 
 def _figure(found: Comparison) -> Figure:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -77,13 +78,13 @@ def loiter_correction(
     if markdown_file is not None:
         from missions.files.writing import write_text_atomically
 
-        write_text_atomically(markdown_file, study.markdown(errors))
+        write_text_atomically(markdown_file, study.transfer_table(errors).to_markdown())
     if as_json:
-        print_json(study.to_json(errors))
+        print_json([asdict(error) for error in errors])
     else:
-        from studies.output.tables import print_transfer
+        from studies.output.terminal import show
 
-        print_transfer(console(), errors)
+        show(study.transfer_table(errors))
 
 
 def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[float]:
@@ -121,11 +122,11 @@ def efficiencies(
         csv_file,
         lambda: data.to_dataframe().to_csv().encode(),
         plot_file,
-        lambda: study.figure(data),
+        lambda: study.efficiency_figure(data),
     )
-    from studies.output.tables import print_efficiencies
+    from studies.output.terminal import show
 
-    print_efficiencies(console(), data)
+    show(study.efficiency_table(data))
 
 
 @click.command(
