@@ -272,7 +272,8 @@ class Comparison(Result):
 
         frame = pd.json_normalize(self.to_dict()["cases"], sep="_")
         left_out = ["season_latitudes", "design", "design_violated_requirements", "design_judged"]
-        return frame.drop(columns=left_out, errors="ignore")
+        frame = frame.drop(columns=left_out, errors="ignore")
+        return frame.rename(columns=lambda name: name.removesuffix("_label"))
 
 
 _PREDICTED = (
