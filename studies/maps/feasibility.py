@@ -12,7 +12,8 @@ from missions.dates import MONTH_NAMES, date_label
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.cycle import Status
-from sizing.performance import Performance, SolarModel, performance, solar_day
+from sizing.performance import Performance, performance
+from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
@@ -127,8 +128,8 @@ def _metrics(perf: Performance) -> dict[str, FloatArray]:
         "equal_power_morning": cycle.equal_power_morning_h,
         "equal_power_evening": cycle.equal_power_evening_h,
         "full_charge": cycle.full_charge_h,
-        "solar_energy": cycle.account.solar_wh,
-        "load_energy": cycle.account.load_wh,
+        "solar_energy": cycle.energy_budget.solar_wh,
+        "load_energy": cycle.energy_budget.load_wh,
         "day_length": perf.day.sunset_h - perf.day.sunrise_h,
     }
 

@@ -14,7 +14,7 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import ATTITUDE_MODELS
 from studies.engine.run import Cell, Job, Outcome, pieces
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 # Time of a cell [s], roughly: it decides the size of a chunk and nothing else. A chunk must not
 # depend on the workers, or results would.

@@ -21,21 +21,15 @@ from sizing.design import DesignVariables
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance,
-    performance_of_designs,
-)
+from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.sunlight import SolarDay, SolarModel, Sunlight
 from solar._version import __version__
 from solar.names import RESIZE_NAMES, CorrectionName, ModelName
 from studies.maps.season import Flags, Season, perpetual_flags, season_of
 from studies.models.prediction import Prediction, duration, predict
 from studies.models.solar_models import (
-    ModelDays,
     attitude_is_known,
     combinations,
     model_label,
@@ -186,7 +180,8 @@ class Comparison(Result):
             f"worst scenario: {' or '.join(worst)}; season: days of perpetual flight in the year",
             *self.notes,
         ]
-        title = f"{self.aircraft.name} on {self.mission.name}"
+        title = f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, judged by "
+        title += model_label(reference)
         notes = (Line(f"- {line}", "faint") for line in lines)
         return Summary((Line(title, "strong"), *self.tables(), self.headline(), *notes))
 
@@ -362,7 +357,7 @@ def compare(
         if progress is not None:
             progress(next(steps), total)
 
-    sun = ModelDays(aircraft, mission, mission.scenarios())
+    sun = Sunlight(aircraft, mission)
     flags = []
     for latitude in latitudes:
         flags.append(perpetual_flags(aircraft, mission, latitude, every))
@@ -407,7 +402,7 @@ def _judged(
     result: SizingResult,
     aircraft: Aircraft,
     mission: Mission,
-    sun: ModelDays,
+    sun: Sunlight,
     reference: SolarModel,
 ) -> Built:
     """Design of a sizing, as the reference sees it."""

@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 from missions.loiter_power import module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.performance import day_axis_h
 from sizing.results.records import clock_label
 from sizing.results.tables import Column, Table
+from sizing.sunlight import day_axis_h
 from solar._version import __version__
 from solar.full_model import ModulePower
-from solar.sun import FloatArray
+from solar.types import FloatArray
 from studies.output.plots import BLUE, GREEN, PURPLE, VERMILLION, new_figure
 
 _LABELS = {

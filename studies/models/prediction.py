@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from missions.mission import Scenarios
 from sizing.energy.cycle import Status
-from sizing.performance import Performance, SolarDay
+from sizing.performance import Performance
 from sizing.results.records import finite
-from studies.models.solar_models import stacked
+from sizing.sunlight import SolarDay
 
 # Excess time that is missing by less than is printed is not missing [h].
 _MET_H = 0.005
@@ -135,14 +134,14 @@ def predict(simulate: Callable[[SolarDay], Performance], day: SolarDay) -> Predi
     """
     perf = simulate(day)
     worst = perf.worst_scenario()
-    alone, cycle, rms = _only(day, worst), perf.cycle, perf.solar.rms_relative
-    margins = simulate(stacked([alone.scaled(1.0 - rms), alone.scaled(1.0 + rms)]))
+    alone, cycle, rms = day.at([worst]), perf.cycle, perf.solar.rms_relative
+    margins = simulate(SolarDay.joined([alone.scaled(1.0 - rms), alone.scaled(1.0 + rms)]))
     low, high = margins.cycle.excess_time_h
     flight = None if cycle.perpetual[worst] else simulate(alone).endurances()[0]
     morning_h = float(cycle.equal_power_morning_h[worst])
     endurance_h = np.inf if flight is None else float(flight.endurance_h)
     launch_h = 0.0 if flight is None else float(flight.launch_h)
-    solar_wh = np.asarray(cycle.account.solar_wh)
+    solar_wh = np.asarray(cycle.energy_budget.solar_wh)
     return Prediction(
         scenario=day.scenarios.label(worst),
         latitude_deg=float(day.scenarios.latitude_deg[worst]),
@@ -160,18 +159,6 @@ def predict(simulate: Callable[[SolarDay], Performance], day: SolarDay) -> Predi
         enough_sun=bool(np.isfinite(morning_h)),
         solar_energy_wh=float(solar_wh[worst]),
         mean_solar_energy_wh=float(solar_wh.mean()),
-    )
-
-
-def _only(day: SolarDay, index: int) -> SolarDay:
-    """One scenario of a day."""
-    one = slice(index, index + 1)
-    return SolarDay(
-        Scenarios(day.scenarios.latitude_deg[one], day.scenarios.day_of_year[one]),
-        day.time_h,
-        day.specific_power_w_per_m2[one],
-        day.sunrise_h[one],
-        day.sunset_h[one],
     )
 
 

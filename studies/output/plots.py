@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.optimisation.objectives import Objective
     from sizing.optimisation.sensitivity import Sensitivity
-    from sizing.performance import Performance, SolarModel
+    from sizing.performance import Performance
     from sizing.replay import CalendarRun
     from sizing.results.analysis import Analysis
+    from sizing.sunlight import SolarModel
 
 # Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
 ORANGE, BLUE, GREEN, VERMILLION = "#E69F00", "#0072B2", "#009E73", "#D55E00"

@@ -11,7 +11,8 @@ from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance, solar_day
+from sizing.performance import performance
+from sizing.sunlight import SolarModel, solar_day
 from studies.cli.__main__ import cli
 from studies.maps import feasibility as study
 
@@ -95,7 +96,7 @@ def test_cells_with_thermals_or_another_charger_are_those_of_analyses(
             cycle = performance(aircraft, rough, SolarModel("CDM"), day=lit).cycle
             assert found["excess_time"][i, j] == cycle.excess_time_h[0]
             assert found["charge_margin"][i, j] == cycle.charge_margin_h[0]
-            assert found["load_energy"][i, j] == cycle.account.load_wh[0]
+            assert found["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
 
 
 def test_models_with_attitude_are_mapped_too() -> None:
