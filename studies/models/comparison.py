@@ -341,7 +341,8 @@ def compare(
         If a parametric aircraft cannot carry its own mass.
     """
     if objective not in RESIZE_NAMES:
-        raise ValueError(f"objective {objective!r} is not one of {', '.join(RESIZE_NAMES)}")
+        allowed = ", ".join(RESIZE_NAMES)
+        raise ValueError(f"objective must be one of {allowed} (got {objective!r})")
     wanted = combinations(models, corrections, attitude=attitude_is_known(aircraft, mission))
     if not wanted:
         raise ValueError("there is no model to compare")

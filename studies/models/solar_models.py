@@ -96,7 +96,7 @@ def combinations(
 
 def _check_name(what: str, name: str, allowed: Sequence[str]) -> None:
     if name not in allowed:
-        raise ValueError(f"{what} {name!r} is not one of {', '.join(allowed)}")
+        raise ValueError(f"{what} must be one of {', '.join(allowed)} (got {name!r})")
 
 
 def model_label(solar: SolarModel) -> str:

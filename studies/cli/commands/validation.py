@@ -27,18 +27,17 @@ from studies.cli.options import (
 def published(as_json: bool, markdown_file: str | None) -> None:
     """Compare published numbers with computed ones; exit code 1 if one is missed."""
     from missions.files.writing import write_text_atomically
-    from studies.output.tables import print_published
-    from studies.output.terminal import console
-    from studies.validation import published as study
+    from studies.output.terminal import show
+    from studies.validation.published import published as compute_published
 
-    rows = study.comparisons()
+    result = compute_published()
     if markdown_file is not None:
-        write_text_atomically(markdown_file, study.markdown(rows))
+        write_text_atomically(markdown_file, result.table().to_markdown())
     if as_json:
-        print_json([row.record() for row in rows])
+        print_json(result.to_dict())
     else:
-        print_published(console(), rows)
-    if not all(row.met for row in rows):
+        show(result)
+    if not result.met:
         sys.exit(EXIT_FAILED)
 
 
@@ -122,24 +121,18 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     from studies.cli.outputs import tell
     from studies.output.plots import to_bytes
     from studies.output.run_folder import write_run_folder
-    from studies.output.tables import print_reproduction
     from studies.validation import report_reproduction as study
 
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
     case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION))
-    result = study.reproduce(case.aircraft, case.mission)
-    varied = study.sensitivities(case.aircraft, case.mission)
-    record = case.named(study.to_json(result, case.mission, varied))
+    result = study.reproduce(case.aircraft, case.mission, vary=True)
+    record = case.named(result.to_dict())
     if out_dir is not None:
+        tables = "\n".join(table.to_markdown() for table in result.tables())
         contents = {
-            "report.md": study.markdown(result, varied).encode(),
-            "report.png": to_bytes(study.figure(case.aircraft, case.mission), "png"),
+            "report.md": tables.encode(),
+            "report.png": to_bytes(study.reproduction_figure(result), "png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
-    tell(
-        *(case, record),
-        lambda console: print_reproduction(console, record),
-        as_json=as_json,
-        out_dir=out_dir,
-    )
+    tell(case, record, result, as_json=as_json, out_dir=out_dir)
