@@ -47,7 +47,7 @@ def climbs() -> Table:
         flown = result.climb
         values = (
             flown.maximum_altitude_m,
-            flown.maximum_height_wh,
+            flown.maximum_potential_energy_wh,
             flown.gliding_h,
             result.constant.cycle.excess_time_h,
             flown.cycle.excess_time_h,
