@@ -105,7 +105,15 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
 
 
 def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry | None, list[str]]:
-    """Module geometry if VM and FM can be computed, else why they cannot."""
+    """Module geometry if VM and FM can be computed, else why they cannot.
+
+    Parameters
+    ----------
+    log : FlightLog
+        Must have the attitude.
+    aircraft : Aircraft
+        Must have module surfaces.
+    """
     without = "VM and FM are not computed"
     if log.attitude is None:
         return None, [f"{without}: the log has no attitude (roll_deg, pitch_deg, yaw_deg)"]
@@ -117,7 +125,15 @@ def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry 
 def tail_shading(
     aircraft: Aircraft, geometry: ModuleGeometry
 ) -> tuple[ShadedArea | None, str | None]:
-    """Shading by the aircraft's tail, or why it is left out."""
+    """Shading by the aircraft's tail, or why it is left out.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Must have a tail.
+    geometry : ModuleGeometry
+        Its surfaces, which must have outlines.
+    """
     tail = aircraft.modules.tail
     if tail is None:
         return None, f"shading is not modelled: {aircraft.name} has no modules.tail"
@@ -133,7 +149,26 @@ def lit_samples(
     geometry: ModuleGeometry | None,
     shade: ShadedArea | None,
 ) -> tuple[Samples, list[str]]:
-    """Sunlit samples with all models on them, and where their temperatures are from."""
+    """Sunlit samples with all models on them, and where their temperatures are from.
+
+    Parameters
+    ----------
+    log : FlightLog
+        The flight.
+    aircraft : Aircraft
+        Its modules.
+    mission : Mission
+        Clearness, and temperatures that the log does not have.
+    geometry : ModuleGeometry, optional
+        Surfaces for VM and FM; without, only CDM and CAM are computed.
+    shade : callable, optional
+        Shaded area of every surface.
+
+    Raises
+    ------
+    InputError
+        If the sun never rises in the log.
+    """
     sun = sun_position(log.time_s, log.latitude_deg, log.longitude_deg)
     index = np.flatnonzero(sun.elevation_rad > 0.0)
     if not len(index):
@@ -232,7 +267,15 @@ def _solar_day(log: FlightLog, index: IntArray, time_solar_h: FloatArray) -> Int
 
 
 def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
-    """Number stretches of consecutive places within one segment."""
+    """Number stretches of consecutive places within one segment.
+
+    Parameters
+    ----------
+    index : ndarray of int
+        Places in the log, ascending.
+    segment : ndarray of int
+        Number of the segment between gaps that each belongs to.
+    """
     breaks = (np.diff(index) > 1) | (np.diff(segment) > 0)
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
 
