@@ -24,7 +24,8 @@ from sizing.optimisation.cross_check import certify, design_grid
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
-from sizing.performance import performance_of_designs, solar_day
+from sizing.performance import performance_of_designs
+from sizing.sunlight import solar_day
 
 _OBJECTIVES = [o for o in Objective if not o.of_range]
 _GRID_STEP_H = 0.25

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.models.comparison import Comparison, compare
 from studies.models.solar_models import model_label
 

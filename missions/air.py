@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from solar.types import FloatArray
 
 GRAVITY_M_PER_S2 = 9.80665
 GAS_CONSTANT_AIR = 287.05287  # [J/(kg K)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from missions.flight_path import FlightPath, Orbit, Wind, orbit
 from solar.attitude import direction_cosines
@@ -18,7 +18,8 @@ from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.shading import Shading
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_vector_ned
+from solar.sun import cos_zenith, declination, hour_angle, sun_vector_ned
+from solar.types import BoolArray, FloatArray
 
 # Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
 # within 1e-4 of the limit (docs/full-model.md).
@@ -120,7 +121,7 @@ def module_power_on_path(
     clearness: float = 1.0,
     shading: Shading | None = None,
     samples: int = ORBIT_SAMPLES,
-) -> tuple[NDArray[np.bool_], Orbit, ModulePower]:
+) -> tuple[BoolArray, Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
 
     Parameters are those of :func:`mean_power_on_path`.
@@ -147,7 +148,7 @@ def module_power_on_path(
 class _Sky(NamedTuple):
     """Sun and light at the lit times, ready to meet the attitudes on the second axis."""
 
-    lit: NDArray[np.bool_]
+    lit: BoolArray
     sun: FloatArray
     light: Irradiance
     to_ned: FloatArray

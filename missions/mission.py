@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, Strict, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -29,6 +28,7 @@ from solar.schema import (
     UnitInterval,
 )
 from solar.sun import declination, sun_times
+from solar.types import BoolArray, FloatArray, IntArray
 
 Latitude = Annotated[float, Strict(), Field(ge=-90.0, le=90.0, allow_inf_nan=False)]
 Longitude = Annotated[float, Strict(), Field(ge=-180.0, le=180.0, allow_inf_nan=False)]
@@ -377,14 +377,14 @@ class Mission(Record):
 class Scenarios:
     """Latitude and day of year of each scenario, two arrays of one length."""
 
-    latitude_deg: NDArray[np.float64]
-    day_of_year: NDArray[np.int_]
+    latitude_deg: FloatArray
+    day_of_year: IntArray
 
     def __len__(self) -> int:
         return len(self.latitude_deg)
 
     @property
-    def noon_day(self) -> NDArray[np.float64]:
+    def noon_day(self) -> FloatArray:
         """Fractional day of year of each scenario's noon, for the sun."""
         return np.asarray(self.day_of_year + 0.5)
 
@@ -393,7 +393,7 @@ class Scenarios:
         date = dates.date_label(int(self.day_of_year[index]))
         return f"{latitude_label(float(self.latitude_deg[index]))}, {date}"
 
-    def in_polar_night(self) -> NDArray[np.bool_]:
+    def in_polar_night(self) -> BoolArray:
         """Mark the scenarios in which the sun never rises."""
         times = sun_times(self.latitude_deg, declination(self.noon_day))
         return np.asarray(times.day_length_h <= 0.0)

@@ -302,7 +302,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
             payload=mission.payload.mass_kg,
             other=airframe.mass_without_battery_kg - modules_kg,
         ),
-        battery_energy_wh=aircraft.battery.energy_wh * air.usable_capacity,
+        battery_energy_wh=aircraft.battery.battery_energy_wh * air.usable_capacity,
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),

@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.sun import NOON_H, FloatArray
+from solar.sun import NOON_H
+from solar.types import FloatArray
 
 J2000_UNIX_S = 946728000.0  # 1 January 2000, 12:00 UTC
 SECONDS_PER_DAY = 86400.0

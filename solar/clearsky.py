@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.sun import DAYS_PER_YEAR, FloatArray, day_angle
+from solar.sun import DAYS_PER_YEAR, day_angle
+from solar.types import FloatArray
 
 # Apparent extraterrestrial irradiance [W/m2], optical depth [-], diffuse ratio [-], Jan..Dec.
 # Source: Markus & Morris (1980), ASHRAE type; the set used in the design of AtlantikSolar.

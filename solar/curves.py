@@ -9,11 +9,11 @@ from importlib import resources
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from solar.schema import Real, Record
-from solar.sun import FloatArray
+from solar.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -64,7 +64,7 @@ class _Pieces:
     end: FloatArray
     cubic: FloatArray
     bins_per_x: float
-    piece_of_bin: NDArray[np.intp] | None
+    piece_of_bin: IntArray | None
 
     @classmethod
     def of(cls, interpolant: PchipInterpolator) -> _Pieces:

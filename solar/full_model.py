@@ -17,7 +17,7 @@ from solar.geometry import ModuleGeometry, cos_angle_of_incidence
 from solar.modules import SolarCell
 from solar.power import conceptual_analysis_model
 from solar.shading import Shading
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 _ITERATIONS = 60
 _TOLERANCE = 1e-12

@@ -14,7 +14,7 @@ from pydantic import Field, Strict, model_validator
 
 from solar.attitude import direction_cosines
 from solar.schema import PositiveReal, Real, Record, Text
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 _Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
 

@@ -11,7 +11,7 @@ from pydantic import Field, Strict, model_validator
 
 from solar.curves import Curve, shipped_curve
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 STC_TEMPERATURE_C = 25.0
 STC_IRRADIANCE_W_PER_M2 = 1000.0

@@ -23,7 +23,8 @@ from solar.clearsky import (
 from solar.correction import correction
 from solar.modules import SolarCell
 from solar.names import CorrectionName, ModelName
-from solar.sun import NOON_H, FloatArray, declination, hour_angle, sun_arc
+from solar.sun import NOON_H, declination, hour_angle, sun_arc
+from solar.types import FloatArray
 
 
 def conceptual_design_model(

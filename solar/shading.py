@@ -14,14 +14,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import field_validator
 
 from solar.attitude import direction_cosines
 from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
 from solar.schema import PositiveReal, Real, Record
 from solar.shading_losses import LossModel, apply_losses, no_losses
-from solar.sun import FloatArray
+from solar.types import FloatArray, IntArray
 
 # A sun closer than 0.06 degrees to the plane of a module gives it less than 1 W/m2 of direct light;
 # the shadows would be hundreds of metres long, and their corners inexact.
@@ -332,7 +332,7 @@ def _covered_area(frame: _ModuleFrame, panels: Sequence[FloatArray], sun: FloatA
 
 def _shadow_corners(
     panel: FloatArray, sun: FloatArray, half: FloatArray
-) -> tuple[FloatArray, NDArray[np.intp]]:
+) -> tuple[FloatArray, IntArray]:
     """Shadows that may reach a module around the origin, and the indices of their suns.
 
     All in the axes of the module, the sun above its plane. A corner at the height ``w`` falls at

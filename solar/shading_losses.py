@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 LossModel = Callable[[FloatArray], FloatArray]
 """From the shaded fraction of each surface to the lost fraction of its direct light.

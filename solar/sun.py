@@ -13,9 +13,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from solar.types import FloatArray
 
 DAYS_PER_YEAR = 365.0
 HOURS_PER_DAY = 24.0

@@ -13,8 +13,8 @@ from rich.table import Table
 
 from missions.mission import Scenarios
 from sizing.altitude.ceiling import AltitudeFlight, PerpetualCeiling
-from sizing.performance import SolarModel
 from sizing.results.records import finite
+from sizing.sunlight import SolarModel
 from studies.output.plots import CHARGE, LOAD, SUN, caption
 
 _PRINTED_ROWS = 20

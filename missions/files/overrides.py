@@ -1,12 +1,15 @@
-"""Values given on the command line as ``dotted.key=value``, put into a document."""
+"""Values that replace others: on the command line ``dotted.key=value``, in Python by dotted key."""
 
 from __future__ import annotations
 
 import copy
 import dataclasses
 import re
+import typing
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias, TypeVar
+
+from pydantic import BaseModel
 
 from missions.files.errors import (
     OVERRIDE,
@@ -18,12 +21,14 @@ from missions.files.errors import (
     shortened,
     shown,
 )
+from missions.files.validation import validate
 from missions.files.yaml import Document, Marks, plain_data
 from missions.files.yaml_nodes import NOT_YAML, compose
 
-__all__ = ["Overrides", "with_overrides"]
+__all__ = ["Overrides", "with_overrides", "with_values"]
 
 T = TypeVar("T")
+R = TypeVar("R", bound=BaseModel)
 
 # By dotted key, or texts ``dotted.key=value`` whose values follow the rules of the files.
 Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
@@ -143,3 +148,72 @@ def _step(holder: Any, path: KeyPath, part: str, name: str) -> str | int:
         return int(part)
     allowed = f"an index from 0 to {len(holder) - 1}" if holder else "no index: it is empty"
     raise _error(name, f"{dotted(path)} is a list and takes {allowed} (got {shown(part)})")
+
+
+def with_values(record: R, values: Mapping[str, Any]) -> R:
+    """Return a checked copy of a record with some values replaced.
+
+    Unlike ``model_copy``, which takes whatever it is given, every validator of the record and of
+    the records inside it that change is run.
+
+    Parameters
+    ----------
+    record : Record
+        Aircraft, mission or a part of one; it is not changed.
+    values : mapping
+        New values by their dotted key as in a file, ``{"payload.mass_kg": 0.5}``: records, or
+        plain data. Items of tuples are named by their index from 0.
+
+    Returns
+    -------
+    Record
+        Of the same class.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or the record would not be valid; its source is the record's class.
+    """
+    source = type(record).__name__
+    data = _as_data(record)
+    problems: list[Problem] = []
+    for key, value in values.items():
+        try:
+            _put(data, key.split("."), value)
+        except (KeyError, ValueError, IndexError, TypeError):
+            problems.append(Problem(source, None, None, key, "leads to no value of this record"))
+    if problems:
+        raise InputError(problems)
+    return validate(Document(source, data), type(record))
+
+
+def _as_data(record: BaseModel) -> dict[str, Any]:
+    """Return the keys of a record as in a file; the records inside it stay records."""
+    return {
+        info.alias or name: getattr(record, name)
+        for name, info in type(record).model_fields.items()
+        # Only what was given, and what tells one kind of record from another.
+        if name in record.model_fields_set or typing.get_origin(info.annotation) is typing.Literal
+    }
+
+
+def _put(holder: Any, parts: Sequence[str], value: Any) -> None:
+    """Replace one value, opening the records on the way to it."""
+    first, *rest = parts
+    key = int(first) if isinstance(holder, list) else first
+    if rest:
+        inner = holder.get(key) if isinstance(holder, dict) else holder[key]
+        holder[key] = inner = _opened(inner)
+        _put(inner, rest, value)
+    else:
+        holder[key] = value
+
+
+def _opened(value: Any) -> dict[str, Any] | list[Any]:
+    if value is None:
+        return {}
+    if isinstance(value, BaseModel):
+        return _as_data(value)
+    if isinstance(value, dict | list | tuple):
+        return dict(value) if isinstance(value, dict) else list(value)
+    raise TypeError

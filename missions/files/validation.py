@@ -1,16 +1,14 @@
-"""Strict reader of aircraft and mission files that points at the line of every mistake.
+"""Check of aircraft and mission files against their models, with the line of every mistake.
 
 A file is read in three steps: the text is parsed into plain data and the place of each key
 (`missions.files.yaml`), values given on the command line replace or add keys
-(`missions.files.overrides`), and a pydantic model checks the result (`validate`). `load` does all
-three. Every mistake of the user ends as an `InputError`, whose problems name file, line and
-column.
+(`missions.files.overrides`), and a pydantic model checks the result (`validate`). Every mistake of
+the user ends as an `InputError`, whose problems name file, line and column.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import os
 import typing
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,23 +20,11 @@ from pydantic_core import ErrorDetails
 from missions.files.errors import OVERRIDE, InputError, KeyPath, Problem, dotted, shown
 from missions.files.field_types import Place, follow, value_at
 from missions.files.messages import one_line, unknown_key, worded
-from missions.files.overrides import with_overrides
-from missions.files.yaml import Document, read_yaml
+from missions.files.yaml import Document
 
-__all__ = ["load", "located_error", "validate"]
+__all__ = ["located_error", "validate"]
 
 M = TypeVar("M", bound=BaseModel)
-
-
-def load(path: str | os.PathLike[str], model: type[M], overrides: Sequence[str] = ()) -> M:
-    """Read a YAML file, apply overrides ``dotted.key=value`` and validate the result.
-
-    Raises
-    ------
-    InputError
-        If anything is wrong with the file or an override.
-    """
-    return validate(with_overrides(read_yaml(path), overrides), model)
 
 
 def validate(document: Document, model: type[M]) -> M:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.files.errors import file_error, printable
-from missions.logs.table import ATTITUDE, EPOCH, BoolArray, FlightLog, log_from_table
-from solar.sun import FloatArray
+from missions.logs.table import ATTITUDE, EPOCH, FlightLog, log_from_table
+from solar.types import BoolArray, FloatArray
 
 # A sample of a topic stands for a time no further from it than this [s].
 _ATTITUDE_AGE_S, _POSITION_AGE_S, _BATTERY_AGE_S = 0.5, 2.0, 5.0

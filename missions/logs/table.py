@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     import pandas as pd
 
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int_]
 
 TIME, EPOCH = "time_utc", "time_utc_s"
 ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")

@@ -32,13 +32,15 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import ClimbLimits, FlightLevels, flight_levels
 from sizing.altitude.climb_march import Balance, Flows, March, Strategy, periodic_state
-from sizing.energy.cycle import Cycle, EnergyAccount, equal_power, excess_and_status
-from sizing.energy.march import BoolArray, FloatArray, Store
-from sizing.performance import UNCORRECTED_CAM, Performance, SolarModel, performance, solar_day
+from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
+from sizing.energy.march import Store
+from sizing.performance import Performance, performance
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
-class ClimbAccount:
+class ClimbEnergyBudget:
     """Where the energy of one cycle goes [Wh]; arrays of the scenarios.
 
     ``solar + unserved = constant_load + level_flight + propulsion_loss + stored + stored_height
@@ -62,7 +64,7 @@ class ClimbAccount:
 
     @property
     def imbalance_wh(self) -> FloatArray:
-        """What the account leaves unexplained [Wh]: rounding."""
+        """What the budget leaves unexplained [Wh]: rounding."""
         sources = self.solar_wh + self.unserved_wh
         uses = self.constant_load_wh + self.level_flight_wh + self.propulsion_loss_wh
         stores = self.stored_wh + self.stored_height_wh
@@ -84,7 +86,7 @@ class ClimbCycle:
     """
 
     cycle: Cycle
-    account: ClimbAccount
+    energy_budget: ClimbEnergyBudget
     time_h: FloatArray
     altitude_m: FloatArray
     energy_wh: FloatArray
@@ -172,7 +174,7 @@ def simulate_climb(
     levels : FlightLevels
         Solar power, propulsion power and stored height over altitude.
     store : Store
-        Batteries; ``energy_max_wh`` broadcasts with the scenarios.
+        Batteries; ``battery_energy_wh`` broadcasts with the scenarios.
     strategy : {"battery_full", "surplus"}
         When surplus power may be spent on climbing.
 
@@ -182,8 +184,8 @@ def simulate_climb(
         Arrays of the scenarios.
     """
     scenarios = levels.solar_power_w.shape[1]
-    energy_max = np.broadcast_to(store.energy_max_wh, (scenarios,)).astype(float)
-    march = March(time_h, levels, replace(store, energy_max_wh=energy_max), strategy)
+    energy_max = np.broadcast_to(store.battery_energy_wh, (scenarios,)).astype(float)
+    march = March(time_h, levels, replace(store, battery_energy_wh=energy_max), strategy)
     energy, height = periodic_state(march)
     record = _Record(march)
     record.close(*march.fly(energy, height, record.note))
@@ -228,7 +230,7 @@ class _Record:
         levels = self.march.levels
         return ClimbCycle(
             cycle=self._cycle(),
-            account=self._account(),
+            energy_budget=self._energy_budget(),
             time_h=self.time_h,
             altitude_m=levels.altitude_at(self.height.T),
             energy_wh=self.energy.T.copy(),
@@ -239,11 +241,11 @@ class _Record:
             gliding_h=_gliding_h(self.time_h, self.height),
         )
 
-    def _account(self) -> ClimbAccount:
+    def _energy_budget(self) -> ClimbEnergyBudget:
         sums, march = self.sums, self.march
         eta = march.levels.limits.efficiency
         electric = sums.level_electric_wh + sums.climb_wh - sums.glide_wh
-        return ClimbAccount(
+        return ClimbEnergyBudget(
             solar_wh=sums.solar_wh,
             unserved_wh=sums.unserved_wh,
             constant_load_wh=np.full_like(sums.solar_wh, 24.0 * march.levels.constant_power_w),
@@ -261,7 +263,7 @@ class _Record:
     def _cycle(self) -> Cycle:
         """Metrics of :mod:`sizing.energy.cycle`, with the height that is left at dawn."""
         march, sums = self.march, self.sums
-        capacity, levels = march.store.energy_max_wh, march.levels
+        capacity, levels = march.store.battery_energy_wh, march.levels
         floor_w = levels.solar_power_w[0].T
         equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
         excess, status = excess_and_status(
@@ -273,7 +275,7 @@ class _Record:
         )
         lowest = self.energy.min(axis=0) / capacity
         first_full, last_full = self._full_h()
-        account = self._account()
+        budget = self._energy_budget()
         motor_wh = sums.level_electric_wh + sums.climb_wh - sums.glide_wh
         return Cycle(
             status=status,
@@ -284,13 +286,13 @@ class _Record:
             equal_power_evening_h=equal.evening_h,
             full_charge_h=first_full,
             missing_h=sums.missing_h,
-            account=EnergyAccount(
+            energy_budget=EnergyBudget(
                 solar_wh=sums.solar_wh,
-                load_wh=account.constant_load_wh + motor_wh,
+                load_wh=budget.constant_load_wh + motor_wh,
                 unserved_wh=sums.unserved_wh,
-                stored_wh=account.stored_wh,
-                charge_loss_wh=account.charge_loss_wh,
-                discharge_loss_wh=account.discharge_loss_wh,
+                stored_wh=budget.stored_wh,
+                charge_loss_wh=budget.charge_loss_wh,
+                discharge_loss_wh=budget.discharge_loss_wh,
                 curtailed_wh=sums.curtailed_wh,
             ),
             time_h=march.node_h,

@@ -11,8 +11,9 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, measured_design, parametric_design
-from sizing.energy.march import FloatArray
-from sizing.performance import Performance, SolarDay, SolarModel, solar_day
+from sizing.performance import Performance
+from sizing.sunlight import SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 # Between levels everything is linear: the pressure's curvature over 500 m is 0.05 %.
 _LEVEL_SPACING_M = 500.0

@@ -12,12 +12,11 @@ import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.energy.march import (
-    BoolArray,
-    FloatArray,
     Store,
     crossing_fraction,
     positive_part_wh,
 )
+from solar.types import BoolArray, FloatArray
 
 Strategy = Literal["battery_full", "surplus"]
 
@@ -71,7 +70,7 @@ class March:
         self.places = np.arange(levels.solar_power_w.shape[1])
         rises = np.diff(levels.height_wh)
         self.per_wh = 1.0 / np.where(rises > 0.0, rises, np.inf)
-        self.full_wh = _FULL * store.energy_max_wh
+        self.full_wh = _FULL * store.battery_energy_wh
 
     @property
     def time_h(self) -> FloatArray:
@@ -181,7 +180,7 @@ class March:
             return np.where(full, left_over, 0.0)
         # In the step that fills the battery, only what comes after that instant; a step that
         # counted as a whole would make the day's gain jump with the state of charge.
-        soc = np.minimum(energy / self.store.energy_max_wh, 1.0)
+        soc = np.minimum(energy / self.store.battery_energy_wh, 1.0)
         after = np.clip(1.0 - clock.hours_to_full(soc) / hours, 0.0, 1.0)
         return np.where(full, np.minimum(left_over, after * surplus), 0.0)
 
@@ -234,7 +233,7 @@ def periodic_state(march: March) -> tuple[FloatArray, FloatArray]:
     the energies that are known to rise and to fall if the series leaves them. Where height is left
     at midnight the battery was full in the evening, and plain repetition settles fast.
     """
-    capacity = march.store.energy_max_wh
+    capacity = march.store.battery_energy_wh
     energy, height = capacity.copy(), np.zeros_like(capacity)
     scale = np.maximum(capacity, march.height_max)
     bracket = _EnergyBracket(capacity)

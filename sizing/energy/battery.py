@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
 from solar.schema import Fraction, PositiveReal, Record, UnitInterval
-
-FloatArray = NDArray[np.float64]
+from solar.types import FloatArray
 
 # Fine enough that integrating 1/rate over it by the trapezoidal rule errs by less than 1e-6 h.
 _TABLE_POINTS = 4001
@@ -139,6 +138,6 @@ class Battery(Record):
     charge_limit: ChargeLimit = NoChargeLimit()
 
     @property
-    def energy_wh(self) -> float:
+    def battery_energy_wh(self) -> float:
         """Energy at full charge [Wh]."""
         return self.mass_kg * self.specific_energy_wh_per_kg

@@ -23,11 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sizing.energy.march import (
-    BoolArray,
     ChargingDay,
     DayRun,
-    FloatArray,
-    IntArray,
     PowerBalance,
     Step,
     Store,
@@ -41,6 +38,7 @@ from sizing.energy.march import (
     surplus_phase_h,
     unserved_h,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
 _FULL = 1.0 - 1e-9  # of the capacity: what the clock's table resolves
 # Elements of a batch simulated at once: a day of each array stays near the processor.
@@ -57,7 +55,7 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True)
-class EnergyAccount:
+class EnergyBudget:
     """Where the energy of one cycle goes [Wh]; arrays of the batch.
 
     ``solar + unserved = load + stored + charge_loss + discharge_loss + curtailed``.
@@ -84,7 +82,7 @@ class Cycle:
     equal_power_evening_h: FloatArray
     full_charge_h: FloatArray
     missing_h: FloatArray
-    account: EnergyAccount
+    energy_budget: EnergyBudget
     time_h: FloatArray
     energy_wh: FloatArray
 
@@ -182,7 +180,7 @@ def simulate_cycle(
     load_w : array_like
         Power that the aircraft draws [W], broadcasting with ``solar_power_w``.
     store : Store
-        Batteries; ``energy_max_wh`` broadcasts with the batch ``...``.
+        Batteries; ``battery_energy_wh`` broadcasts with the batch ``...``.
     nominal_load_w : array_like, shape (...), optional
         Load that defines equal power and excess time [W]; the smallest load of the day if omitted.
     keep_trajectory : bool
@@ -196,10 +194,12 @@ def simulate_cycle(
     time = np.asarray(time_h, float)
     solar, load = np.broadcast_arrays(np.asarray(solar_power_w, float), np.asarray(load_w, float))
     nominal = np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
-    batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, np.shape(store.energy_max_wh))
+    batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, np.shape(store.battery_energy_wh))
     solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
-    nominal, full = (np.broadcast_to(v, batch).reshape(-1) for v in (nominal, store.energy_max_wh))
-    cells = _Cells(time, solar, load, nominal, replace(store, energy_max_wh=full))
+    nominal, full = (
+        np.broadcast_to(v, batch).reshape(-1) for v in (nominal, store.battery_energy_wh)
+    )
+    cells = _Cells(time, solar, load, nominal, replace(store, battery_energy_wh=full))
     return _reshaped(_simulated(cells, keep_trajectory), batch)
 
 
@@ -256,23 +256,23 @@ def _simulated(cells: _Cells, keep_trajectory: bool) -> Cycle:
 
 def _columns(kind: type) -> list[str]:
     """Names of the fields that have an element for every element of the batch."""
-    return [f.name for f in fields(kind) if f.name not in ("time_h", "account")]
+    return [f.name for f in fields(kind) if f.name not in ("time_h", "energy_budget")]
 
 
 def _joined(parts: list[Cycle]) -> Cycle:
-    account = {
-        name: np.concatenate([getattr(p.account, name) for p in parts])
-        for name in _columns(EnergyAccount)
+    budget = {
+        name: np.concatenate([getattr(p.energy_budget, name) for p in parts])
+        for name in _columns(EnergyBudget)
     }
     columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in _columns(Cycle)}
-    return Cycle(**columns, account=EnergyAccount(**account), time_h=parts[0].time_h)
+    return Cycle(**columns, energy_budget=EnergyBudget(**budget), time_h=parts[0].time_h)
 
 
 def _overwrite(cycle: Cycle, places: IntArray, part: Cycle) -> None:
     for name in _columns(Cycle):
         getattr(cycle, name)[places] = getattr(part, name)
-    for name in _columns(EnergyAccount):
-        getattr(cycle.account, name)[places] = getattr(part.account, name)
+    for name in _columns(EnergyBudget):
+        getattr(cycle.energy_budget, name)[places] = getattr(part.energy_budget, name)
 
 
 def _reshaped(cycle: Cycle, batch: tuple[int, ...]) -> Cycle:
@@ -280,8 +280,8 @@ def _reshaped(cycle: Cycle, batch: tuple[int, ...]) -> Cycle:
         columns = {name: getattr(part, name) for name in _columns(kind)}
         return {name: v.reshape(batch + v.shape[1:]) for name, v in columns.items()}
 
-    account = EnergyAccount(**shaped(cycle.account, EnergyAccount))
-    return replace(cycle, **shaped(cycle, Cycle), account=account)
+    budget = EnergyBudget(**shaped(cycle.energy_budget, EnergyBudget))
+    return replace(cycle, **shaped(cycle, Cycle), energy_budget=budget)
 
 
 def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory: bool) -> Cycle:
@@ -289,22 +289,22 @@ def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory
     store, nominal = run.store, cells.nominal_w
     equal = equal_power(cells.time_h, cells.above_nominal_w(balance))
     missing_h, unserved = _missing(balance, run)
-    account = _account(cells, run, unserved)
+    budget = _energy_budget(cells, run, unserved)
     first_full, last_full = _full_charge_h(balance, run)
     # A last digit of unserved energy may be left by the fixed point's tolerance.
-    starved = unserved > 1e-9 * store.energy_max_wh
+    starved = unserved > 1e-9 * store.battery_energy_wh
     with np.errstate(divide="ignore", invalid="ignore"):
         left_over = _dawn_wh(balance, run, equal) * store.discharge_efficiency
         surplus_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
     excess, status = excess_and_status(
         equal,
         starved=starved,
-        sunlit=account.solar_wh > 0.0,
+        sunlit=budget.solar_wh > 0.0,
         missing_h=missing_h,
         reserve_h=surplus_h,
     )
     lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
-    state = np.maximum(lowest, 0.0) / store.energy_max_wh
+    state = np.maximum(lowest, 0.0) / store.battery_energy_wh
     nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     return Cycle(
         status=status,
@@ -315,7 +315,7 @@ def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory
         equal_power_evening_h=equal.evening_h,
         full_charge_h=first_full,
         missing_h=missing_h,
-        account=account,
+        energy_budget=budget,
         time_h=cells.time_h,
         energy_wh=nodes.T,
     )
@@ -379,10 +379,10 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     )
     lacking = -eta * np.concatenate((run.drained_wh[row, cells], midnight[dark]))
     cells = np.concatenate((cells, dark))
-    level = np.maximum(day.cumulative_wh[until, cells] - lacking, 0.0)
-    number = np.minimum(interval_reaching(day.cumulative_wh, level, cells), until - 1)
+    level = np.maximum(day.cumulative_deficit_wh[until, cells] - lacking, 0.0)
+    number = np.minimum(interval_reaching(day.cumulative_deficit_wh, level, cells), until - 1)
     interval = balance.interval_of(number, cells)
-    rest = np.clip(day.cumulative_wh[number + 1, cells] - level, 0.0, None)
+    rest = np.clip(day.cumulative_deficit_wh[number + 1, cells] - level, 0.0, None)
     none = np.zeros_like(rest)
     hours = running_sum(balance.deficit_h())
     missing = unserved_h(Step(interval, none, none, none, none, rest))
@@ -395,7 +395,7 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
 
 def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
     """First and last instant of full charge by the clock [h], NaN where there is none."""
-    full = (run.after_charge_wh >= _FULL * run.store.energy_max_wh) & (run.day.surplus_wh > 0.0)
+    full = (run.after_charge_wh >= _FULL * run.store.battery_energy_wh) & (run.day.surplus_wh > 0.0)
     if not len(full):
         none = np.full(len(run.start_wh), np.nan)
         return none, none
@@ -414,14 +414,14 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
     return np.where(begin.any, first, np.nan), np.where(end.any, last, np.nan)
 
 
-def _account(cells: _Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyAccount:
+def _energy_budget(cells: _Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
     store = run.store
     into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
     surplus = sum_over_time(run.day.surplus_wh)
     stored = run.end_wh - run.start_wh
     drawn = into_store - stored
     taken = into_store / store.charge_efficiency
-    return EnergyAccount(
+    return EnergyBudget(
         solar_wh=_integral_wh(cells.time_h, cells.solar_w),
         load_wh=_integral_wh(cells.time_h, cells.load_w),
         unserved_wh=unserved_wh,

@@ -16,10 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sizing.energy.march import (
-    BoolArray,
     ChargingDay,
-    FloatArray,
-    IntArray,
     PowerBalance,
     Step,
     Store,
@@ -29,6 +26,7 @@ from sizing.energy.march import (
     positive_part_wh,
     running_sum,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
 HOURS_PER_DAY = 24.0
 MAXIMUM_DAYS = 366
@@ -165,7 +163,7 @@ class _Aloft(NamedTuple):
 
     cell: IntArray
     energy_wh: FloatArray
-    paid_wh: FloatArray
+    settled_deficit_wh: FloatArray
     loss_wh: FloatArray
     skipped_h: FloatArray
 
@@ -173,7 +171,7 @@ class _Aloft(NamedTuple):
         return _Aloft(
             self.cell[some],
             self.energy_wh[some],
-            self.paid_wh[some],
+            self.settled_deficit_wh[some],
             self.loss_wh[some],
             self.skipped_h[some],
         )
@@ -208,10 +206,10 @@ class _Flights:
 
     @classmethod
     def of(cls, balance: PowerBalance, store: Store, shape: tuple[int, ...]) -> _Flights:
-        energy = np.broadcast_to(store.energy_max_wh, shape).reshape(-1)
+        energy = np.broadcast_to(store.battery_energy_wh, shape).reshape(-1)
         day = ChargingDay.of(balance)
-        last_owed = np.maximum.reduce(day.owed_wh, axis=0, initial=-np.inf)
-        return cls(balance, day, replace(store, energy_max_wh=energy), last_owed)
+        last_owed = np.maximum.reduce(day.deficit_before_surplus_wh, axis=0, initial=-np.inf)
+        return cls(balance, day, replace(store, battery_energy_wh=energy), last_owed)
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Flight time [h] in some elements of the batch from launches with a full battery."""
@@ -226,9 +224,9 @@ class _Flights:
         battery = np.arange(len(cells))  # of every flight, -1 when it is over
         aloft = _Aloft(
             cell=cells,
-            energy_wh=self.store.energy_max_wh[cells],
+            energy_wh=self.store.battery_energy_wh[cells],
             # A full battery that owes nothing for the hours before the launch.
-            paid_wh=self._deficit_until_wh(launch_h, cells),
+            settled_deficit_wh=self._deficit_until_wh(launch_h, cells),
             loss_wh=np.full(len(cells), np.nan),
             skipped_h=np.zeros(len(cells)),
         )
@@ -258,20 +256,24 @@ class _Flights:
         elapsed = np.minimum(clock_h - interval.start_h, interval.hours)
         here = interval.left_w + (interval.right_w - interval.left_w) * elapsed / interval.hours
         return np.asarray(
-            self.day.cumulative_wh[number, cells]
+            self.day.cumulative_deficit_wh[number, cells]
             + positive_part_wh(-interval.left_w, -here, elapsed)
         )
 
     def _flown_day(self, aloft: _Aloft) -> _FlownDay:
         level = np.full(len(aloft.cell), np.nan)
-        energy, paid, lowest = aloft.energy_wh.copy(), aloft.paid_wh.copy(), aloft.energy_wh.copy()
+        energy, paid, lowest = (
+            aloft.energy_wh.copy(),
+            aloft.settled_deficit_wh.copy(),
+            aloft.energy_wh.copy(),
+        )
         # After the last surplus of the day nothing but the deficit is left.
-        lit = np.flatnonzero(self.last_owed_wh[aloft.cell] > aloft.paid_wh)
+        lit = np.flatnonzero(self.last_owed_wh[aloft.cell] > aloft.settled_deficit_wh)
         level[lit], energy[lit], paid[lit], lowest[lit] = self._lit_day(aloft.select(lit))
         store = self.store.select(aloft.cell)
-        deficit = self.day.cumulative_wh[-1][aloft.cell]
+        deficit = self.day.cumulative_deficit_wh[-1][aloft.cell]
         midnight = energy - (deficit - paid) / store.discharge_efficiency
-        last = (midnight < -_SHORT * store.energy_max_wh) & np.isnan(level)
+        last = (midnight < -_SHORT * store.battery_energy_wh) & np.isnan(level)
         level[last] = (deficit + store.discharge_efficiency * midnight)[last]
         midnight = np.maximum(midnight, 0.0)
         return _FlownDay(level, midnight, np.maximum(np.minimum(lowest, midnight), 0.0))
@@ -279,11 +281,11 @@ class _Flights:
     def _lit_day(self, aloft: _Aloft) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Level of the deficit at the end of flights, energy, deficit paid, and lowest energy."""
         day, store = self.day.without_nodes().select(aloft.cell), self.store.select(aloft.cell)
-        least = -_SHORT * store.energy_max_wh
+        least = -_SHORT * store.battery_energy_wh
         level = np.full(len(aloft.cell), np.nan)
-        energy, paid, lowest = aloft.energy_wh, aloft.paid_wh, aloft.energy_wh
+        energy, paid, lowest = aloft.energy_wh, aloft.settled_deficit_wh, aloft.energy_wh
         for step in day.charge(store, energy, paid):
-            energy, paid = step.after_charge_wh, step.paid_wh
+            energy, paid = step.after_charge_wh, step.settled_deficit_wh
             lowest = np.minimum(lowest, step.drained_wh)
             short = step.drained_wh < least
             if short.any():
@@ -293,7 +295,7 @@ class _Flights:
 
     def _hour_of(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Solar time at which the deficit since midnight reaches a level [h]."""
-        sums = self.day.cumulative_wh
+        sums = self.day.cumulative_deficit_wh
         level = np.maximum(level_wh, 0.0)
         interval = self.balance.interval_of(interval_reaching(sums, level, cells), cells)
         rest = np.maximum(sums[interval.number + 1, cells] - level, 0.0)
@@ -302,20 +304,20 @@ class _Flights:
 
     def _endless(self, number: int, aloft: _Aloft, day: _FlownDay) -> BoolArray:
         """From the second day on, a day that gives back what it takes repeats for ever."""
-        full = self.store.energy_max_wh[aloft.cell]
+        full = self.store.battery_energy_wh[aloft.cell]
         endless = aloft.energy_wh - day.midnight_wh <= 1e-11 * full
         return endless & (number >= _DAYS_OF_LAUNCH)
 
     def _next_day(self, number: int, aloft: _Aloft, day: _FlownDay) -> _Aloft:
         """Flights at the next midnight; whole days that lose the same energy are skipped."""
-        full = self.store.energy_max_wh[aloft.cell]
+        full = self.store.battery_energy_wh[aloft.cell]
         loss = aloft.energy_wh - day.midnight_wh
         alike = (np.abs(loss - aloft.loss_wh) <= 1e-9 * full) & (loss > 1e-9 * full)
         days = np.floor(day.lowest_wh / np.where(alike, loss, 1.0)) - 1.0
         days = np.where(alike, np.clip(days, 0.0, MAXIMUM_DAYS), 0.0)
         return aloft._replace(
             energy_wh=day.midnight_wh - days * loss,
-            paid_wh=np.zeros(len(full)),
+            settled_deficit_wh=np.zeros(len(full)),
             # The days of the launch are no measure, whatever flights have become twins.
             loss_wh=loss if number >= _DAYS_OF_LAUNCH else np.full(len(loss), np.nan),
             skipped_h=aloft.skipped_h + days * HOURS_PER_DAY,

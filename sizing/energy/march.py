@@ -25,9 +25,6 @@ from numpy.typing import ArrayLike
 from sizing.energy.battery import Battery, ChargeClock
 from sizing.energy.bracketing import falling_root
 from sizing.energy.power_balance import (
-    BoolArray,
-    FloatArray,
-    IntArray,
     Interval,
     PowerBalance,
     crossing_fraction,
@@ -39,13 +36,11 @@ from sizing.energy.power_balance import (
     sum_over_time,
     surplus_phase_h,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
 __all__ = [
-    "BoolArray",
     "ChargingDay",
     "DayRun",
-    "FloatArray",
-    "IntArray",
     "Interval",
     "PowerBalance",
     "Step",
@@ -72,19 +67,19 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Store:
-    """What the time marching needs of the batteries; ``energy_max_wh`` is an array of the batch."""
+    """What the time marching needs of the batteries; energy at full charge is that of a batch."""
 
-    energy_max_wh: FloatArray
+    battery_energy_wh: FloatArray
     charge_efficiency: float
     discharge_efficiency: float
     clock: ChargeClock | None
 
     @classmethod
-    def of(cls, battery: Battery, energy_max_wh: ArrayLike | None = None) -> Store:
+    def of(cls, battery: Battery, battery_energy_wh: ArrayLike | None = None) -> Store:
         """Store of a battery, or of a batch that differs from it in capacity alone."""
-        energy = battery.energy_wh if energy_max_wh is None else energy_max_wh
+        energy = battery.battery_energy_wh if battery_energy_wh is None else battery_energy_wh
         return cls(
-            energy_max_wh=np.asarray(energy, float),
+            battery_energy_wh=np.asarray(energy, float),
             charge_efficiency=battery.charge_efficiency,
             discharge_efficiency=battery.discharge_efficiency,
             clock=ChargeClock.of(battery.charge_limit),
@@ -92,17 +87,17 @@ class Store:
 
     def spread(self, shape: tuple[int, ...]) -> Store:
         """Store of every element of a batch."""
-        return replace(self, energy_max_wh=np.broadcast_to(self.energy_max_wh, shape))
+        return replace(self, battery_energy_wh=np.broadcast_to(self.battery_energy_wh, shape))
 
     def select(self, cells: IntArray | BoolArray | slice) -> Store:
         """Store of a part of a one-dimensional batch."""
-        return replace(self, energy_max_wh=self.energy_max_wh[cells])
+        return replace(self, battery_energy_wh=self.battery_energy_wh[cells])
 
     def charged(
         self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
     ) -> FloatArray:
         """Stored energy after charging from a surplus for some hours [Wh]."""
-        target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.energy_max_wh)
+        target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
         if self.clock is None:
             return np.asarray(target)
         # While the limit is constant it adds a constant power; the clock is asked beyond that.
@@ -111,21 +106,23 @@ class Store:
         tapered = charged > np.maximum(energy_wh, self._constant_up_to_wh)
         at = np.flatnonzero(tapered)
         if len(at):
-            picked = (_pick(v, tapered, at) for v in (self.energy_max_wh, energy_wh, target, hours))
+            picked = (
+                _pick(v, tapered, at) for v in (self.battery_energy_wh, energy_wh, target, hours)
+            )
             charged.reshape(-1)[at] = self._tapered(self.clock, *picked)
         return charged
 
     @cached_property
     def _constant_limit_w(self) -> FloatArray:
         """Charge limit of an empty battery [W], counted in stored power."""
-        return self.energy_max_wh * (
+        return self.battery_energy_wh * (
             np.inf if self.clock is None else self.clock.constant_rate_per_h
         )
 
     @cached_property
     def _constant_up_to_wh(self) -> FloatArray:
         """Energy up to which the charge limit is constant [Wh]."""
-        return self.energy_max_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
+        return self.battery_energy_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
 
     @staticmethod
     def _tapered(
@@ -189,13 +186,13 @@ def full_after_h(step: Step, store: Store) -> FloatArray:
     interval = step.interval
     begin, end = surplus_phase_h(interval)
     stored = store.charge_efficiency * interval.surplus_wh
-    wanted = np.maximum(store.energy_max_wh - step.before_charge_wh, 0.0)
+    wanted = np.maximum(store.battery_energy_wh - step.before_charge_wh, 0.0)
     share = wanted / np.maximum(stored, 1e-300)
     hours = (end - begin) * ramp_fraction(
         np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0), share
     )
     if store.clock is not None:
-        soc = np.minimum(step.before_charge_wh / store.energy_max_wh, 1.0)
+        soc = np.minimum(step.before_charge_wh / store.battery_energy_wh, 1.0)
         hours = np.maximum(hours, store.clock.hours_to_full(soc))
     return np.minimum(begin + hours, end)
 
@@ -229,13 +226,13 @@ class Charging(NamedTuple):
     """Batteries over the surplus of one interval [Wh].
 
     ``drained_wh`` is the energy before charging, below zero where the battery ran empty on the
-    way; ``paid_wh`` is the deficit since midnight that has been taken from the battery.
+    way; ``settled_deficit_wh`` is the deficit since midnight that has been taken from the battery.
     """
 
     drained_wh: FloatArray
     before_charge_wh: FloatArray
     after_charge_wh: FloatArray
-    paid_wh: FloatArray
+    settled_deficit_wh: FloatArray
 
 
 @dataclass(frozen=True)
@@ -243,17 +240,18 @@ class ChargingDay:
     """A day reduced to the intervals in which batteries are charged; time is the first axis.
 
     Between two surpluses a battery only falls, to zero at the most, so the deficits in between are
-    taken at once and exactly: nights are a single step. ``cumulative_wh`` is the deficit from
-    midnight to every node. ``owed_wh`` is the deficit from midnight to the surplus of the interval,
-    minus infinity where an element of the batch has no surplus there: the interval then changes
-    nothing, so that what an element becomes does not depend on the others in the batch.
+    taken at once and exactly: nights are a single step. ``cumulative_deficit_wh`` is the deficit
+    from midnight to every node. ``deficit_before_surplus_wh`` is the deficit from midnight to the
+    surplus of the interval, minus infinity where an element of the batch has no surplus there: the
+    interval then changes nothing, so that what an element becomes does not depend on the others in
+    the batch.
     """
 
     first: int
     hours: FloatArray
     surplus_wh: FloatArray
-    owed_wh: FloatArray
-    cumulative_wh: FloatArray
+    deficit_before_surplus_wh: FloatArray
+    cumulative_deficit_wh: FloatArray
 
     @classmethod
     def of(cls, balance: PowerBalance) -> ChargingDay:
@@ -269,8 +267,8 @@ class ChargingDay:
             first=lit.start,
             hours=np.diff(balance.time_h)[lit],
             surplus_wh=balance.surplus_wh[lit],
-            owed_wh=owed,
-            cumulative_wh=cumulative,
+            deficit_before_surplus_wh=owed,
+            cumulative_deficit_wh=cumulative,
         )
 
     def select(self, cells: IntArray) -> ChargingDay:
@@ -278,42 +276,46 @@ class ChargingDay:
         return replace(
             self,
             surplus_wh=self.surplus_wh[:, cells],
-            owed_wh=self.owed_wh[:, cells],
-            cumulative_wh=self.cumulative_wh[:, cells],
+            deficit_before_surplus_wh=self.deficit_before_surplus_wh[:, cells],
+            cumulative_deficit_wh=self.cumulative_deficit_wh[:, cells],
         )
 
     def without_nodes(self) -> ChargingDay:
         """Day that knows the deficit at its end alone: enough to march."""
-        return replace(self, cumulative_wh=self.cumulative_wh[-1:])
+        return replace(self, cumulative_deficit_wh=self.cumulative_deficit_wh[-1:])
 
     def charge(
-        self, store: Store, energy_wh: FloatArray, paid_wh: ArrayLike = 0.0
+        self, store: Store, energy_wh: FloatArray, settled_deficit_wh: ArrayLike = 0.0
     ) -> Iterator[Charging]:
         """March from midnight over the surpluses of the day."""
         eta = store.discharge_efficiency
-        paid = np.asarray(paid_wh, float)
-        for hours, surplus, owed in zip(self.hours, self.surplus_wh, self.owed_wh, strict=True):
+        paid = np.asarray(settled_deficit_wh, float)
+        for hours, surplus, owed in zip(
+            self.hours, self.surplus_wh, self.deficit_before_surplus_wh, strict=True
+        ):
             drained = energy_wh - np.maximum(owed - paid, 0.0) / eta
             before = np.maximum(drained, 0.0)
             energy_wh = store.charged(before, surplus, hours)
             paid = np.maximum(paid, owed)
             yield Charging(drained, before, energy_wh, paid)
 
-    def midnight_wh(self, store: Store, energy_wh: FloatArray, paid_wh: ArrayLike) -> FloatArray:
+    def midnight_wh(
+        self, store: Store, energy_wh: FloatArray, settled_deficit_wh: ArrayLike
+    ) -> FloatArray:
         """Energy at the end of the day after the last surplus; below zero if it ran empty."""
-        due = self.cumulative_wh[-1] - paid_wh
+        due = self.cumulative_deficit_wh[-1] - settled_deficit_wh
         return np.asarray(energy_wh - due / store.discharge_efficiency)
 
     def end_wh(self, store: Store, energy_wh: FloatArray) -> FloatArray:
         """Energy at the end of a day that starts with some energy [Wh]."""
         paid: ArrayLike = 0.0
         for step in self.charge(store, energy_wh):
-            energy_wh, paid = step.after_charge_wh, step.paid_wh
+            energy_wh, paid = step.after_charge_wh, step.settled_deficit_wh
         return np.maximum(self.midnight_wh(store, energy_wh, paid), 0.0)
 
     def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
         """March a day and keep what becomes of the batteries."""
-        drained, after, paid = (np.empty_like(self.owed_wh) for _ in range(3))
+        drained, after, paid = (np.empty_like(self.deficit_before_surplus_wh) for _ in range(3))
         for k, step in enumerate(self.charge(store, energy_wh)):
             drained[k], _, after[k], paid[k] = step
         return DayRun(self, store, energy_wh, drained, after, paid)
@@ -328,14 +330,14 @@ class DayRun:
     start_wh: FloatArray
     drained_wh: FloatArray
     after_charge_wh: FloatArray
-    paid_wh: FloatArray
+    settled_deficit_wh: FloatArray
 
     @property
     def midnight_wh(self) -> FloatArray:
         """Energy at the end of the day [Wh], below zero if the battery ran empty."""
         energy, paid = self.start_wh, np.zeros_like(self.start_wh)
         if len(self.after_charge_wh):
-            energy, paid = self.after_charge_wh[-1], self.paid_wh[-1]
+            energy, paid = self.after_charge_wh[-1], self.settled_deficit_wh[-1]
         return self.day.midnight_wh(self.store, energy, paid)
 
     @property
@@ -351,12 +353,12 @@ class DayRun:
             self.start_wh[cells],
             self.drained_wh[:, cells],
             self.after_charge_wh[:, cells],
-            self.paid_wh[:, cells],
+            self.settled_deficit_wh[:, cells],
         )
 
     def restart(self, cells: IntArray, start_wh: FloatArray) -> None:
         """Change the initial energy of elements that are empty before their first surplus."""
-        waiting = np.maximum.accumulate(self.day.owed_wh[:, cells], axis=0) < 0.0
+        waiting = np.maximum.accumulate(self.day.deficit_before_surplus_wh[:, cells], axis=0) < 0.0
         for energy in (self.drained_wh, self.after_charge_wh):
             energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])
         first = waiting.sum(axis=0)
@@ -370,16 +372,19 @@ class DayRun:
         self.start_wh[cells] = other.start_wh
         self.drained_wh[:, cells] = other.drained_wh
         self.after_charge_wh[:, cells] = other.after_charge_wh
-        self.paid_wh[:, cells] = other.paid_wh
+        self.settled_deficit_wh[:, cells] = other.settled_deficit_wh
 
     def energy_at_nodes_wh(self) -> FloatArray:
         """Energy at every node of the time axis [Wh]."""
-        held, paid = np.empty_like(self.day.cumulative_wh), np.zeros_like(self.day.cumulative_wh)
+        held, paid = (
+            np.empty_like(self.day.cumulative_deficit_wh),
+            np.zeros_like(self.day.cumulative_deficit_wh),
+        )
         begin, stop = self.day.first + 1, self.day.first + 1 + len(self.after_charge_wh)
         held[:begin] = self.start_wh
-        held[begin:stop], paid[begin:stop] = self.after_charge_wh, self.paid_wh
+        held[begin:stop], paid[begin:stop] = self.after_charge_wh, self.settled_deficit_wh
         held[stop:], paid[stop:] = held[stop - 1], paid[stop - 1]
-        return self._after_deficit(held, paid, self.day.cumulative_wh)
+        return self._after_deficit(held, paid, self.day.cumulative_deficit_wh)
 
     def energy_at_node_wh(self, node: IntArray) -> FloatArray:
         """Energy at one node for every element of the batch [Wh]."""
@@ -388,19 +393,21 @@ class DayRun:
         held, paid = self.start_wh.copy(), np.zeros_like(self.start_wh)
         some = cells[row >= 0]
         held[some] = self.after_charge_wh[row[some], some]
-        paid[some] = self.paid_wh[row[some], some]
-        return self._after_deficit(held, paid, self.day.cumulative_wh[node, cells])
+        paid[some] = self.settled_deficit_wh[row[some], some]
+        return self._after_deficit(held, paid, self.day.cumulative_deficit_wh[node, cells])
 
     def _after_deficit(
-        self, held_wh: FloatArray, paid_wh: FloatArray, cumulative_wh: FloatArray
+        self, held_wh: FloatArray, settled_deficit_wh: FloatArray, cumulative_deficit_wh: FloatArray
     ) -> FloatArray:
-        due = cumulative_wh - paid_wh
+        due = cumulative_deficit_wh - settled_deficit_wh
         return np.maximum(held_wh - due / self.store.discharge_efficiency, 0.0)
 
 
 def final_energy_wh(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> FloatArray:
     """Stored energy at the end of the time axis [Wh]."""
-    shape = np.broadcast_shapes(balance.batch_shape, np.shape(energy_wh), store.energy_max_wh.shape)
+    shape = np.broadcast_shapes(
+        balance.batch_shape, np.shape(energy_wh), store.battery_energy_wh.shape
+    )
     start = np.broadcast_to(np.asarray(energy_wh, float), shape)
     day = ChargingDay.of(balance.flat())
     return day.end_wh(_flat(store, shape), start.reshape(-1)).reshape(shape)
@@ -414,7 +421,7 @@ def periodic_energy_wh(balance: PowerBalance, store: Store) -> FloatArray:
 
 
 def _flat(store: Store, shape: tuple[int, ...]) -> Store:
-    return replace(store, energy_max_wh=store.spread(shape).energy_max_wh.reshape(-1))
+    return replace(store, battery_energy_wh=store.spread(shape).battery_energy_wh.reshape(-1))
 
 
 # Of the capacity: change of the stored energy over a day that counts as none.
@@ -449,15 +456,19 @@ def repeated_day(day: ChargingDay, store: Store) -> DayRun:
 
 def first_repetition(day: ChargingDay, store: Store) -> Repetition:
     """Run of a day that settles at once in nearly all cases, see :func:`repeated_day`."""
-    full, eta = store.energy_max_wh, store.discharge_efficiency
+    full, eta = store.battery_energy_wh, store.discharge_efficiency
     storable = store.charge_efficiency * sum_over_time(day.surplus_wh) * eta
-    last_paid = np.maximum.reduce(day.owed_wh, axis=0, initial=0.0)
+    last_paid = np.maximum.reduce(day.deficit_before_surplus_wh, axis=0, initial=0.0)
     full_at_nightfall = np.maximum(day.midnight_wh(store, full, last_paid), 0.0)
-    loses = storable < day.cumulative_wh[-1]
+    loses = storable < day.cumulative_deficit_wh[-1]
     run = day.run(store, np.where(loses, 0.0, full_at_nightfall))
     end = run.end_wh
     moved = np.flatnonzero(np.abs(end - run.start_wh) > _SETTLED * full)
-    owed = np.where(day.owed_wh[:, moved] < 0.0, np.inf, day.owed_wh[:, moved])
+    owed = np.where(
+        day.deficit_before_surplus_wh[:, moved] < 0.0,
+        np.inf,
+        day.deficit_before_surplus_wh[:, moved],
+    )
     first_owed = np.minimum.reduce(owed, axis=0, initial=np.inf)
     # Empty before the first surplus from here and from there, and from then on the same.
     alike = first_owed >= eta * np.maximum(run.start_wh, end)[moved]
@@ -471,4 +482,4 @@ def _fixed_point(day: ChargingDay, store: Store, upper_wh: FloatArray) -> FloatA
     def gain(some: IntArray, energy: FloatArray) -> FloatArray:
         return day.select(some).end_wh(store.select(some), energy) - energy
 
-    return falling_root(gain, np.zeros_like(upper_wh), upper_wh, _SETTLED * store.energy_max_wh)
+    return falling_root(gain, np.zeros_like(upper_wh), upper_wh, _SETTLED * store.battery_energy_wh)

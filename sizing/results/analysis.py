@@ -14,10 +14,11 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
-from sizing.performance import Performance, SolarModel, performance, solar_day
+from sizing.performance import Performance, performance
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results.records import finite
 from sizing.results.tables import Result, Summary
+from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
 from solar.names import CorrectionName, ModelName
 
@@ -128,8 +129,8 @@ class Analysis(Result):
                 "charge_margin_h": cycle.charge_margin_h,
                 "endurance_h": endurance,
                 "minimum_state_of_charge": cycle.minimum_state_of_charge,
-                "solar_energy_wh": cycle.account.solar_wh,
-                "load_energy_wh": cycle.account.load_wh,
+                "solar_energy_wh": cycle.energy_budget.solar_wh,
+                "load_energy_wh": cycle.energy_budget.load_wh,
             }
         )
 
@@ -223,7 +224,7 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     dict
     """
     perf, endurance = analysis.performance, analysis.endurances[index]
-    cycle, account = perf.cycle, perf.cycle.account
+    cycle, account = perf.cycle, perf.cycle.energy_budget
     lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
     record = {
         "excess_time_h": finite(cycle.excess_time_h[index]),
@@ -290,7 +291,7 @@ def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict
     dict
     """
     assert mission.climb is not None
-    flown, account = climbs.climb, climbs.climb.account
+    flown, account = climbs.climb, climbs.climb.energy_budget
     return {
         "strategy": mission.climb.strategy,
         "ceiling_m": mission.climb.ceiling_m,

@@ -25,10 +25,11 @@ from sizing.optimisation.sensitivity import (
     constraint_prices,
     sensitivities,
 )
-from sizing.performance import Performance, SolarModel, performance_of_designs, solar_day
+from sizing.performance import Performance, performance_of_designs
 from sizing.results.analysis import uncertainty_record
 from sizing.results.records import finite, finite_values
 from sizing.results.tables import Result, Summary
+from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
 from solar.names import CorrectionName, ModelName
 
@@ -213,8 +214,8 @@ class SizingStudy(Result):
                 "excess_time_h": cycle.excess_time_h,
                 "charge_margin_h": cycle.charge_margin_h,
                 "minimum_state_of_charge": cycle.minimum_state_of_charge,
-                "solar_energy_wh": cycle.account.solar_wh,
-                "load_energy_wh": cycle.account.load_wh,
+                "solar_energy_wh": cycle.energy_budget.solar_wh,
+                "load_energy_wh": cycle.energy_budget.load_wh,
             }
         )
 

@@ -240,11 +240,11 @@ def cross_check_line(check: Certificate, objective: Objective) -> str:
         if better
         else "none is better by more than the tolerance"
     )
-    fine = (
-        "misses its requirement"
-        if math.isnan(check.fine_step_value)
-        else f"has {with_unit(check.fine_step_value, '.5g', objective)}"
-    )
+    fine = f"has {with_unit(check.fine_step_value, '.5g', objective)}"
+    if math.isnan(check.fine_step_value):
+        fine = "misses its requirement"
+    elif math.isinf(check.fine_step_value):
+        fine = f"has unlimited {objective.label}"
     verdict = "passed" if check.certified else "NOT passed"
     return (
         f"optimality cross-check {verdict}: {check.designs_tried} designs tried, {found}; with a "

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from missions.logs.table import BoolArray, FlightLog, Gap
+from missions.logs.table import FlightLog, Gap
 from solar.almanac import sun_position
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.log_view import (
     BRIGHT,
     LOW_LIGHT_W_PER_M2,

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missions.logs.table import BoolArray, IntArray
 from solar.almanac import SECONDS_PER_DAY
 from solar.names import ModelName
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.samples import Samples, numbered_runs
 
 _WINDOW = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d+(?:\.\d*)?):(\d+(?:\.\d*)?)")

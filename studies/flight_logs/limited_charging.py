@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from missions.logs.table import BoolArray
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.log_view import (
     BRIGHT,
     LOW_LIGHT_W_PER_M2,

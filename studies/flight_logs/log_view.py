@@ -8,9 +8,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missions.logs.table import BoolArray, FlightLog
+from missions.logs.table import FlightLog
 from sizing.aircraft import Aircraft
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.samples import Samples
 

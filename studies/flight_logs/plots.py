@@ -9,9 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from missions.logs.table import BoolArray, IntArray
 from solar.names import ModelName
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.errors import Section, moving_average
 from studies.flight_logs.samples import Detail, Samples
 from studies.flight_logs.verification import Verification

@@ -14,7 +14,7 @@ import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, standard_air
 from missions.files.errors import file_error
-from missions.logs.table import FlightLog, IntArray
+from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from solar.almanac import SECONDS_PER_DAY, sun_position
@@ -25,7 +25,7 @@ from solar.geometry import ModuleGeometry
 from solar.names import ModelName
 from solar.power import conceptual_analysis_model, conceptual_design_model
 from solar.shading import shaded_area
-from solar.sun import FloatArray
+from solar.types import FloatArray, IntArray
 
 ShadedArea: TypeAlias = Callable[[FloatArray], FloatArray]
 """Shaded area of every module surface [m2] from sun vectors in body axes."""

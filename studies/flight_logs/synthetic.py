@@ -21,7 +21,7 @@ from solar.almanac import SunPosition, sun_position
 from solar.attitude import direction_cosines
 from solar.clearsky import Irradiance, clear_sky
 from solar.full_model import full_model
-from solar.sun import FloatArray
+from solar.types import FloatArray
 from studies.flight_logs.samples import ShadedArea, day_of_year
 
 if TYPE_CHECKING:

@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from missions.files.errors import file_error
-from missions.logs.table import BoolArray, FlightLog
+from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from solar.types import BoolArray
 from studies.flight_logs.anomalies import other_anomalies
 from studies.flight_logs.errors import Section, Window, day_masks, in_window, sections, solar_span
 from studies.flight_logs.limited_charging import battery_full

@@ -14,26 +14,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from missions.mission import Mission, Scenarios
+from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
-from sizing.performance import (
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance,
-    performance_of_designs,
-)
+from sizing.performance import Performance, performance, performance_of_designs
+from sizing.sunlight import SolarDay, SolarModel, Sunlight
 from studies.maps.season import Flags, Season, perpetual_flags, season_of
 from studies.models.solar_models import (
-    ModelDays,
     attitude_is_known,
     combinations,
     reference_model,
-    stacked,
 )
 
 if TYPE_CHECKING:
@@ -155,7 +148,7 @@ def compare(
     latitudes = mission.latitudes()
     steps = _Steps(len(latitudes) + len(every) * (2 if sized else 1), progress)
 
-    sun = ModelDays(aircraft, mission, mission.scenarios())
+    sun = Sunlight(aircraft, mission)
     flags = []
     for latitude in latitudes:
         flags.append(perpetual_flags(aircraft, mission, latitude, every))
@@ -215,7 +208,7 @@ def _build(
     objective: Objective,
     solar: SolarModel,
     required_h: float,
-    sun: ModelDays,
+    sun: Sunlight,
     reference: SolarModel,
 ) -> Built:
     """Size with a model, and judge the design by the reference."""
@@ -275,14 +268,14 @@ def predict(simulate: Simulate, day: SolarDay) -> Prediction:
     """
     perf = simulate(day)
     worst = perf.worst_scenario()
-    alone, cycle, rms = _only(day, worst), perf.cycle, perf.solar.rms_relative
-    band = simulate(stacked([alone.scaled(1.0 - rms), alone.scaled(1.0 + rms)]))
+    alone, cycle, rms = day.at([worst]), perf.cycle, perf.solar.rms_relative
+    band = simulate(SolarDay.joined([alone.scaled(1.0 - rms), alone.scaled(1.0 + rms)]))
     low, high = band.cycle.excess_time_h
     flight = None if cycle.perpetual[worst] else simulate(alone).endurances()[0]
     morning_h = float(cycle.equal_power_morning_h[worst])
     endurance_h = np.inf if flight is None else float(flight.endurance_h)
     launch_h = 0.0 if flight is None else float(flight.launch_h)
-    income_wh = np.asarray(cycle.account.solar_wh)
+    income_wh = np.asarray(cycle.energy_budget.solar_wh)
     return Prediction(
         scenario=day.scenarios.label(worst),
         latitude_deg=float(day.scenarios.latitude_deg[worst]),
@@ -300,19 +293,6 @@ def predict(simulate: Simulate, day: SolarDay) -> Prediction:
         enough_sun=bool(np.isfinite(morning_h)),
         solar_energy_wh=float(income_wh[worst]),
         mean_solar_energy_wh=float(income_wh.mean()),
-    )
-
-
-def _only(day: SolarDay, index: int) -> SolarDay:
-    """One scenario of a day."""
-    chosen = slice(index, index + 1)
-    scenarios = day.scenarios
-    return SolarDay(
-        Scenarios(scenarios.latitude_deg[chosen], scenarios.day_of_year[chosen]),
-        day.time_h,
-        day.specific_power_w_per_m2[chosen],
-        day.sunrise_h[chosen],
-        day.sunset_h[chosen],
     )
 
 

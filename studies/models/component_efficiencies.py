@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from missions.loiter_power import module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.performance import day_axis_h
+from sizing.sunlight import day_axis_h
 from solar._version import __version__
 from solar.full_model import ModulePower
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 _LABELS = {
     "incidence_efficiency": ("angle of incidence", "#D55E00"),

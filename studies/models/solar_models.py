@@ -1,18 +1,11 @@
-"""All solar power models over the same scenarios, each evaluated once."""
+"""Which solar power models a study compares, and which of them comes closest to the truth."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
-
-from missions.mission import Mission, Scenarios
+from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.energy.march import FloatArray
-from sizing.performance import SolarDay, SolarModel, day_axis_h, modelled_power
-from solar.correction import correction
+from sizing.sunlight import SolarModel
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
-from solar.sun import declination, sun_times
 
 # The best knowledge of the solar power there is: the Full Model on the flight path without the
 # systematic error that it showed in flight; without a path, CAM without its own.
@@ -57,55 +50,3 @@ def model_label(solar: SolarModel) -> str:
         "report": f"corrected {solar.model}",
         "loiter": f"loiter-corrected {solar.model}",
     }[solar.correction]
-
-
-def stacked(days: Sequence[SolarDay]) -> SolarDay:
-    """Scenarios of several days one after the other, to be simulated in one go."""
-    scenarios = Scenarios(
-        np.concatenate([d.scenarios.latitude_deg for d in days]),
-        np.concatenate([d.scenarios.day_of_year for d in days]),
-    )
-    return SolarDay(
-        scenarios,
-        days[0].time_h,
-        np.concatenate([d.specific_power_w_per_m2 for d in days]),
-        np.concatenate([d.sunrise_h for d in days]),
-        np.concatenate([d.sunset_h for d in days]),
-    )
-
-
-class ModelDays:
-    """Specific power by every model in the same scenarios; corrections only scale what is known.
-
-    Gives what :func:`sizing.performance.solar_day` gives, without computing a model twice.
-    """
-
-    def __init__(self, aircraft: Aircraft, mission: Mission, scenarios: Scenarios) -> None:
-        self.aircraft, self.mission, self.scenarios = aircraft, mission, scenarios
-        self.time_h = day_axis_h()
-        self._times = sun_times(scenarios.latitude_deg, declination(scenarios.noon_day))
-        self._power: dict[ModelName, FloatArray] = {}
-
-    def day(self, solar: SolarModel) -> SolarDay:
-        """Specific power by a model and its correction."""
-        power = self._modelled(solar.model)
-        if solar.correction == "loiter":
-            power = power * self._full_over(solar.model)[:, np.newaxis]
-        factor = correction(solar.model, solar.correction).factor
-        rise, set_ = self._times.sunrise_h, self._times.sunset_h
-        return SolarDay(self.scenarios, self.time_h, power * factor, rise, set_)
-
-    def _modelled(self, model: ModelName) -> FloatArray:
-        if model not in self._power:
-            self._power[model] = modelled_power(
-                self.aircraft, self.mission, model, self.scenarios, self.time_h
-            )
-        return self._power[model]
-
-    def _full_over(self, model: ModelName) -> FloatArray:
-        """Daily energy of FM over that of a model; see :func:`sizing.performance.loiter_ratio`."""
-        ours, theirs = (
-            np.asarray(np.trapezoid(self._modelled(m), self.time_h, axis=-1)) for m in (model, "FM")
-        )
-        lit = ours > 0.0
-        return np.where(lit, theirs / np.where(lit, ours, 1.0), 1.0)

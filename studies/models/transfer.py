@@ -17,10 +17,10 @@ import numpy as np
 from missions.dates import date_label
 from missions.mission import Mission, Scenarios, latitude_label
 from sizing.aircraft import Aircraft
-from sizing.energy.march import FloatArray
-from sizing.performance import day_axis_h, modelled_power
+from sizing.sunlight import day_axis_h, modelled_power
 from solar.correction import REPORTED_ERRORS
 from solar.names import ModelName
+from solar.types import FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,7 +6,7 @@ from missions.library import load_mission
 from sizing.altitude.ceiling import highest_perpetual_altitude
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 MODELS = (SolarModel("CAM"), SolarModel("CAM", "report"), SolarModel("CDM"))

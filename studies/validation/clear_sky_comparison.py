@@ -8,7 +8,8 @@ import numpy as np
 
 from missions.dates import date_label
 from solar.clearsky import clear_sky, global_horizontal
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+from solar.sun import cos_zenith, declination, hour_angle
+from solar.types import FloatArray
 
 
 @dataclass(frozen=True)

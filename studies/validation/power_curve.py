@@ -17,7 +17,7 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.polar_table import shipped_airfoils
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.smooth import Value
-from solar.sun import FloatArray
+from solar.types import FloatArray
 from studies.output.figure_script import write_figure
 from studies.output.plots import CHARGE, LOAD, SUN, to_bytes
 

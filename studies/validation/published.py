@@ -9,8 +9,9 @@ import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance, perpetual_days
+from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
+from sizing.sunlight import SolarModel
 from solar.modules import SolarCell
 from solar.names import CORRECTION_NAMES, ModelName
 from solar.power import horizontal_specific_power

@@ -27,7 +27,8 @@ from solar.clearsky import (
     monthly_coefficient,
     pressure_ratio,
 )
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+from solar.sun import cos_zenith, declination, hour_angle
+from solar.types import FloatArray
 
 latitudes = st.floats(-90.0, 90.0)
 days = st.floats(1.0, 367.0)

@@ -18,7 +18,8 @@ from solar.power import (
     conceptual_design_model,
     horizontal_specific_power,
 )
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_times
+from solar.sun import cos_zenith, declination, hour_angle, sun_times
+from solar.types import FloatArray
 
 CELL = SolarCell()
 AREA_M2 = 1.35

@@ -30,7 +30,8 @@ from solar.shading_losses import (
     register_loss_model,
     string_losses,
 )
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+from solar.sun import cos_zenith, declination, hour_angle
+from solar.types import FloatArray
 
 # Polygons are exact but for rounding, a few units in the last place of a metre.
 ROUNDING = 1e-12

@@ -15,9 +15,9 @@ from pydantic import Tag as UnionTag
 from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError, Problem
-from missions.files.overrides import with_overrides
-from missions.files.validation import load, located_error, validate
-from missions.files.yaml import Document, parse_yaml
+from missions.files.overrides import with_overrides, with_values
+from missions.files.validation import located_error, validate
+from missions.files.yaml import Document, parse_yaml, read_yaml
 from solar.schema import (
     Flag,
     Fraction,
@@ -102,7 +102,7 @@ def test_good_file_is_read(tmp_path: Path) -> None:
     path.write_text(
         GOOD + "legs:\n- {kind: cruise, speed_m_s: 9}\npolar: [1, 2.5, 1e-3]\n", encoding="utf-8"
     )
-    aircraft = load(path, Aircraft, ["battery.cells=6"])
+    aircraft = validate(with_overrides(read_yaml(path), ["battery.cells=6"]), Aircraft)
     assert aircraft.battery == Battery(mass_kg=2.9, cells=6)
     assert aircraft.legs == (Cruise(kind="cruise", speed_m_s=9.0),)
     assert aircraft.polar == (1.0, 2.5, 0.001)
@@ -509,3 +509,56 @@ def test_import_is_light() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     assert run.stdout.strip() == "[]"
+
+
+# ---- copies with other values ----
+
+
+PLANE = Aircraft(
+    name="AS-2",
+    battery=Battery(mass_kg=2.9),
+    legs=(Cruise(kind="cruise", speed_m_s=9.0), Loiter(kind="loiter", duration_h=1.0)),
+    table={"a": 1.0},
+)
+
+
+def test_copy_with_values_of_records_inside_records() -> None:
+    changed = with_values(
+        PLANE,
+        {
+            "name": "AS-3",
+            "battery.mass_kg": 3.5,
+            "legs.1.duration_h": 2.0,
+            "table.b": 2.0,
+            "spare.mass_kg": 1.0,
+            "window": Window(start_h=3.0, end_h=4.0),
+        },
+    )
+    assert changed.battery == Battery(mass_kg=3.5)
+    assert changed.legs == (PLANE.legs[0], Loiter(kind="loiter", duration_h=2.0))
+    assert changed.table == {"a": 1.0, "b": 2.0}
+    assert changed.spare == Battery(mass_kg=1.0)
+    assert (changed.name, changed.window) == ("AS-3", Window(start_h=3.0, end_h=4.0))
+    assert PLANE.battery.mass_kg == 2.9
+    assert PLANE.table == {"a": 1.0}
+    assert with_values(PLANE, {}) == PLANE
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"battery.mass_kg": -1.0}, "battery.mass_kg: must be greater than 0 (got -1.0)"),
+        ({"battery.mass_g": 1.0}, "battery.mass_g: unknown key; did you mean 'mass_kg'?"),
+        ({"legs.0.speed_m_s": 0.0}, "legs.0.speed_m_s: must be greater than 0 (got 0.0)"),
+        ({"legs.7.speed_m_s": 1.0}, "legs.7.speed_m_s: leads to no value of this record"),
+        ({"name.x": 1.0}, "name.x: leads to no value of this record"),
+        (
+            {"window": {"start_h": 5.0, "end_h": 4.0}},
+            "window: the window ends before it starts",
+        ),
+    ],
+)
+def test_copy_with_values_is_checked(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        with_values(PLANE, values)
+    assert str(caught.value) == f"Aircraft: {message}"

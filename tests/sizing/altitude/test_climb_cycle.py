@@ -19,7 +19,8 @@ from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import SolarModel
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
 
@@ -79,8 +80,8 @@ def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(
     assert ours.missing_h == pytest.approx(theirs.missing_h, abs=5e-3)
     assert ours.energy_wh == pytest.approx(theirs.energy_wh, abs=1e-3 * 732.0)
     for name in ("solar_wh", "load_wh"):
-        expected = getattr(theirs.account, name)
-        assert getattr(ours.account, name) == pytest.approx(expected, rel=1e-9)
+        expected = getattr(theirs.energy_budget, name)
+        assert getattr(ours.energy_budget, name) == pytest.approx(expected, rel=1e-9)
     assert np.all(result.climb.maximum_altitude_m == FLOOR_M)
     assert np.all(result.climb.gliding_h == 0.0)
     assert np.all(result.gain_h == pytest.approx(0.0, abs=1e-3))
@@ -98,10 +99,10 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> Non
     ours, theirs = result.performance.cycle, result.constant.cycle
     # The two march with other steps: 4 s.
     assert ours.excess_time_h == pytest.approx(theirs.excess_time_h, abs=1e-3)
-    assert ours.account.load_wh == pytest.approx(theirs.account.load_wh, rel=1e-9)
+    assert ours.energy_budget.load_wh == pytest.approx(theirs.energy_budget.load_wh, rel=1e-9)
 
 
-# ---- The energy account
+# ---- The energy budget
 
 
 @settings(max_examples=4, deadline=None)  # a second and seven days of the year each
@@ -118,34 +119,32 @@ def test_energy_is_neither_made_nor_lost(
 ) -> None:
     where = mission(ceiling_m, strategy, dates=days, turbulence={"thermal": thermal})
     result = climb_performance(aircraft, where)
-    climb, account = result.climb, result.climb.account
-    assert np.all(np.abs(account.imbalance_wh) <= 1e-9 * account.solar_wh)
+    climb, budget = result.climb, result.climb.energy_budget
+    assert np.all(np.abs(budget.imbalance_wh) <= 1e-9 * budget.solar_wh)
     # What the trajectories tell, against what the flows add up to.
-    assert account.stored_wh == pytest.approx(climb.energy_wh[:, -1] - climb.energy_wh[:, 0])
+    assert budget.stored_wh == pytest.approx(climb.energy_wh[:, -1] - climb.energy_wh[:, 0])
     eta = result.limits.efficiency
-    assert account.stored_height_wh == pytest.approx(
-        eta * account.climb_electric_wh - account.glide_height_wh, abs=1e-9 * 732.0
+    assert budget.stored_height_wh == pytest.approx(
+        eta * budget.climb_electric_wh - budget.glide_height_wh, abs=1e-9 * 732.0
     )
     # The day repeats itself.
     capacity = float(result.performance.design.battery_energy_wh)
-    assert np.all(np.abs(account.stored_wh) <= 1e-6 * capacity)
-    assert np.all(np.abs(account.stored_height_wh) <= 1e-6 * capacity)
+    assert np.all(np.abs(budget.stored_wh) <= 1e-6 * capacity)
+    assert np.all(np.abs(budget.stored_height_wh) <= 1e-6 * capacity)
     # Bounds of every flight.
     assert np.all(climb.energy_wh >= 0.0)
     assert np.all(climb.energy_wh <= capacity * (1.0 + 1e-12))
     assert np.all(climb.altitude_m >= FLOOR_M - 1e-9)
     assert np.all(climb.altitude_m <= ceiling_m + 1e-6)
     for name in ("charge_loss_wh", "discharge_loss_wh", "propulsion_loss_wh", "curtailed_wh"):
-        assert np.all(getattr(account, name) >= -1e-9)
+        assert np.all(getattr(budget, name) >= -1e-9)
 
 
 def test_account_that_other_tables_show_closes_too() -> None:
-    account = flown(AS2, 3536.0).performance.cycle.account
-    sources = account.solar_wh + account.unserved_wh
-    uses = account.load_wh + account.stored_wh + account.charge_loss_wh
-    assert sources == pytest.approx(
-        uses + account.discharge_loss_wh + account.curtailed_wh, rel=1e-9
-    )
+    budget = flown(AS2, 3536.0).performance.cycle.energy_budget
+    sources = budget.solar_wh + budget.unserved_wh
+    uses = budget.load_wh + budget.stored_wh + budget.charge_loss_wh
+    assert sources == pytest.approx(uses + budget.discharge_loss_wh + budget.curtailed_wh, rel=1e-9)
 
 
 # ---- By hand

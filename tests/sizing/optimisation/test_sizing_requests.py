@@ -30,7 +30,8 @@ from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
-from sizing.performance import SolarModel, performance, performance_of_designs, solar_day
+from sizing.performance import performance, performance_of_designs
+from sizing.sunlight import SolarModel, solar_day
 
 SMALL = (
     "design_space.wingspan_m.maximum=4.0",

@@ -124,7 +124,7 @@ def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: P
     assert files(tmp_path / "pole") == SIZED_FILES
     text = run(*asked)
     assert (text.code, text.err) == (0, "")
-    assert "no end" in text.out
+    assert "unlimited excess time" in text.out
     assert re.search(r"\b(inf|nan)\b", text.out) is None
 
 

@@ -23,7 +23,7 @@ from solar.full_model import full_model
 from solar.geometry import ModuleGeometry, ModuleOutline
 from solar.power import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area
-from solar.sun import FloatArray
+from solar.types import FloatArray
 from studies.cli.__main__ import cli
 from studies.flight_logs.errors import Window, day_masks, moving_average, parse_window
 from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log

@@ -17,7 +17,8 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel, performance, performance_of_designs
+from sizing.performance import performance, performance_of_designs
+from sizing.sunlight import SolarModel
 from studies.cli import __main__ as cli
 from studies.maps.season import Season
 from studies.models import comparison as study
@@ -63,9 +64,11 @@ def test_predictions_are_those_of_single_analyses(designs: study.Comparison) -> 
         p = case.prediction
         assert p.scenario == single.day.scenarios.label(worst)
         assert p.excess_time_h == pytest.approx(single.cycle.excess_time_h[worst], rel=1e-9)
-        assert p.solar_energy_wh == pytest.approx(single.cycle.account.solar_wh[worst], rel=1e-9)
+        assert p.solar_energy_wh == pytest.approx(
+            single.cycle.energy_budget.solar_wh[worst], rel=1e-9
+        )
         assert p.mean_solar_energy_wh == pytest.approx(
-            single.cycle.account.solar_wh.mean(), rel=1e-9
+            single.cycle.energy_budget.solar_wh.mean(), rel=1e-9
         )
         assert p.excess_time_low_h < p.excess_time_h < p.excess_time_high_h
 
