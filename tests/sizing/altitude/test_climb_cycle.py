@@ -6,8 +6,10 @@ from functools import cache
 from typing import Any
 
 import ambiance
+import builders
 import numpy as np
 import pytest
+from builders import AS2, DESIGN, SKY_SAILOR, UNLIMITED_AS2
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -18,30 +20,18 @@ from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import design_of
 from sizing.energy.cycle import Status
-from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.sunlight import SolarModel
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
 
-AS2 = load_aircraft("atlantiksolar-as2")
-UNLIMITED = load_aircraft("atlantiksolar-as2", ["battery.charge_limit={kind: none}"])
-DESIGN = load_aircraft("atlantiksolar-design")
 FLOOR_M = 536.0
 ETA = 0.626  # .97 x .82 x .96 x .82, as the file rounds it
 
 
 def mission(ceiling_m: float, strategy: str = "battery_full", **changes: Any) -> Mission:
-    return Mission.model_validate(
-        {
-            "name": "test",
-            "latitude_deg": 47.6,
-            "dates": {"on": "06-21"},
-            "altitude_m": FLOOR_M,
-            "climb": {"ceiling_m": ceiling_m, "strategy": strategy},
-            **changes,
-        }
-    )
+    climb = {"ceiling_m": ceiling_m, "strategy": strategy}
+    return builders.mission(**{"dates": {"on": "06-21"}, "climb": climb} | changes)
 
 
 SOLSTICES = "06-21", "12-21"  # five days between them, 21 September and 5 November included
@@ -64,7 +54,7 @@ def flown(
 
 @pytest.mark.parametrize(
     ("aircraft", "dates"),
-    [(AS2, SOLSTICES), (AS2, "10-10"), (UNLIMITED, SOLSTICES), (DESIGN, SOLSTICES)],
+    [(AS2, SOLSTICES), (AS2, "10-10"), (UNLIMITED_AS2, SOLSTICES), (DESIGN, SOLSTICES)],
 )
 @pytest.mark.parametrize("strategy", ["battery_full", "surplus"])
 def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(
@@ -111,7 +101,7 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> Non
     ceiling_m=st.floats(FLOOR_M, 15000.0),
     days=st.just({"from": "12-21", "to": "10-10", "count": 7}),
     strategy=st.sampled_from(["battery_full", "surplus"]),
-    aircraft=st.sampled_from([AS2, UNLIMITED, DESIGN]),
+    aircraft=st.sampled_from([AS2, UNLIMITED_AS2, DESIGN]),
     thermal=st.floats(0.0, 1.0),
 )
 def test_energy_is_neither_made_nor_lost(
@@ -176,7 +166,7 @@ def test_glide_takes_as_long_as_the_sink_rate_says() -> None:
     from scipy.integrate import quad
 
     # In the dark with the motor off: dh/dt = eta P_level / (m g), density by ambiance.
-    late = flown(UNLIMITED, 9000.0).climb
+    late = flown(UNLIMITED_AS2, 9000.0).climb
     dark = (late.solar_power_w[0] == 0.0) & (np.arange(len(late.time_h)) > 720)
     sinking = dark & (late.altitude_m[0] > FLOOR_M + 30.0)
     top, bottom = late.altitude_m[0][sinking][[0, -1]]
@@ -304,7 +294,7 @@ def plain_day(
 
 @pytest.mark.parametrize("ceiling_m", [1536.0, 3536.0, 9000.0])
 def test_cycle_agrees_with_plain_marching(ceiling_m: float) -> None:
-    result = flown(UNLIMITED, ceiling_m)
+    result = flown(UNLIMITED_AS2, ceiling_m)
     start = float(result.climb.energy_wh[0, 0])
     altitude = float(result.climb.altitude_m[0, 0])
     energy, highest, dawn = plain_day(ceiling_m, start, altitude)
@@ -355,7 +345,7 @@ def test_climbing_with_a_full_battery_never_harms(
 
 
 def test_climbing_carries_a_small_battery_through_the_night() -> None:
-    small = load_aircraft("atlantiksolar-as2", ["battery.specific_energy_wh_per_kg=130"])
+    small = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=130")
     result = flown(small, 5000.0)
     ours, theirs = result.performance.cycle, result.constant.cycle
     assert theirs.status[0] == Status.limited
@@ -394,8 +384,8 @@ def test_height_is_used_before_the_battery() -> None:
 
 def test_strategies_agree_where_charging_is_not_limited() -> None:
     # The charger takes everything until the battery is full: nothing is left over before.
-    first = flown(UNLIMITED, 3536.0, "battery_full").performance.cycle.excess_time_h[0]
-    second = flown(UNLIMITED, 3536.0, "surplus").performance.cycle.excess_time_h[0]
+    first = flown(UNLIMITED_AS2, 3536.0, "battery_full").performance.cycle.excess_time_h[0]
+    second = flown(UNLIMITED_AS2, 3536.0, "surplus").performance.cycle.excess_time_h[0]
     assert first == pytest.approx(second, abs=1e-6)
 
 
@@ -435,7 +425,7 @@ def test_polar_day_has_no_end() -> None:
 def test_height_left_at_dawn_counts_for_the_excess_time() -> None:
     # A short night and a high ceiling: the aircraft still glides when the sun takes over.
     where = mission(20000.0, "surplus", latitude_deg=66.0, dates={"on": "05-20"})
-    result = climb_performance(UNLIMITED, where)
+    result = climb_performance(UNLIMITED_AS2, where)
     climb, cycle = result.climb, result.performance.cycle
     dawn = cycle.equal_power_morning_h[0]
     height_m = float(np.interp(dawn, climb.time_h, climb.altitude_m[0]))
@@ -470,19 +460,14 @@ def test_mission_without_climb_is_refused() -> None:
 @pytest.mark.parametrize(
     ("aircraft", "key"),
     [
-        (
-            load_aircraft(
-                "atlantiksolar-as2", ["airframe.level_flight.maximum_electric_power_w=null"]
-            ),
-            "airframe.level_flight.maximum_electric_power_w",
+        *(
+            (builders.aircraft("atlantiksolar-as2", f"{key}=null"), key)
+            for key in (
+                "airframe.level_flight.maximum_electric_power_w",
+                "airframe.level_flight.propulsion_efficiency",
+            )
         ),
-        (
-            load_aircraft(
-                "atlantiksolar-as2", ["airframe.level_flight.propulsion_efficiency=null"]
-            ),
-            "airframe.level_flight.propulsion_efficiency",
-        ),
-        (load_aircraft("sky-sailor"), "airframe.propulsion.climb_power_ratio"),
+        (SKY_SAILOR, "airframe.propulsion.climb_power_ratio"),
     ],
 )
 def test_aircraft_that_cannot_climb_is_refused(aircraft: Aircraft, key: str) -> None:

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 from itertools import product
-from typing import Any, get_args
+from typing import get_args
 
+import builders
 import numpy as np
 import pytest
+from builders import AS2
+from builders import shipped_mission as mission
 
 from missions.files.errors import InputError
 from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
-from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.energy.cycle import Status
-from sizing.library import load_aircraft
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.cells import CellStatus, size_cells
 from sizing.optimisation.coverage import DAYS, widest_range
@@ -40,14 +42,7 @@ SMALL = (
 )
 
 
-def aircraft(*overrides: str) -> Aircraft:
-    return load_aircraft("atlantiksolar-design", overrides)
-
-
-def mission(name: str = "rafz-july", **changes: Any) -> Mission:
-    plain = load_mission(name).model_dump(by_alias=True, exclude_none=True)
-    return Mission.model_validate(plain | changes)
-
+aircraft = partial(builders.aircraft, "atlantiksolar-design")
 
 # ---- payload
 
@@ -213,7 +208,7 @@ def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
 
 
 def test_design_is_judged_at_the_bad_end_of_every_band() -> None:
-    plane = load_aircraft("atlantiksolar-as2")
+    plane = AS2
     ends = {
         "solar_model_sigmas": (0.0, 1.0),
         "clearness_minimum": (1.0, 0.9),
@@ -230,7 +225,7 @@ def test_design_is_judged_at_the_bad_end_of_every_band() -> None:
 
 
 def test_bands_act_as_the_numbers_they_stand_for() -> None:
-    plane = load_aircraft("atlantiksolar-as2")
+    plane = AS2
     solar = SolarModel("CAM", "report")
     aged = performance(plane, mission(bands={"battery_capacity": 0.8}), solar)
     lighter = with_parameter(
@@ -318,7 +313,7 @@ def test_no_run_one_day_longer_is_kept_up(
 ) -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
     bound = f"design_space.wingspan_m.maximum={span_m}"
-    plane = load_aircraft(name, [bound, *small])
+    plane = builders.aircraft(name, bound, *small)
     place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
     found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
     days = found.members.astype(int)
@@ -334,7 +329,7 @@ def test_no_run_one_day_longer_is_kept_up(
 
 def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
-    plane = load_aircraft("sky-sailor", small)
+    plane = builders.aircraft("sky-sailor", *small)
     june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
     found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
     assert found.sizing.status == "optimal"
