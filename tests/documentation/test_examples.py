@@ -11,6 +11,8 @@ import pytest
 
 from studies import doc_tables
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 PYTHON_API = ROOT / "docs" / "python-api.md"

@@ -25,6 +25,8 @@ from sizing.sunlight import SolarModel
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
 
+pytestmark = pytest.mark.slow
+
 FLOOR_M = 536.0
 ETA = 0.626  # .97 x .82 x .96 x .82, as the file rounds it
 
@@ -95,7 +97,7 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> Non
 # ---- The energy budget
 
 
-@settings(max_examples=4, deadline=None)  # a second and seven days of the year each
+@settings(max_examples=3, deadline=None)  # a second and seven days of the year each
 @example(5629.0, {"on": "10-10"}, "battery_full", AS2, 0.125)  # gains that do not shrink
 @given(
     ceiling_m=st.floats(FLOOR_M, 15000.0),

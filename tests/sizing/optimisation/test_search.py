@@ -18,6 +18,8 @@ from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 from solar.types import FloatArray
 
+pytestmark = pytest.mark.slow
+
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
     Objective.max_excess_time,
     Objective.min_wingspan,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import partial
+from functools import cache, partial
 from itertools import product
 from typing import get_args
 
@@ -23,7 +23,7 @@ from sizing.design import FlightConditions, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.cells import CellStatus, size_cells
-from sizing.optimisation.coverage import DAYS, widest_range
+from sizing.optimisation.coverage import DAYS, WidestRange, widest_range
 from sizing.optimisation.cross_check import certify
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
@@ -34,6 +34,8 @@ from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
+
+pytestmark = pytest.mark.slow
 
 SMALL = (
     "design_space.wingspan_m.maximum=4.0",
@@ -282,9 +284,15 @@ bands: {clearness_minimum: 0.9}
 # ---- ranges
 
 
+@cache
+def range_of_span(span_m: float, objective: Objective) -> WidestRange:
+    plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL[1:])
+    return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
+
+
 def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() -> None:
     plane = aircraft(*SMALL)
-    found = widest_range(plane, mission(), Objective.longest_season, required_excess_time_h=2.0)
+    found = range_of_span(4.0, Objective.longest_season)
     assert found.first is not None
     assert found.sizing.design is not None
     days = found.members.astype(int)
@@ -349,11 +357,8 @@ def test_season_wraps_the_years_end_in_the_south() -> None:
 
 
 def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
-    planes = [
-        aircraft(f"design_space.wingspan_m.maximum={span}", *SMALL[1:]) for span in (3.8, 5.0)
-    ]
     for objective in (Objective.longest_season, Objective.widest_latitude_band):
-        extents = [widest_range(plane, mission(), objective).extent for plane in planes]
+        extents = [range_of_span(span_m, objective).extent for span_m in (4.0, 5.0)]
         assert 0.0 < extents[0] < extents[1]
 
 

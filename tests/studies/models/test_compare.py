@@ -27,6 +27,8 @@ from studies.models.records import to_json
 from studies.models.summary import fate, sentence
 from studies.models.tables import markdown
 
+pytestmark = pytest.mark.slow
+
 AS2, DESIGN, SUMMER = "atlantiksolar-as2", "atlantiksolar-design", "central-europe-summer"
 AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
 FILES = {"comparison.csv", "comparison.json", "comparison.png"}
