@@ -24,7 +24,7 @@ from sizing.sunlight import modelled_power
 from solar.names import MODEL_NAMES, ModelName
 from solar.types import FloatArray
 
-MISSION = "rafz-loiter"
+AIRCRAFT, MISSION = "atlantiksolar-as2", "rafz-loiter"
 MEASURED_W = 99.61
 PUBLISHED_W: dict[ModelName, float] = {"CDM": 117.35, "CAM": 104.89, "VM": 97.65, "FM": 97.87}
 PERIOD_H = (4.17, 9.72)
@@ -68,7 +68,7 @@ class Sensitivity:
 
 def reference() -> tuple[Aircraft, Mission]:
     """Aircraft and mission with the stated assumptions."""
-    return load_aircraft("atlantiksolar-as2"), load_mission(MISSION)
+    return load_aircraft(AIRCRAFT), load_mission(MISSION)
 
 
 def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: FloatArray) -> Any:
