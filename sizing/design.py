@@ -21,7 +21,7 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
 from sizing.smooth import Value
-from sizing.structures.inputs import StructureInputs
+from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -110,6 +110,33 @@ def update(folder: Path) -> list[Path]:
     return changed
 
 
-if __name__ == "__main__":
-    for page in update(Path(sys.argv[1] if len(sys.argv) > 1 else "docs")):
+def main(arguments: Sequence[str]) -> int:
+    """Write the tables into the pages of a folder; the exit code is 1 where that cannot be.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        The folder; ``docs`` in the working folder if there is none.
+    """
+    folder = Path(arguments[0] if arguments else "docs")
+    pages = dict.fromkeys(page for page, _ in TABLES.values())
+    missing = [page for page in pages if not (folder / page).is_file()]
+    if missing:
+        print(
+            f"{folder} has no {missing[0]}: start this in a clone of the project, or name the "
+            "folder of the pages",
+            file=sys.stderr,
+        )
+        return 1
+    try:
+        changed = update(folder)
+    except ImportError as error:
+        print(f"{error}: install the extra 'test', pip install '.[test]'", file=sys.stderr)
+        return 1
+    for page in changed:
         print(f"updated {page}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

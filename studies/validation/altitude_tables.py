@@ -55,7 +55,8 @@ def climbs() -> str:
         flown, level = result.climb, result.constant.cycle.excess_time_h[0]
         lines.append(
             f"| {date} | `{strategy}` | {ceiling_m} m | {flown.maximum_altitude_m[0]:.0f} m "
-            f"| {flown.maximum_height_wh[0]:.1f} Wh | {flown.gliding_h[0]:.1f} h | {level:.2f} h "
-            f"| {flown.cycle.excess_time_h[0]:.2f} h | {abs(round(result.gain_h[0], 2)):.2f} h |"
+            f"| {flown.maximum_potential_energy_wh[0]:.1f} Wh | {flown.gliding_h[0]:.1f} h "
+            f"| {level:.2f} h | {flown.cycle.excess_time_h[0]:.2f} h "
+            f"| {abs(round(result.gain_h[0], 2)):.2f} h |"
         )
     return "\n".join(lines) + "\n"

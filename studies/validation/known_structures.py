@@ -8,7 +8,7 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import ParametricAirframe
 from sizing.library import load_aircraft
 from sizing.smooth import Value
-from sizing.structures.inputs import StructureInputs
+from sizing.structures.loads import StructureInputs
 from sizing.structures.models import StructureModel
 from sizing.structures.rib_wing import RibWingStructure, StructureParts
 

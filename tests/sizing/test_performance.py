@@ -12,8 +12,8 @@ from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Status, simulate_cycle
-from sizing.energy.march import Store
 from sizing.library import load_aircraft
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h

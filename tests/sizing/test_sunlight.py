@@ -11,7 +11,6 @@ from missions.library import load_mission
 from missions.mission import Bands, Mission
 from sizing import sunlight
 from sizing.aircraft import Aircraft
-from sizing.energy.power_balance import FloatArray
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.sunlight import (
@@ -26,6 +25,7 @@ from sizing.sunlight import (
 )
 from solar.correction import REPORTED_ERRORS
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from solar.types import FloatArray
 
 AS2 = load_aircraft("atlantiksolar-as2")
 RAFZ = load_mission("rafz-july")

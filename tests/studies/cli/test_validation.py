@@ -71,7 +71,7 @@ def test_loiter_correction_covers_both_models_and_says_how_wind_spreads(
 ) -> None:
     outcome = run("loiter-correction", "--json", "--markdown", "t.md")
     assert (outcome.code, outcome.err) == (0, "")
-    rows = outcome.json()
+    rows = outcome.json()["errors"]
     assert {row["model"] for row in rows} == {"CDM", "CAM"}
     for row in rows:
         # On a circle without wind no direction is another; with wind they differ.

@@ -428,12 +428,18 @@ def test_command_writes_everything(log_file: Path, tmp_path: Path) -> None:
     result = run(log_file, "--out", out, "--window", "5.7:5.8", "--window", "2015-07-01@8:8.1")
     assert result.exit_code == 0, result.output
     images = {"window-1.png", "window-2.png", "day-2015-07-01.png"}
-    assert {f.name for f in out.iterdir()} == images | {"samples.csv", "verification.json"}
+    assert {f.name for f in out.iterdir()} == images | {
+        "samples.csv",
+        "aircraft.yaml",
+        "mission.yaml",
+        "run.json",
+        "results.json",
+    }
     assert {f.name for f in out.parent.iterdir()} == {"out"}
     for name in images:
         assert (out / name).read_bytes().startswith(b"\x89PNG")
     table = pd.read_csv(out / "samples.csv")
-    record = json.loads((out / "verification.json").read_text())
+    record = json.loads((out / "results.json").read_text())
     assert len(table) == record["log"]["sunlit_samples"]
     used = table[table["excluded"] == 0]
     mean = record["days"][0]["models"]["FM"]["average_error_w"]

@@ -29,7 +29,14 @@ from studies.models.tables import markdown
 
 AS2, DESIGN, SUMMER = "atlantiksolar-as2", "atlantiksolar-design", "central-europe-summer"
 AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
-FILES = {"comparison.csv", "comparison.json", "comparison.png"}
+FILES = {
+    "comparison.csv",
+    "comparison.png",
+    "aircraft.yaml",
+    "mission.yaml",
+    "run.json",
+    "results.json",
+}
 
 
 @pytest.fixture(scope="module")
@@ -252,7 +259,7 @@ def test_folder_gets_all_files(in_folder: Path) -> None:
     table = pd.read_csv(in_folder / "new" / "comparison.csv")
     assert table["model"].tolist() == ["CDM", "FM"]
     assert {"excess_time_h", "season_days", "design_judged_endurance_h"} <= set(table)
-    record = json.loads((in_folder / "new" / "comparison.json").read_text())
+    record = json.loads((in_folder / "new" / "results.json").read_text())
     assert record["cases"][0]["design"]["wingspan_m"] == pytest.approx(
         table["design_wingspan_m"][0]
     )
@@ -346,7 +353,7 @@ def test_payload_is_compared_in_table_sentence_and_figure(
     options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c"]
     outcome = run("compare", DESIGN, *options)
     assert (outcome.code, outcome.err) == (0, "")
-    record = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    record = json.loads((tmp_path / "c" / "results.json").read_text())
     built = record["cases"][0]["design"][name]
     assert built > 0.0
     assert f"[{unit}]" in outcome.out
