@@ -26,7 +26,14 @@ def verification_files(result: Verification) -> dict[str, bytes]:
 
 
 def print_verification(console: Console, record: dict[str, Any]) -> None:
-    """Errors of every window and day, anomalies, and what the reader should know."""
+    """Print errors of every window and day, anomalies, and what the reader should know.
+
+    Parameters
+    ----------
+    console : Console
+    record : dict
+        Verification as :func:`studies.flight_logs.records.to_json` gives it.
+    """
     log = record["log"]
     console.print(
         f"{record['aircraft']} against {log['source']}: {log['start']} to {log['end']}, "
