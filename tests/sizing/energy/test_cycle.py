@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import exp, inf, log, nan
 
+import builders
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -18,10 +19,10 @@ from sizing.energy.battery import (
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,
+    Store,
     TableChargeLimit,
 )
 from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
-from sizing.energy.march import Store
 from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
@@ -444,7 +445,7 @@ def test_batch_of_batteries_suns_and_loads_equals_scalar_loops() -> None:
 
 
 def mission(latitude: float, date: str) -> Mission:
-    return Mission(name="test", latitude_deg=latitude, dates={"on": date}, altitude_m=500.0)
+    return builders.mission(latitude_deg=latitude, dates={"on": date}, altitude_m=500.0)
 
 
 STEP_CASES = [
