@@ -113,6 +113,10 @@ def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry 
         Must have the attitude.
     aircraft : Aircraft
         Must have module surfaces.
+
+    Returns
+    -------
+    tuple of (ModuleGeometry or None) and list of str
     """
     without = "VM and FM are not computed"
     if log.attitude is None:
@@ -133,6 +137,10 @@ def tail_shading(
         Must have a tail.
     geometry : ModuleGeometry
         Its surfaces, which must have outlines.
+
+    Returns
+    -------
+    tuple of (callable or None) and (str or None)
     """
     tail = aircraft.modules.tail
     if tail is None:
@@ -163,6 +171,10 @@ def lit_samples(
         Surfaces for VM and FM; without, only CDM and CAM are computed.
     shade : callable, optional
         Shaded area of every surface.
+
+    Returns
+    -------
+    tuple of Samples and list of str
 
     Raises
     ------
@@ -273,6 +285,10 @@ def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
         Places in the log, ascending.
     segment : ndarray of int
         Number of the segment between gaps that each belongs to.
+
+    Returns
+    -------
+    ndarray of int
     """
     breaks = (np.diff(index) > 1) | (np.diff(segment) > 0)
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
