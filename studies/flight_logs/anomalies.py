@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from missions.logs.table import FlightLog, Gap
-from solar.almanac import sun_position
+from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.log_view import (
     BRIGHT,

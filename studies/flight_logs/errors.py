@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solar.almanac import SECONDS_PER_DAY
 from solar.names import ModelName
+from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.samples import Samples, numbered_runs
 

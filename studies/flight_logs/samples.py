@@ -17,14 +17,14 @@ from missions.files.errors import file_error
 from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.almanac import SECONDS_PER_DAY, sun_position
 from solar.attitude import direction_cosines
-from solar.clearsky import Irradiance, clear_sky
+from solar.clearsky import ClearSky, Irradiance
 from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.names import ModelName
 from solar.power import conceptual_analysis_model, conceptual_design_model
 from solar.shading import shaded_area
+from solar.sun import SECONDS_PER_DAY, sun_position
 from solar.types import FloatArray, IntArray
 
 ShadedArea: TypeAlias = Callable[[FloatArray], FloatArray]
@@ -194,6 +194,7 @@ def lit_samples(
     module_c, module_source = _constant_module_c(log, mission, ambient)
     lit = _Lit(
         aircraft=aircraft,
+        sky=mission.sky,
         clearness=mission.clearness,
         day=day_of_year(log.time_s[index]),
         latitude_deg=log.latitude_deg[index],
@@ -231,6 +232,7 @@ class _Lit:
     """Sunlit samples as the models need them; ``attitude`` has the rows roll, pitch, yaw."""
 
     aircraft: Aircraft
+    sky: ClearSky
     clearness: float
     day: FloatArray
     latitude_deg: FloatArray
@@ -317,7 +319,7 @@ def _modelled(
 
 
 def _light(lit: _Lit, chunk: slice) -> Irradiance:
-    clear = clear_sky(
+    clear = lit.sky(
         lit.day[chunk], lit.latitude_deg[chunk], -lit.sun[chunk, 2], lit.altitude_m[chunk]
     )
     return Irradiance(*(lit.clearness * part for part in clear))

@@ -17,10 +17,10 @@ from missions.flight_path import Circle, orbit
 from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.almanac import SunPosition, sun_position
 from solar.attitude import direction_cosines
-from solar.clearsky import Irradiance, clear_sky
+from solar.clearsky import Irradiance
 from solar.full_model import full_model
+from solar.sun import SunPosition, sun_position
 from solar.types import FloatArray
 from studies.flight_logs.samples import ShadedArea, day_of_year
 
@@ -218,7 +218,7 @@ def _truth_of_chunk(
     light = Irradiance(
         *(
             mission.clearness * part
-            for part in clear_sky(
+            for part in mission.sky(
                 day_of_year(time_s),
                 flown.latitude_deg,
                 -sun.vector_ned[..., 2],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,8 @@ def component_efficiencies(
     aircraft: Aircraft, mission: Mission, scenario: int = 0, *, step_h: float = 1.0 / 12.0
 ) -> xr.Dataset:
     """Component efficiencies of the Full Model over a day, averaged over the flight path.
+
+    The mission's uncertainty margins are taken off the power, as in every other study.
 
     Parameters
     ----------
@@ -71,10 +74,13 @@ def component_efficiencies(
         wind=mission.wind,
         ambient_temperature_c=float(mission.air_state().temperature_c),
         altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
+        clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
         shading=aircraft.modules.shading,
     )
-
+    factor = mission.pessimistic_power_factor("FM")
+    specific_power = power.specific_power_w_per_m2 * factor
+    power = replace(power, specific_power_w_per_m2=specific_power)
     return xr.Dataset(
         _variables(power, orbit.weights),
         coords={

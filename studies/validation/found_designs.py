@@ -56,7 +56,7 @@ CASES = (
     Case(
         "AtlantikSolar, 4 h at 60 % of clear sky, least mass",
         *("atlantiksolar-design", ATLANTIKSOLAR),
-        {**_RAFZ, "bands": {"clearness_minimum": 0.6}},
+        {**_RAFZ, "uncertainty_margins": {"clearness_minimum": 0.6}},
         Objective.min_mass,
         required_excess_time_h=4.0,
         specific_energy_wh_per_kg=251.0,
@@ -64,7 +64,7 @@ CASES = (
     Case(
         "AtlantikSolar, 4 h at 60 % of clear sky, least span",
         *("atlantiksolar-design", ATLANTIKSOLAR),
-        {**_RAFZ, "bands": {"clearness_minimum": 0.6}},
+        {**_RAFZ, "uncertainty_margins": {"clearness_minimum": 0.6}},
         Objective.min_wingspan,
         required_excess_time_h=4.0,
         specific_energy_wh_per_kg=251.0,
