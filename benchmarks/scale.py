@@ -15,11 +15,10 @@ import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.optimisation.objectives import Objective
 from sizing.performance import SolarModel
 from studies.engine.run import Columns, run
 from studies.engine.workers import Crew, DaskCrew, ProcessCrew, SerialCrew, available_cores
-from studies.maps.jobs import SizedMapConfiguration, sized_map_job
+from studies.maps.resized import prepare
 
 _REPEATS = 2
 
@@ -39,16 +38,14 @@ def variants(dask: bool) -> dict[str, Callable[[], Crew]]:
 
 def main(arguments: list[str]) -> None:
     """Measure and print a table."""
-    job = sized_map_job(
-        SizedMapConfiguration(
-            load_aircraft("atlantiksolar-design"),
-            load_mission("rafz-july"),
-            SolarModel(),
-            Objective.min_wingspan,
-        ),
+    job = prepare(
+        load_aircraft("atlantiksolar-design"),
+        load_mission("rafz-july"),
+        "min_wingspan",
         np.linspace(-60.0, 60.0, 61),
-        np.arange(1.0, 366.0, 7.0),
-    )
+        np.arange(1, 366, 7),
+        SolarModel(),
+    ).job
     print(f"{job.cells} cells in {len(job.chunks)} chunks, {available_cores()} cores")
     first: Columns = {}
     best: dict[str, float] = {}

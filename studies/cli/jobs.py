@@ -98,11 +98,12 @@ class WorkOptions:
 def completed(
     job: Job, options: WorkOptions, target: str | os.PathLike[str] | None, unit: str
 ) -> Iterator[Outcome]:
-    """Compute a job; inside the context its result is to be written, after it the parts go.
+    """Compute a job; inside the context its result is to be written and printed.
 
-    A signal ends the command with 128 plus its number and the way to go on; so does a disk that
-    fills up, as an error. Cells that failed are told on standard error, and where all of them did
-    there is no result.
+    After it the parts go. A signal ends the command with 128 plus its number and the way to go on;
+    so does a disk that fills up, as an error. Where cells failed, standard error says so before and
+    after the result, and the command ends with exit code 1; where all of them did there is no
+    result.
     """
     from missions.files.writing import OutputError
     from studies.cli.progress import progress_of
@@ -120,7 +121,11 @@ def completed(
             crew = crew_of(options.workers, options.scheduler)
             with progress_of(unit) as progress:
                 outcome = run(job, crew, store, progress)
-            _tell_failures(job, outcome, unit)
+            trouble = outcome.trouble(unit)
+            if trouble is not None:
+                click.echo(f"solar-uav: {trouble}", err=True)
+            if outcome.all_failed:
+                sys.exit(EXIT_FAILED)
             yield outcome
         except (Stopped, KeyboardInterrupt) as stopped:
             number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
@@ -131,6 +136,9 @@ def completed(
             sys.exit(EXIT_FAILED)
         if store is not None and not options.keep_parts and not outcome.failures:
             store.remove_parts()
+    if trouble is not None:
+        click.echo(f"solar-uav: the result is not complete: {trouble}", err=True)
+        sys.exit(EXIT_FAILED)
 
 
 def _kept(job: Job, store: ChunkStore | None) -> str:
@@ -140,13 +148,3 @@ def _kept(job: Job, store: ChunkStore | None) -> str:
     count = sum(store.path(key).is_file() for key in keys)
     command = shlex.join(["solar-uav", *sys.argv[1:]])
     return f"{count} of {len(job.chunks)} chunks are kept in {store.folder}; to go on:\n  {command}"
-
-
-def _tell_failures(job: Job, outcome: Outcome, unit: str) -> None:
-    if not outcome.failures:
-        return
-    first = min(outcome.failures)
-    message = f"{len(outcome.failures)} of {job.cells} {unit} failed; the first: "
-    click.echo(f"solar-uav: {message}{outcome.failures[first]}", err=True)
-    if len(outcome.failures) == job.cells:
-        sys.exit(EXIT_FAILED)

@@ -30,12 +30,22 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 class Grid(click.ParamType["list[float]"]):
-    """Evenly spaced numbers ``first:last:step``, both ends included."""
+    """Numbers ``first:last:step``: first, and steps from there that do not lead beyond last.
+
+    Where they do not lead to ``last`` itself, a note on standard error says where they end.
+
+    Parameters
+    ----------
+    lowest, highest : float
+        What is allowed.
+    whole : bool
+        Whether all numbers must be whole.
+    """
 
     name = "first:last:step"
 
-    def __init__(self, lowest: float, highest: float) -> None:
-        self.lowest, self.highest = lowest, highest
+    def __init__(self, lowest: float, highest: float, *, whole: bool = False) -> None:
+        self.lowest, self.highest, self.whole = lowest, highest, whole
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -53,11 +63,21 @@ class Grid(click.ParamType["list[float]"]):
                 param,
                 ctx,
             )
+        if self.whole and not (first.is_integer() and step.is_integer()):
+            self.fail(f"takes whole numbers (got {value})", param, ctx)
         steps = (last - first) / step + 1e-9
         if steps >= _MAXIMUM_GRID:
             self.fail(f"has more than the {_MAXIMUM_GRID} numbers that are allowed", param, ctx)
-        count = int(steps) + 1
-        return [first + i * step for i in range(count)]
+        numbers = [first + i * step for i in range(int(steps) + 1)]
+        note_last(numbers[-1], last, f"{param.opts[0] if param else ''} {value}".strip())
+        return numbers
+
+
+def note_last(reached: float, last: float, written: str) -> None:
+    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
+    if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
+        text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
+        click.echo(f"solar-uav: {text}", err=True)
 
 
 class RealRange(click.FloatRange):

@@ -25,6 +25,7 @@ import itertools
 import json
 import signal
 import threading
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
@@ -41,7 +42,7 @@ from pydantic import BaseModel
 
 from solar._version import __version__
 from studies.engine.chunk_store import ChunkStore, Part
-from studies.engine.workers import Crew, WorkersUnavailableError
+from studies.engine.workers import Crew, WorkersUnavailableError, crew_of
 
 __all__ = ["Cell", "Columns", "Job", "Outcome", "Stopped", "pieces", "run"]
 
@@ -116,6 +117,65 @@ class Outcome:
     failures: dict[int, str]
     computed_chunks: int
     kept_chunks: int
+
+    def trouble(self, unit: str = "cells") -> str | None:
+        """How many cells failed and why the first did; none if none did."""
+        if not self.failures:
+            return None
+        count = len(next(iter(self.columns.values())))
+        first = self.failures[min(self.failures)]
+        return f"{len(self.failures)} of {count} {unit} failed; the first: {first}"
+
+    @property
+    def all_failed(self) -> bool:
+        """Whether there is no result at all."""
+        return len(self.failures) == len(next(iter(self.columns.values())))
+
+
+class ComputationError(RuntimeError):
+    """Every cell of a computation failed."""
+
+
+def compute(
+    job: Job,
+    workers: int | None = 1,
+    progress: Callable[[int, int], None] | None = None,
+    unit: str = "cells",
+) -> Outcome:
+    """Compute a job in memory, for callers in Python.
+
+    Parameters
+    ----------
+    job : Job
+        What is to be computed.
+    workers : int or None, optional
+        Processes that compute: 1 starts none, None as many as there are cores where that pays.
+    progress : callable, optional
+        Called with the cells done and the cells in all.
+    unit : str, optional
+        What the cells are called in messages.
+
+    Returns
+    -------
+    Outcome
+        A warning tells how many cells failed, if any did.
+
+    Raises
+    ------
+    ComputationError
+        If every cell failed.
+    ValueError
+        If the number of workers is less than 1.
+    """
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers must be at least 1, or None (got {workers})")
+    outcome = run(job, crew_of(workers, None), progress=progress)
+    trouble = outcome.trouble(unit)
+    if outcome.all_failed:
+        raise ComputationError(trouble)
+    if trouble is not None:
+        warnings.warn(trouble, RuntimeWarning, stacklevel=3)
+    return outcome
 
 
 def pieces(count: int, each: int) -> list[slice]:

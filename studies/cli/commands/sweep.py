@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib.util
 import math
 import os
+import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,12 +15,14 @@ from solar.names import RESIZE_NAMES
 from studies.cli.checks import refuse_climb
 from studies.cli.jobs import WorkOptions, completed, work_options
 from studies.cli.options import (
+    EXIT_FAILED,
     check_image,
     check_outputs,
     console,
     figure_bytes,
     load,
     mission_option,
+    note_last,
     print_json,
     require_path,
     solar_model,
@@ -48,9 +52,12 @@ class Varied(click.ParamType["Axis"]):
         from studies.sweeps.axes import parse_axis
 
         try:
-            return parse_axis(str(value))
+            axis = parse_axis(str(value))
         except ValueError as error:
             self.fail(str(error), param, ctx)
+        if str(value).count(":") == 2:
+            note_last(axis.values[-1], float(str(value).split(":")[1]), f"--vary {value}")
+        return axis
 
 
 @click.command(short_help="Trade study: vary keys, judge or size.")
@@ -62,8 +69,8 @@ class Varied(click.ParamType["Axis"]):
     type=Varied(),
     multiple=True,
     required=True,
-    help="KEY=first:last:step or KEY=v1,v2,...; a key as of --set, or wingspan_m, aspect_ratio, "
-    "battery_mass_kg, module_area_m2. May be repeated.",
+    help="KEY=first:last:step (last is met where the steps lead to it) or KEY=v1,v2,...; a key as "
+    "of --set, or wingspan_m, aspect_ratio, battery_mass_kg, module_area_m2. May be repeated.",
 )
 @click.option(
     "--resize",
@@ -123,7 +130,10 @@ def sweep(
     overrides: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Trade study: vary keys of AIRCRAFT (name or file) and mission, judge or size each point."""
+    """Trade study: vary keys of AIRCRAFT (name or file) and mission, judge or size each point.
+
+    The exit code is 1 if any point could not be computed.
+    """
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     if pareto is not None:
         if plot_file is None:
@@ -134,22 +144,28 @@ def sweep(
     craft, where = load(aircraft, mission, overrides)
     refuse_climb(where, "sweep")
     require_path(model, correction, craft, where)
+    from missions.files.errors import InputError
     from missions.files.writing import write_files_atomically
-    from sizing.optimisation.objectives import Objective
     from studies.sweeps import study
 
-    prepared = study.prepare(
-        craft,
-        where,
-        axes,
-        solar_model(model, correction),
-        sample=sample,  # type: ignore[arg-type]  # click checked it
-        samples=samples,
-        seed=seed,
-        resize=None if objective is None else Objective(objective),
-        cover=cover,
-    )
+    try:
+        prepared = study.prepare(
+            craft.aircraft,
+            where.mission,
+            axes,
+            solar_model(model, correction),
+            sample=sample,  # type: ignore[arg-type]  # click checked it
+            samples=samples,
+            seed=seed,
+            resize=objective,
+            cover=cover,
+        )
+    except InputError as error:
+        raise InputError(
+            [replace(p, source=f"--vary {p.source}") for p in error.problems]
+        ) from None
     check_outputs(out=out_file, plot=plot_file)
+    trouble = None
     with completed(prepared.job, options, out_file, "points") as outcome:
         data = study.dataset(prepared, outcome)
         contents: dict[str | os.PathLike[str], bytes] = {}
@@ -157,7 +173,6 @@ def sweep(
             from studies.sweeps.files import to_bytes as to_file
 
             contents[out_file] = to_file(data, file_format)
-        trouble = None
         if plot_file is not None:
             try:
                 contents[plot_file] = figure_bytes(_figure(data, pareto), plot_file)
@@ -165,12 +180,14 @@ def sweep(
                 # The points are worth keeping even where there is nothing to draw.
                 trouble = str(error)
         write_files_atomically(contents)
-    if as_json:
-        print_json(_record(data))
-    else:
-        _print(data)
+        if as_json:
+            print_json(_record(data))
+        else:
+            _print(data)
+        if trouble is not None:
+            click.echo(f"solar-uav: no chart: {trouble}", err=True)
     if trouble is not None:
-        raise click.ClickException(f"no chart: {trouble}")
+        sys.exit(EXIT_FAILED)
 
 
 def _check_pareto(names: tuple[str, str], axes: tuple[Axis, ...], *, resized: bool) -> None:
@@ -281,4 +298,4 @@ def _cell(value: Any, form: str) -> str:
         return value.replace("_", " ")
     if math.isnan(value):
         return "-"
-    return "no end" if math.isinf(value) else f"{value:{form}}"
+    return "unlimited" if math.isinf(value) else f"{value:{form}}"
