@@ -17,22 +17,21 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.performance import SolarModel
 from studies.engine.run import Columns, run
-from studies.engine.workers import Crew, DaskCrew, ProcessCrew, SerialCrew, available_cores
+from studies.engine.workers import DaskPool, LocalPool, Pool, available_cores
 from studies.maps.resized import prepare
 
 _REPEATS = 2
 
 
-def variants(dask: bool) -> dict[str, Callable[[], Crew]]:
-    """Crews to be compared, by name."""
-    local: dict[str, Callable[[], Crew]] = {
-        "this process": SerialCrew,
-        "1 process": lambda: ProcessCrew(1),
-        "2 processes": lambda: ProcessCrew(2),
+def variants(dask: bool) -> dict[str, Callable[[], Pool]]:
+    """Pools to be compared, by name."""
+    local: dict[str, Callable[[], Pool]] = {
+        "1 process": lambda: LocalPool(1),
+        "2 processes": lambda: LocalPool(2),
     }
     if dask:
-        local["dask, 1 worker"] = lambda: DaskCrew("local-cluster", 1)
-        local["dask, 2 workers"] = lambda: DaskCrew("local-cluster", 2)
+        local["dask, 1 worker"] = lambda: DaskPool("local-cluster", 1)
+        local["dask, 2 workers"] = lambda: DaskPool("local-cluster", 2)
     return local
 
 
@@ -50,9 +49,9 @@ def main(arguments: list[str]) -> None:
     first: Columns = {}
     best: dict[str, float] = {}
     for _ in range(_REPEATS):
-        for name, crew in variants("--scheduler" in arguments).items():
+        for name, pool in variants("--scheduler" in arguments).items():
             begun = time.perf_counter()
-            columns = run(job, crew()).columns
+            columns = run(job, pool()).columns
             spent = time.perf_counter() - begun
             best[name] = min(best.get(name, spent), spent)
             first = first or columns

@@ -109,7 +109,7 @@ def completed(
     from studies.cli.progress import progress_of
     from studies.engine.chunk_store import ChunkStore
     from studies.engine.run import Stopped, run
-    from studies.engine.workers import crew_of
+    from studies.engine.workers import pool_of
 
     folder = options.folder(target)
     with ExitStack() as stack:
@@ -118,9 +118,9 @@ def completed(
             opened = ChunkStore(folder).opened(job.size_bytes, len(job.chunks))
             store = stack.enter_context(opened)
         try:
-            crew = crew_of(options.workers, options.scheduler)
+            pool = pool_of(options.workers, options.scheduler)
             with progress_of(unit) as progress:
-                outcome = run(job, crew, store, progress)
+                outcome = run(job, pool, store, progress)
             trouble = outcome.trouble(unit)
             if trouble is not None:
                 click.echo(f"solar-uav: {trouble}", err=True)
