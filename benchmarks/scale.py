@@ -15,7 +15,7 @@ import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.engine.run import Columns, run
 from studies.engine.workers import DaskPool, LocalPool, Pool, available_cores
 from studies.maps.resized import prepare
@@ -45,7 +45,7 @@ def main(arguments: list[str]) -> None:
         np.arange(1, 366, 7),
         SolarModel(),
     ).job
-    print(f"{job.cells} cells in {len(job.chunks)} chunks, {available_cores()} cores")
+    print(f"{len(job.cells)} cells in {len(job.chunks)} chunks, {available_cores()} cores")
     first: Columns = {}
     best: dict[str, float] = {}
     for _ in range(_REPEATS):

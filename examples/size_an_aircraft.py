@@ -7,7 +7,7 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 
 
 def main() -> None:

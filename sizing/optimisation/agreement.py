@@ -196,7 +196,7 @@ def _same(before: Answer | None, answer: Answer) -> bool:
 def telling_scenarios(perf: Performance, count: int) -> list[int]:
     """Scenarios likely to drive the sizing: least excess time, and least sun for their load."""
     cycle = perf.cycle
-    short_of_sun = int(np.argmin(cycle.account.solar_wh / cycle.account.load_wh))
+    short_of_sun = int(np.argmin(cycle.energy_budget.solar_wh / cycle.energy_budget.load_wh))
     by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
     dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
     return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]

@@ -25,7 +25,6 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, Masses, variables_of
-from sizing.energy.march import FloatArray
 from sizing.limits import meets_requirements
 from sizing.optimisation.agreement import GOAL_CUSHION_H, WASTE_H, shifted
 from sizing.optimisation.energy_constraints import lowest_sun_parameters, never_dark
@@ -33,14 +32,10 @@ from sizing.optimisation.objectives import Objective, without_battery
 from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import objective_value
 from sizing.optimisation.solver import FIRST_MARGIN, Answer, ProgramSolver, Question
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_pairs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_pairs
 from sizing.smooth import Value
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 # Prices of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, 300.0)

@@ -13,25 +13,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
-from sizing.energy.march import FloatArray
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, Violation
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
-
-IntArray = NDArray[np.intp]
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)

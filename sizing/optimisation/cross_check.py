@@ -15,18 +15,13 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions
-from sizing.energy.march import FloatArray
 from sizing.limits import meets_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, objective_value
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 # An attack that wins by less than this is within what the time steps and tolerances allow.
 RELATIVE_TOLERANCE = 0.005

@@ -31,10 +31,10 @@ import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
-from sizing.energy.march import FloatArray
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
 from sizing.parameters import parameter_value, replaced
+from solar.types import FloatArray
 
 Effort = Literal["quick", "steady", "patient", "next"]
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from sizing.design import Design
-from sizing.energy.march import FloatArray
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Constraint
 from sizing.performance import Performance
+from solar.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, DesignVariables, Masses, variables_of
-from sizing.energy.march import FloatArray
 from sizing.limits import design_requirements
 from sizing.optimisation.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
 from sizing.optimisation.energy_constraints import lowest_sun_parameters, never_dark
@@ -25,15 +24,9 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.solver import Answer, ProgramSolver, Question
 from sizing.parameters import with_parameter
-from sizing.performance import (
-    DEFAULT_STEP_H,
-    UNCORRECTED_CAM,
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 __all__ = ["SizingResult", "SolverReport", "Violation", "size_aircraft"]
 

@@ -84,15 +84,15 @@ class Job:
     chunks: tuple[tuple[Cell, ...], ...]
     blanks: Mapping[str, Any]
 
-    @property
-    def cells(self) -> int:
-        """Number of cells."""
-        return sum(len(chunk) for chunk in self.chunks)
+    @functools.cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells, chunk after chunk."""
+        return tuple(itertools.chain.from_iterable(self.chunks))
 
     @property
     def size_bytes(self) -> int:
         """Size of all columns, estimated [bytes]."""
-        return self.cells * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
+        return len(self.cells) * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
 
     def keys(self) -> list[str]:
         """Key of every chunk: changes with anything that may change its result."""
@@ -330,7 +330,7 @@ class _Run:
 
     def outcome(self) -> Outcome:
         kept = self._take_kept()
-        self.progress(self.done, self.job.cells)
+        self.progress(self.done, len(self.job.cells))
         while self.waiting or self.flying:
             while len(self.flying) < self.pool.size(len(self.waiting) + len(self.flying)):
                 if not self.waiting:
@@ -402,7 +402,7 @@ class _Run:
             self.store.write(self.keys[number], part)
         self.parts[number] = part
         self.done += len(self.job.chunks[number])
-        self.progress(self.done, self.job.cells)
+        self.progress(self.done, len(self.job.cells))
 
 
 # ---- Signals

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.cycle import Status
-from sizing.performance import SolarModel, performance, solar_day
+from sizing.performance import performance
+from sizing.sunlight import SolarModel, solar_day
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
@@ -205,8 +206,8 @@ def _cells(
         "equal_power_morning": cycle.equal_power_morning_h,
         "equal_power_evening": cycle.equal_power_evening_h,
         "full_charge": cycle.full_charge_h,
-        "solar_energy": cycle.account.solar_wh,
-        "load_energy": cycle.account.load_wh,
+        "solar_energy": cycle.energy_budget.solar_wh,
+        "load_energy": cycle.energy_budget.load_wh,
         "day_length": found.day.sunset_h - found.day.sunrise_h,
         "status": cycle.status.astype(np.int8),
     }

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar.names import ATTITUDE_MODELS
 from studies.engine.run import Cell, Job, Outcome, pieces
 from studies.output.columns import attributes, failed_cells, variables
@@ -22,7 +22,7 @@ from studies.output.columns import attributes, failed_cells, variables
 if TYPE_CHECKING:
     import xarray as xr
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 __all__ = ["DAYS", "LATITUDES_DEG", "Grid", "MapStudy", "cell_time_s"]
 
@@ -83,7 +83,7 @@ class Grid:
 
     def laid_out(self, job: Job, outcome: Outcome) -> dict[str, NDArray[Any]]:
         """Columns of an outcome, shape ``(latitude, day)``."""
-        cells = np.array([cell for chunk in job.chunks for cell in chunk])
+        cells = np.array(job.cells)
         row = np.searchsorted(self.latitudes_deg, cells[:, 0])
         order = np.argsort(row * len(self.days) + np.searchsorted(self.days, cells[:, 1]))
         shape = (len(self.latitudes_deg), len(self.days))
@@ -133,7 +133,7 @@ class MapStudy:
             coords=self.grid.coordinates(),
             attrs=attributes(self.title, asked.aircraft, asked.mission, asked.solar)
             | dict(self.attributes)
-            | failed_cells(self.job, outcome, ("latitude", "day")),
+            | failed_cells(self.job.cells, outcome.failures, ("latitude", "day")),
         )
 
 

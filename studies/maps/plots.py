@@ -14,21 +14,21 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from missions.dates import MONTH_NAMES, date_label
-from studies.output.columns import HATCHES, SIZED, status_names
-from studies.output.hatching import (
+from studies.output.cells import (
     cell_edges,
     draw_cells,
     draw_colour_bar,
+    draw_level_lines,
     finite_range,
     hatch_cells,
 )
-from studies.output.level_lines import draw_level_lines
-from studies.output.plots import correction_label
+from studies.output.columns import HATCHES, SIZED, status_names
+from studies.output.plots import correction_label, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 __all__ = ["map_figure", "resized_map_figure"]
 
@@ -46,8 +46,7 @@ _DATES = 6  # along an axis of less than two months
 
 def map_figure(data: xr.Dataset) -> Figure:
     """Excess time over season and latitude, with the edge of perpetual flight drawn as a line."""
-    figure = Figure(figsize=(8.5, 5.2), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _begun(data, after="; line: edge of perpetual flight")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     excess = data["excess_time"].to_numpy()
     top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
@@ -61,7 +60,7 @@ def map_figure(data: xr.Dataset) -> Figure:
         # No edge leads along cells of which nothing is known.
         perpetual = np.where(np.isnan(shown), np.nan, shown > 0.0)
         axes.contour(days, latitudes, perpetual, [0.5], colors="black")
-    _finish(figure, axes, data, after="; line: edge of perpetual flight")
+    _finish(figure, axes, data)
     return figure
 
 
@@ -71,8 +70,7 @@ def resized_map_figure(data: xr.Dataset) -> Figure:
     Lines lead from cell to cell where both have a design.
     """
     name = _SHOWN[data.attrs["objective"]]
-    figure = Figure(figsize=(8.5, 5.2), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _begun(data, before=f": {data.attrs['objective']}")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     values = np.where(data["status"].isin(SIZED), data[name].to_numpy(), np.nan)
     norm = finite_range(values)
@@ -81,19 +79,23 @@ def resized_map_figure(data: xr.Dataset) -> Figure:
         draw_cells(axes, days, latitudes, values, norm),
         axes,
         f"{data[name].long_name} [{data[name].units}]",
-        endless=bool(np.isposinf(values).any()),
+        unlimited=bool(np.isposinf(values).any()),
     )
-    assert norm.vmin is not None
-    assert norm.vmax is not None
-    draw_level_lines(axes, days, latitudes, values, norm.vmin, norm.vmax, at_most=5)
-    _finish(figure, axes, data, before=f": {data.attrs['objective']}")
+    draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
+    _finish(figure, axes, data)
     return figure
 
 
-def _finish(
-    figure: Figure, axes: Axes, data: xr.Dataset, *, before: str = "", after: str = ""
-) -> None:
-    """Hatches with their legend, months, and a title around the solar model."""
+def _begun(data: xr.Dataset, *, before: str = "", after: str = "") -> tuple[Figure, Axes]:
+    """Figure with a title around the solar model."""
+    solar = f"{data.attrs['solar_model']}, {correction_label(data.attrs['correction'])}"
+    title = f"{data.attrs['title']}{before} ({solar}){after}"
+    figure, (axes,) = new_figure(title=title, size_in=(8.5, 5.2), grid="")
+    return figure, axes
+
+
+def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
+    """Hatches with their legend, and months."""
     names = {value: name for value, name in status_names(data).items() if name in HATCHES}
     hatches = {value: HATCHES[name] for value, name in names.items()}
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
@@ -101,8 +103,6 @@ def _finish(
     if entries:
         figure.legend(handles=entries, loc="outside lower right", ncols=3)
     _season_axes(axes, days)
-    solar = f"{data.attrs['solar_model']}, {correction_label(data.attrs['correction'])}"
-    axes.set_title(f"{data.attrs['title']}{before} ({solar}){after}", parse_math=False)
 
 
 def _levels(top: float) -> FloatArray:

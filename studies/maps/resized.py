@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s

@@ -19,10 +19,9 @@ from sizing.optimisation.cells import CellSizings, CellStatus
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import RESIZE_NAMES
-from studies.engine.run import Job, Outcome
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -274,18 +273,26 @@ def attributes(
     }
 
 
-def failed_cells(job: Job, outcome: Outcome, names: Sequence[str]) -> dict[str, str]:
+def failed_cells(
+    cells: Sequence[tuple[float, ...]], failures: Mapping[int, str], names: Sequence[str]
+) -> dict[str, str]:
     """Attribute that says which cells failed, and why; none where none did.
 
-    ``names`` are those of the numbers of a cell.
+    Parameters
+    ----------
+    cells : sequence of tuple of float
+        All cells.
+    failures : mapping
+        Reasons by the number of the cell.
+    names : sequence of str
+        What the numbers of a cell are.
     """
-    if not outcome.failures:
+    if not failures:
         return {}
-    cells = [cell for chunk in job.chunks for cell in chunk]
     lines = [
         ", ".join(f"{name} {value:g}" for name, value in zip(names, cells[i], strict=True))
         + f": {text}"
-        for i, text in sorted(outcome.failures.items())
+        for i, text in sorted(failures.items())
     ]
     return {"failed_cells": "\n".join(lines)}
 

@@ -23,7 +23,7 @@ from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from studies.engine.run import Job, Outcome, compute, pieces
 from studies.output.columns import (
@@ -417,7 +417,7 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     return xr.Dataset(
         variables(dims, shaped, described, flags),
         coords=coords,
-        attrs=_attributes(study) | failed_cells(study.job, outcome, names),
+        attrs=_attributes(study) | failed_cells(study.job.cells, outcome.failures, names),
     )
 
 

@@ -10,7 +10,8 @@ from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import SolarModel
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 

@@ -2,34 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from solar.names import RESIZE_NAMES
-from studies.cli.checks import refuse_climb
-from studies.cli.jobs import WorkOptions, completed, work_options
 from studies.cli.options import (
     Grid,
     check_image,
-    check_outputs,
-    console,
-    load,
     mission_option,
-    print_json,
-    require_parametric,
-    require_path,
-    solar_model,
     solar_options,
-    write_results,
+    work_options,
 )
 
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
-
-@click.command(name="map", short_help="Where and when it can fly perpetually.")
+@click.command(name="map")
 @click.argument("aircraft")
 @mission_option()
 @click.option(
@@ -79,46 +64,40 @@ def map_(
     overrides: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Map where and when AIRCRAFT (name or file) can fly perpetually: latitude against season.
+    """Map where and when AIRCRAFT (name, file or folder) flies perpetually.
 
-    Of the mission the air and the load count, not its latitudes and dates. With --resize: which
-    design flies there and then. The exit code is 1 if any cell could not be computed.
+    Latitude against season; of the mission the air and the load count, not its latitudes and
+    dates. With --resize: which design flies there and then. The exit code is 1 if any cell could
+    not be computed.
     """
+    from studies.cli.checks import check_outputs, refuse_climb, require_parametric, require_path
+    from studies.cli.files import load
+    from studies.cli.jobs import WorkOptions, completed
+    from studies.cli.outputs import tell, write_results
+    from studies.maps import feasibility, plots, resized, results
+    from studies.output.columns import to_netcdf_bytes
+
     if objective is not None and endurance:
         raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
     if out_file is not None and not out_file.lower().endswith(".nc"):
         raise click.BadParameter(f"{out_file!r} must end in .nc", param_hint="--out")
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     check_image(plot_file)
-    craft, where = load(aircraft, mission, overrides)
-    refuse_climb(where, "map")
-    require_path(model, correction, craft, where)
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    refuse_climb(case, "map")
+    require_path(case)
     if objective is not None:
-        require_parametric(craft, "--resize")
-    from studies.maps import feasibility, resized, tables
-    from studies.output.columns import to_netcdf_bytes
-
+        require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     check_outputs(out=out_file, plot=plot_file)
-    solar = solar_model(model, correction)
+    asked = case.aircraft, case.mission
     if objective is None:
-        study = feasibility.prepare(
-            craft.aircraft, where.mission, latitudes, days, solar, endurance
-        )
+        study = feasibility.prepare(*asked, latitudes, days, case.solar, endurance)
+        draw, record, show = plots.map_figure, results.seasons_record, results.show_seasons
     else:
-        study = resized.prepare(craft.aircraft, where.mission, objective, latitudes, days, solar)
+        study = resized.prepare(*asked, objective, latitudes, days, case.solar)
+        draw, record, show = plots.resized_map_figure, results.designs_record, results.show_designs
     with completed(study.job, options, out_file, "cells") as outcome:
         data = study.dataset(outcome)
-        resize = objective is not None
-        write_results(
-            out_file, lambda: to_netcdf_bytes(data), plot_file, lambda: _figure(data, resize)
-        )
-        if as_json:
-            print_json(tables.designs(data) if resize else tables.seasons(data))
-        else:
-            console().print(tables.designs_table(data) if resize else tables.seasons_table(data))
-
-
-def _figure(data: xr.Dataset, resize: bool) -> Figure:
-    from studies.maps.plots import map_figure, resized_map_figure
-
-    return resized_map_figure(data) if resize else map_figure(data)
+        write_results(out_file, lambda: to_netcdf_bytes(data), plot_file, lambda: draw(data))
+        named = case.named(record(data))
+        tell(case, named, lambda console: show(console, data), as_json=as_json)

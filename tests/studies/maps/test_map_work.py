@@ -25,7 +25,7 @@ from missions.mission import Dates
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import ComputationError, compute
 from studies.maps import feasibility
@@ -33,6 +33,8 @@ from studies.maps.grid import Grid
 from studies.maps.plots import map_figure, resized_map_figure
 from studies.maps.resized import ResizedMapConfiguration, _resized_chunk, resized_map
 from studies.output.columns import SizingStatus, to_netcdf_bytes
+
+pytestmark = pytest.mark.slow
 
 AS2 = load_aircraft("atlantiksolar-as2")
 DESIGN = load_aircraft("atlantiksolar-design")
@@ -176,8 +178,8 @@ def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 def test_a_stopped_command_says_how_to_go_on(
     tmp_path: Path, signum: signal.Signals, workers: str
 ) -> None:
-    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:2"]
-    asked = ["map", *asked, "--days", "1:365:7", "--out", "m.nc", "--workers", workers]
+    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:4"]
+    asked = ["map", *asked, "--days", "1:365:10", "--out", "m.nc", "--workers", workers]
     process = command(*asked, cwd=tmp_path)
     folder = tmp_path / "m.nc.parts"
     deadline = time.monotonic() + 120.0

@@ -24,7 +24,8 @@ from sizing.design import design_of
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import compute
 from studies.output.columns import SizingStatus
