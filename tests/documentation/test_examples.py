@@ -115,9 +115,13 @@ def test_python_block_of_the_documentation_runs(
     assert run_script(script).strip(), "the block prints nothing"
 
 
-def test_own_sky_and_curve_are_used(tmp_path: Path) -> None:
+def test_own_sky_and_curve_are_used(
+    run_script: Script, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     (block,) = python_blocks(SOLAR)
-    printed = run_python("-c", block, folder=tmp_path)
+    script = tmp_path_factory.mktemp("sky") / "sky.py"
+    script.write_text(block, encoding="utf-8")
+    printed = run_script(script)
     assert re.fullmatch(r"excess time \d\.\d\d h\n\d{4} Wh/m2\n", printed), printed
 
 

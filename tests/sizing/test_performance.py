@@ -15,7 +15,6 @@ from missions.library import load_mission
 from sizing.design import DesignVariables, variables_of
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Status, simulate_cycle
-from sizing.energy.march import Store
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
 from solar.clearsky import Irradiance, clear_sky
