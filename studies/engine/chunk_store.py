@@ -61,18 +61,11 @@ def check_target(target: str | os.PathLike[str]) -> None:
     OutputError
         If the file's folder does not exist or takes no file, or the path is a folder.
     """
-    path = Path(target)
-    name = printable(os.fspath(target))
+    path, name = Path(target), printable(os.fspath(target))
     if path.is_dir():
         raise OutputError(f"cannot write {name}: it is a folder")
-    if path.exists() and not path.is_file():
-        return  # a device or a pipe
-    if not path.parent.is_dir():
-        above = next((p for p in path.parents if p.exists()), path.parent)
-        file = "a part of the path is a file, not a folder"
-        why = "its folder does not exist" if above.is_dir() else file
-        raise OutputError(f"cannot write {name}: {why}")
-    _probe(path.parent, name)
+    if path.is_file() or not path.exists():  # else a device or a pipe
+        _probe(path.parent, name)
 
 
 def _probe(folder: Path, name: str) -> None:
@@ -88,6 +81,10 @@ def _probe(folder: Path, name: str) -> None:
 
 
 def _trouble(error: OSError) -> str:
+    if isinstance(error, FileNotFoundError):
+        return "its folder does not exist"
+    if isinstance(error, NotADirectoryError):
+        return "a part of the path is a file, not a folder"
     return (error.strerror or str(error)).lower()
 
 
