@@ -30,7 +30,7 @@ from studies.cli.__main__ import cli
 from studies.engine.run import ComputationError, compute
 from studies.maps import feasibility
 from studies.maps.grid import Grid
-from studies.maps.plots import map_figure, resized_map_figure
+from studies.maps.plots import plot_map, plot_resized_map
 from studies.maps.resized import ResizedMapConfiguration, _resized_chunk, resized_map
 from studies.output.columns import SizingStatus, to_netcdf_bytes
 
@@ -138,7 +138,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
     assert failed[2, 2]
     assert np.isnan(data["excess_time"].values[2, 2])
     assert data.attrs["failed_cells"] == "latitude 44, day 81: FloatingPointError: not today"
-    (legend,) = map_figure(data).legends
+    (legend,) = plot_map(data).legends
     assert [text.get_text() for text in legend.get_texts()] == ["failed"]
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
@@ -312,7 +312,7 @@ def test_table_counts_the_certified_designs(invoke: Any) -> None:
 
 
 def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None:
-    figure = resized_map_figure(sized)
+    figure = plot_resized_map(sized)
     assert "wingspan [m]" in figure.axes[1].get_ylabel()
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["infeasible"]
