@@ -10,9 +10,8 @@ import numpy as np
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.energy.battery import Battery, NoChargeLimit
+from sizing.energy.battery import Battery, NoChargeLimit, Store
 from sizing.energy.cycle import simulate_cycle
-from sizing.energy.march import Store
 from sizing.library import load_aircraft
 from sizing.sunlight import solar_day
 from solar.types import FloatArray

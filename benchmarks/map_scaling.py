@@ -20,8 +20,8 @@ from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.design import design_of
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Status
-from sizing.energy.march import Store
 from sizing.library import load_aircraft
 from sizing.sunlight import SolarModel, day_axis_h
 from solar.clearsky import coefficients, pressure_ratio

@@ -21,7 +21,7 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
 from sizing.smooth import Value
-from sizing.structures.inputs import StructureInputs
+from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
@@ -122,7 +122,7 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=mission.wind_m_per_s,
-            usable_capacity=mission.bands.battery_capacity,
+            usable_capacity=mission.uncertainty_margins.battery_capacity,
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:

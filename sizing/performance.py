@@ -16,9 +16,9 @@ from sizing.design import (
     design_of,
     load_profile,
 )
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, longest_flight
-from sizing.energy.march import Store
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 

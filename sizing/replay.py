@@ -10,14 +10,9 @@ from missions import dates
 from missions.mission import Launch, Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
-from sizing.energy.march import (
-    PowerBalance,
-    Step,
-    Store,
-    empty_after_h,
-    full_after_h,
-    march,
-)
+from sizing.energy.battery import Store
+from sizing.energy.march import Step, empty_after_h, full_after_h, march
+from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
@@ -119,7 +114,7 @@ def _fly(
         trajectory.append(float(step.end_wh))
         _note_full_charge(step, store, full)
         if step.unserved_wh > 1e-9 * store.battery_energy_wh:
-            empty = float(step.interval.start_h + empty_after_h(step))
+            empty = float(step.interval.start_h + empty_after_h(step.interval, step.unserved_wh))
             break
     flown = len(trajectory)
     stored = np.asarray(trajectory)
@@ -142,5 +137,6 @@ def _note_full_charge(step: Step, store: Store, full: dict[int, float]) -> None:
     """Remember the first full charge of each local day."""
     reached = step.after_charge_wh >= store.battery_energy_wh * (1.0 - 1e-9)
     if reached and step.after_charge_wh > step.before_charge_wh:
-        instant_h = float(step.interval.start_h + full_after_h(step, store))
+        after_h = full_after_h(step.interval, store, step.before_charge_wh)
+        instant_h = float(step.interval.start_h + after_h)
         full.setdefault(int(instant_h // 24.0), instant_h)

@@ -297,7 +297,7 @@ def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict
         "ceiling_m": mission.climb.ceiling_m,
         "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
         "gliding_h": finite(flown.gliding_h[index]),
-        "stored_height_wh": finite(flown.maximum_height_wh[index]),
+        "stored_height_wh": finite(flown.maximum_potential_energy_wh[index]),
         "climb_energy_wh": finite(account.climb_electric_wh[index]),
         "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
         "gain_in_excess_time_h": finite(climbs.gain_h[index]),

@@ -15,6 +15,7 @@ import copy
 import datetime
 import hashlib
 import json
+import os
 import platform
 import shlex
 import sys
@@ -90,7 +91,7 @@ class RunFolder:
             If its ``run.json`` is not the record of a run.
         """
         folder = Path(path)
-        if not (folder / RUN).is_file():
+        if not os.path.isfile(folder / RUN):  # noqa: PTH113 - takes any text for a path
             return None
         try:
             record = json.loads((folder / RUN).read_text(encoding="utf-8"))

@@ -16,6 +16,7 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 PYTHON_API = ROOT / "docs" / "python-api.md"
+SOLAR = ROOT / "docs" / "solar.md"
 VALIDATION = ROOT / "docs" / "validation.md"
 
 # Far above the second that it takes, so that a busy machine does not fail the test.
@@ -114,6 +115,16 @@ def test_python_block_of_the_documentation_runs(
     assert run_script(script).strip(), "the block prints nothing"
 
 
+def test_own_sky_and_curve_are_used(
+    run_script: Script, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    (block,) = python_blocks(SOLAR)
+    script = tmp_path_factory.mktemp("sky") / "sky.py"
+    script.write_text(block, encoding="utf-8")
+    printed = run_script(script)
+    assert re.fullmatch(r"excess time \d\.\d\d h\n\d{4} Wh/m2\n", printed), printed
+
+
 def test_python_page_has_blocks() -> None:
     assert len(python_blocks(PYTHON_API)) >= 5
 
@@ -130,3 +141,25 @@ def test_table_of_the_documentation_is_up_to_date(name: str) -> None:
 def test_page_without_its_markers_is_refused() -> None:
     with pytest.raises(ValueError, match="one pair of markers"):
         doc_tables.with_table("no markers here", "published", "table")
+
+
+def test_the_folder_of_the_pages_must_be_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert doc_tables.main([str(tmp_path)]) == 1
+    assert capsys.readouterr().err == (
+        f"{tmp_path} has no validation.md: start this in a clone of the project, or name the "
+        "folder of the pages\n"
+    )
+
+
+def test_a_missing_package_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def needs_pvlib() -> str:
+        raise ImportError("No module named 'pvlib'")
+
+    (tmp_path / "a.md").write_text("<!-- clear -->\n<!-- /clear -->\n")
+    monkeypatch.setattr(doc_tables, "TABLES", {"clear": ("a.md", needs_pvlib)})
+    assert doc_tables.main([str(tmp_path)]) == 1
+    assert "No module named 'pvlib': install the extra 'test'" in capsys.readouterr().err

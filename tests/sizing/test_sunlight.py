@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from missions.library import load_mission
-from missions.mission import Bands, Mission
+from missions.mission import Mission, UncertaintyMargins
 from sizing import sunlight
 from sizing.aircraft import Aircraft
-from sizing.energy.power_balance import FloatArray
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.sunlight import (
@@ -26,6 +25,7 @@ from sizing.sunlight import (
 )
 from solar.correction import REPORTED_ERRORS
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from solar.types import FloatArray
 
 AS2 = load_aircraft("atlantiksolar-as2")
 RAFZ = load_mission("rafz-july")
@@ -99,7 +99,9 @@ def test_days_joined_and_taken_apart() -> None:
 
 
 def test_margin_takes_errors_of_the_model_off_its_power() -> None:
-    wary = RAFZ.model_copy(update={"bands": Bands(solar_model_sigmas=1.5)})
+    wary = RAFZ.model_copy(
+        update={"uncertainty_margins": UncertaintyMargins(solar_model_sigmas=1.5)}
+    )
     model = SolarModel("CAM", "report")
     plain, less = (solar_day(AS2, m, model).specific_power_w_per_m2 for m in (RAFZ, wary))
     np.testing.assert_allclose(less, (1.0 - 1.5 * model.rms_relative) * plain, rtol=1e-12)

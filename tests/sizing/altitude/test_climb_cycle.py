@@ -1,4 +1,4 @@
-"""Height as a second store: against plain marching, arithmetic by hand, limits and invariants."""
+"""Potential-energy storage: against plain marching, arithmetic by hand, limits and invariants."""
 
 from __future__ import annotations
 
@@ -112,17 +112,21 @@ def test_energy_is_neither_made_nor_lost(
     where = mission(ceiling_m, strategy, dates=days, turbulence={"thermal": thermal})
     result = climb_performance(aircraft, where)
     climb, budget = result.climb, result.climb.energy_budget
-    assert np.all(np.abs(budget.imbalance_wh) <= 1e-9 * budget.solar_wh)
+    sources = budget.solar_wh + budget.unserved_wh
+    uses = budget.constant_load_wh + budget.level_flight_wh + budget.propulsion_loss_wh
+    uses = uses + budget.stored_wh + budget.stored_potential_wh + budget.curtailed_wh
+    uses = uses + budget.charge_loss_wh + budget.discharge_loss_wh
+    assert np.all(np.abs(sources - uses) <= 1e-9 * budget.solar_wh)
     # What the trajectories tell, against what the flows add up to.
     assert budget.stored_wh == pytest.approx(climb.energy_wh[:, -1] - climb.energy_wh[:, 0])
     eta = result.limits.efficiency
-    assert budget.stored_height_wh == pytest.approx(
-        eta * budget.climb_electric_wh - budget.glide_height_wh, abs=1e-9 * 732.0
+    assert budget.stored_potential_wh == pytest.approx(
+        eta * budget.climb_electric_wh - budget.glide_potential_wh, abs=1e-9 * 732.0
     )
     # The day repeats itself.
     capacity = float(result.performance.design.battery_energy_wh)
     assert np.all(np.abs(budget.stored_wh) <= 1e-6 * capacity)
-    assert np.all(np.abs(budget.stored_height_wh) <= 1e-6 * capacity)
+    assert np.all(np.abs(budget.stored_potential_wh) <= 1e-6 * capacity)
     # Bounds of every flight.
     assert np.all(climb.energy_wh >= 0.0)
     assert np.all(climb.energy_wh <= capacity * (1.0 + 1e-12))
@@ -132,7 +136,7 @@ def test_energy_is_neither_made_nor_lost(
         assert np.all(getattr(budget, name) >= -1e-9)
 
 
-def test_account_that_other_tables_show_closes_too() -> None:
+def test_energy_budget_that_other_tables_show_closes_too() -> None:
     budget = flown(AS2, 3536.0).performance.cycle.energy_budget
     sources = budget.solar_wh + budget.unserved_wh
     uses = budget.load_wh + budget.stored_wh + budget.charge_loss_wh
@@ -142,10 +146,10 @@ def test_account_that_other_tables_show_closes_too() -> None:
 # ---- By hand
 
 
-def test_stored_height_of_a_kilometre_is_m_g_h() -> None:
+def test_potential_energy_of_a_kilometre_is_m_g_h() -> None:
     # 6.92 kg x 9.81 m/s2 x 1000 m = 68 kJ = 18.9 Wh; the kinetic energy of flying faster in thinner
     # air (8.2 to 8.6 m/s) adds 0.05 %.
-    stored = flown(AS2, FLOOR_M + 1000.0).climb.maximum_height_wh[0]
+    stored = flown(AS2, FLOOR_M + 1000.0).climb.maximum_potential_energy_wh[0]
     assert stored == pytest.approx(6.92 * 9.80665 * 1000.0 / 3600.0, rel=1e-3)
     assert stored == pytest.approx(18.9, abs=0.05)
 
@@ -153,7 +157,7 @@ def test_stored_height_of_a_kilometre_is_m_g_h() -> None:
 @pytest.mark.parametrize("rise_m", [1000.0, 3000.0])
 def test_gain_is_what_the_height_saves_the_battery(rise_m: float) -> None:
     result = flown(AS2, FLOOR_M + rise_m)
-    height_wh = float(result.climb.maximum_height_wh[0])
+    height_wh = float(result.climb.maximum_potential_energy_wh[0])
     nominal_w = float(result.constant.nominal_load_w[0])
     # Height replaces motor power, W / eta of the electric kind, but sinks faster where it is high:
     # between the power at the ceiling and that at the floor. The light aloft, which the evening
@@ -217,7 +221,7 @@ def test_zephyr_like_aircraft_needs_hours_from_18_to_12_km() -> None:
     assert climb.altitude_m[0][0] == pytest.approx(12000.0, abs=1.0)
     # m g 6 km = 866 Wh, and 0.3 to 1 % for the speed that doubles the dynamic of thin air.
     potential = 53.0 * 9.80665 * 6000.0 / 3600.0
-    assert potential < climb.maximum_height_wh[0] < 1.015 * potential
+    assert potential < climb.maximum_potential_energy_wh[0] < 1.015 * potential
     # Sinking 6 km at L/D 30 and 15 to 25 m/s: 0.5 to 0.85 m/s without sun, 2 to 3.4 h; the evening
     # sun still carries a part, so that it takes longer.
     assert 2.0 < climb.gliding_h[0] < 6.0

@@ -19,10 +19,10 @@ from sizing.energy.battery import (
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,
+    Store,
     TableChargeLimit,
 )
 from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
-from sizing.energy.march import Store
 from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power

@@ -7,10 +7,11 @@ from math import inf
 import numpy as np
 import pytest
 
-from sizing.energy.battery import Battery, ChargeLimit, NoChargeLimit, RuleChargeLimit
+from sizing.energy.battery import Battery, ChargeLimit, NoChargeLimit, RuleChargeLimit, Store
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.endurance import flight_time_h, longest_flight
-from sizing.energy.march import PowerBalance, Store, advance, empty_after_h
+from sizing.energy.march import advance, empty_after_h
+from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
@@ -200,7 +201,7 @@ def stepwise_flight_h(
         number = (node + count) % len(intervals)
         step = advance(store, intervals[number], energy)
         if step.unserved_wh > 1e-12 * store.battery_energy_wh:
-            return count * 1.0 + float(empty_after_h(step))
+            return count * 1.0 + float(empty_after_h(step.interval, step.unserved_wh))
         energy = step.end_wh
     return inf
 

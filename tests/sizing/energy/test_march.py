@@ -15,20 +15,16 @@ from sizing.energy.battery import (
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,
+    Store,
     TableChargeLimit,
 )
 from sizing.energy.cycle import simulate_cycle
-from sizing.energy.march import (
+from sizing.energy.march import ChargingDay, empty_after_h, march, repeated_day, unserved_h
+from sizing.energy.power_balance import (
     PowerBalance,
-    Store,
     crossing_fraction,
-    empty_after_h,
-    final_energy_wh,
-    march,
-    periodic_energy_wh,
     positive_part_wh,
     ramp_fraction,
-    unserved_h,
 )
 from solar.types import FloatArray
 
@@ -49,6 +45,21 @@ class Case(NamedTuple):
     solar_w: FloatArray
     load_w: FloatArray
     store: Store
+
+
+def final_energy_wh(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> FloatArray:
+    """Stored energy at the end of the time axis, marched over its surpluses alone."""
+    shape = balance.batch_shape
+    start = np.broadcast_to(energy_wh, shape).reshape(-1)
+    day = ChargingDay.of(balance.flat())
+    return day.end_wh(store.flat(shape), start).reshape(shape)
+
+
+def periodic_energy_wh(balance: PowerBalance, store: Store) -> FloatArray:
+    """Stored energy at the start of a cycle that repeats itself."""
+    shape = balance.batch_shape
+    run = repeated_day(ChargingDay.of(balance.flat()), store.flat(shape))
+    return run.start_wh.reshape(shape)
 
 
 @st.composite
@@ -130,8 +141,8 @@ def test_battery_that_empties_in_a_falling_power_is_found_by_hand() -> None:
     )
     (step,) = march(balance, store, np.asarray(50.0))
     # Arithmetic by hand: rounding alone.
-    assert float(empty_after_h(step)) == pytest.approx(1.0, rel=1e-12)
-    assert float(unserved_h(step)) == pytest.approx(1.0, rel=1e-12)
+    assert float(empty_after_h(step.interval, step.unserved_wh)) == pytest.approx(1.0, rel=1e-12)
+    assert float(unserved_h(step.interval, step.unserved_wh)) == pytest.approx(1.0, rel=1e-12)
     assert float(step.unserved_wh) == pytest.approx(150.0, rel=1e-12)
 
 
@@ -274,7 +285,10 @@ def test_metrics_are_those_of_the_cycle_marched_step_by_step(case: Case) -> None
     energy = cycle.energy_wh[..., 0]
     missing, unserved, nodes = 0.0, 0.0, [energy]
     for step in march(balance, case.store, energy):
-        missing, unserved = missing + unserved_h(step), unserved + step.unserved_wh
+        missing, unserved = (
+            missing + unserved_h(step.interval, step.unserved_wh),
+            unserved + step.unserved_wh,
+        )
         nodes.append(step.end_wh)
     scale = case.store.battery_energy_wh + balance.deficit_wh.sum(axis=0)
     # As above; the fixed point is settled to 1e-11 of the capacity.
