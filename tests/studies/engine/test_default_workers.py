@@ -38,12 +38,15 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_processes_are_started_unasked_and_agree(
     command: list[str], run: Run, started: list[str], tmp_path: Path
 ) -> None:
-    assert run(*command, "--out", "alone.nc", "--workers", "1").code == 0
+    assert run(*command, "--out", "one.nc", "--workers", "1").code == 0
     assert not started
     assert run(*command, "--out", "default.nc").code == 0
     assert len(started) >= 2, "the work ended before the pool was worth its start"
-    alone, default = (
-        xr.load_dataset(tmp_path / name, engine="h5netcdf") for name in ("alone.nc", "default.nc")
+    assert run(*command, "--out", "two.nc", "--workers", "2").code == 0
+    one, default, two = (
+        xr.load_dataset(tmp_path / f"{name}.nc", engine="h5netcdf")
+        for name in ("one", "default", "two")
     )
-    xr.testing.assert_identical(alone, default)
+    xr.testing.assert_identical(one, default)
+    xr.testing.assert_identical(one, two)
     assert not (default["status"] == SizingStatus.failed).any()
