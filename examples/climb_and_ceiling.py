@@ -1,4 +1,4 @@
-"""How high AtlantikSolar AS-2 flies perpetually in June, and what climbing with surplus power gains.
+"""Ceiling of perpetual flight of AtlantikSolar AS-2 in June, and what climbing by day gains.
 
 Run with: python examples/climb_and_ceiling.py
 """

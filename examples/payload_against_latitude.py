@@ -8,12 +8,8 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from missions.dates import day_of_year
-from missions.library import load_mission
-from missions.mission import Scenarios
-from sizing.library import load_aircraft
-from sizing.optimisation.cells import size_cells
-from sizing.sunlight import SolarModel
+import missions
+import sizing
 
 LATITUDES_DEG = np.arange(-30.0, 61.0, 10.0)
 PAYLOADS_KG = np.array([0.0, 1.0, 2.0])
