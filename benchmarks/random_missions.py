@@ -1,9 +1,10 @@
 """Random missions and technology sets, sized, certified and held against a search by simulation.
 
 ``python -m benchmarks.random_missions --count 300``. Each case is drawn from its own seed:
-aircraft, latitudes, dates, altitude, clearness, turbulence, payload, wind, bands, battery, cells,
-avionics, free variables, objective and required excess time. The optimum is certified; the verdict,
-feasible or not, is compared with a grid over the whole design space that only the simulator judges.
+aircraft, latitudes, dates, altitude, clearness, turbulence, payload, wind, uncertainty margins,
+battery, cells, avionics, free variables, objective and required excess time. The optimum is
+certified; the verdict, feasible or not, is compared with a grid over the whole design space that
+only the simulator judges.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ def _random_mission(rng: np.random.Generator) -> Mission:
                 "power_w": float(rng.choice([0.0, 3.0, 10.0])),
             },
             "wind_m_per_s": float(rng.choice([0.0, 0.0, 5.0, 9.0])),
-            "bands": {
+            "uncertainty_margins": {
                 "solar_model_sigmas": float(rng.choice([0.0, 1.0])),
                 "battery_capacity": float(rng.choice([1.0, 0.85])),
             },

@@ -23,7 +23,7 @@ def main() -> None:
     found = []
     for latitude in LATITUDES_DEG:
         mission = load_mission("rafz-july", [f"latitude_deg={latitude}"])
-        found.append(compare(aircraft, mission, MODELS, required_excess_time_h=3.0))
+        found.append(compare(aircraft, mission, models=MODELS, required_excess_time_h=3.0))
     for latitude, comparison in zip(LATITUDES_DEG, found, strict=True):
         print(f"{latitude:g} N, 15 Jul")
         for case in comparison.cases:

@@ -61,6 +61,11 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
     temperature_offset_k : array_like
         Temperature above standard [K], at all altitudes alike.
 
+    Returns
+    -------
+    Air
+        Temperature, pressure, density and viscosity; broadcast shape of the arguments.
+
     Raises
     ------
     ValueError
@@ -76,7 +81,20 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
 
 
 def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
-    """Air of a given temperature [K] and pressure [Pa]: ideal gas, Sutherland viscosity."""
+    """Air of a given temperature [K] and pressure [Pa]: ideal gas, Sutherland viscosity.
+
+    Parameters
+    ----------
+    temperature_k : array_like
+        Temperature [K].
+    pressure_pa : array_like
+        Pressure [Pa].
+
+    Returns
+    -------
+    Air
+        With density [kg/m3] and dynamic viscosity [Pa s]; broadcast shape of the arguments.
+    """
     t = np.asarray(temperature_k, float)
     p = np.asarray(pressure_pa, float)
     return Air(

@@ -122,7 +122,7 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=mission.wind_m_per_s,
-            usable_capacity=mission.bands.battery_capacity,
+            usable_capacity=mission.uncertainty_margins.battery_capacity,
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:

@@ -163,7 +163,7 @@ class Sunlight:
         power = self.modelled_power(solar.model)
         if solar.correction == "loiter":
             power = power * self.loiter_ratio(solar.model)
-        factor = correction_and_margin_factor(self.mission, solar)
+        factor = self.mission.pessimistic_power_factor(solar.model, solar.correction)
         corrected = power if factor == 1.0 else power * factor
         latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
         times = sun_times(latitude_deg, declination(day))
@@ -199,20 +199,6 @@ def solar_day(
         path, or the step is not between 1 s and 1 h.
     """
     return Sunlight(aircraft, mission, scenarios, step_h=step_h).day(solar)
-
-
-def correction_and_margin_factor(mission: Mission, solar: SolarModel) -> float:
-    """Factor on a model's power: its correction, and the low end of the mission's margin [-].
-
-    Parameters
-    ----------
-    mission : Mission
-        With its uncertainty margins.
-    solar : SolarModel
-        Model and correction.
-    """
-    factor = correction(solar.model, solar.correction).factor
-    return factor * mission.bands.solar_factor(solar.rms_relative)
 
 
 def modelled_power(
@@ -290,7 +276,7 @@ def power_on_calendar(
         scenarios = Scenarios(np.full(len(days), latitude), (days - 1) % 365 + 1)
         ratio = Sunlight(aircraft, mission, scenarios).loiter_ratio(solar.model)
         power = power * ratio[place, 0]
-    return power * correction_and_margin_factor(mission, solar)
+    return power * mission.pessimistic_power_factor(solar.model, solar.correction)
 
 
 def _specific_power(
@@ -311,7 +297,8 @@ def _specific_power(
             cell=modules,
             module_temperature_c=mission.module_temperature_c(),
             altitude_m=mission.altitude_m,
-            clearness=mission.judged_clearness,
+            clearness=mission.pessimistic_clearness,
+            sky=mission.sky,
             model=model,
         )
     if modules.geometry is None:
@@ -330,6 +317,7 @@ def _specific_power(
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
         altitude_m=mission.altitude_m,
-        clearness=mission.judged_clearness,
+        clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
         shading=modules.shading,
     )

@@ -14,66 +14,42 @@ from pathlib import Path
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from studies.models import comparison
-from studies.models import records as comparison_records
-from studies.models import summary as comparison_sentence
-from studies.models import tables as comparison_tables
-from studies.models import transfer as model_transfer
-from studies.validation import (
-    altitude_tables,
-    clear_sky_comparison,
-    found_designs,
-    published,
-    report_reproduction,
-    structure_comparison,
-)
+from sizing.results.tables import Table
+from studies.models.comparison import compare
+from studies.models.transfer import transfer_table, transferred_errors
+from studies.validation import altitude_tables, clear_sky_comparison, found_designs
+from studies.validation.published import published
+from studies.validation.report_reproduction import reference, reproduce
+from studies.validation.structure_comparison import structure_tables
 
 
-def _published() -> str:
-    return published.markdown(published.comparisons())
-
-
-def _report() -> str:
-    aircraft, mission = report_reproduction.reference()
-    result = report_reproduction.reproduce(aircraft, mission)
-    varied = report_reproduction.sensitivities(aircraft, mission)
-    return report_reproduction.markdown(result, varied)
-
-
-def _transfer() -> str:
-    return model_transfer.markdown(
-        model_transfer.transferred_errors(*report_reproduction.reference())
-    )
+def _markdown(*tables: Table) -> str:
+    return "\n".join(table.to_markdown() for table in tables)
 
 
 def _clear_sky() -> str:
-    return clear_sky_comparison.markdown(clear_sky_comparison.compare())
-
-
-def _structure() -> str:
-    return structure_comparison.markdown()
+    return _markdown(clear_sky_comparison.clear_sky_table(clear_sky_comparison.compare()))
 
 
 def _comparison(aircraft: str, mission: str, required_h: float) -> str:
-    found = comparison.compare(
-        load_aircraft(aircraft),
-        load_mission(mission),
-        required_excess_time_h=required_h,
+    found = compare(
+        load_aircraft(aircraft), load_mission(mission), required_excess_time_h=required_h
     )
-    return comparison_tables.markdown(
-        comparison_records.to_json(found, comparison_sentence.sentence(found))
-    )
+    return f"{_markdown(*found.tables())}\n{found.headline()}\n"
 
 
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
-    "published": ("validation.md", _published),
+    "published": ("validation.md", lambda: _markdown(published().table())),
     "clear-sky": ("validation.md", _clear_sky),
-    "found-designs": ("validation.md", found_designs.markdown),
-    "report": ("validation.md", _report),
-    "structure": ("structure.md", _structure),
-    "transfer": ("full-model.md", _transfer),
-    "ceilings": ("altitude.md", altitude_tables.ceilings),
-    "climbs": ("altitude.md", altitude_tables.climbs),
+    "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
+    "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
+    "structure": ("structure.md", lambda: _markdown(*structure_tables())),
+    "transfer": (
+        "full-model.md",
+        lambda: _markdown(transfer_table(transferred_errors(*reference()))),
+    ),
+    "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
+    "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
     "compare-design": (
         "compare.md",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import re
 import typing
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 from pydantic import BaseModel
@@ -17,13 +17,13 @@ from missions.files.errors import (
     KeyPath,
     Problem,
     dotted,
+    file_error,
     printable,
     shortened,
     shown,
 )
 from missions.files.validation import validate
-from missions.files.yaml import Document, Marks, plain_data
-from missions.files.yaml_nodes import NOT_YAML, compose
+from missions.files.yaml import Document, parse_value, set_absolute_paths
 
 __all__ = ["Overrides", "with_overrides", "with_values"]
 
@@ -37,6 +37,8 @@ Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
 def with_overrides(document: Document, overrides: Overrides, *, prefix: str = "") -> Document:
     """Return a new document with values replaced or added.
 
+    Files that a value names by a relative path are looked for in the working folder.
+
     Parameters
     ----------
     document : Document
@@ -48,6 +50,11 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     prefix : str
         What the user wrote before each key, for the problems that name it.
 
+    Returns
+    -------
+    Document
+        With the data changed, and its places without those of what was replaced.
+
     Raises
     ------
     InputError
@@ -55,99 +62,42 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     """
     result = dataclasses.replace(document, data=copy.deepcopy(document.data))
     problems: list[Problem] = []
-    given = overrides.items() if isinstance(overrides, Mapping) else map(_parsed, overrides)
-    for key, value in given:
+    values = overrides if isinstance(overrides, Mapping) else None
+    for given in overrides:
+        key, equals, text = given.partition("=") if values is None else (given, "=", "")
+        parts = key.strip().split(".")
+        named = bool(equals) and all(part.strip() for part in parts)
+        name = prefix + (dotted(parts) if named else shortened(printable(given.strip())))
         try:
-            result = _with_override(result, key, value, prefix)
+            if not named:
+                raise file_error(name, "write an override as KEY=VALUE, for example a.b=2.5")
+            if not key.isprintable():
+                raise file_error(name, "the key holds a character that is not allowed")
+            value = parse_value(text) if values is None else copy.deepcopy(values[given])
+            result = _with_override(result, parts, value, name)
         except InputError as error:
-            problems.extend(error.problems)
+            message = "; ".join(problem.message for problem in error.problems)
+            problems.append(Problem(OVERRIDE + name, None, None, name, message))
     if problems:
         raise InputError(problems)
     return result
 
 
-@dataclasses.dataclass(frozen=True)
-class _Text:
-    """Value of an override as it was written; None where there was no equals sign."""
-
-    text: str | None
-
-
-def _parsed(override: str) -> tuple[str, _Text]:
-    key, equals, value = override.partition("=")
-    return (key, _Text(value)) if equals else (override, _Text(None))
-
-
-def _with_override(document: Document, key: str, given: Any, prefix: str) -> Document:
+def _with_override(document: Document, parts: Sequence[str], value: Any, name: str) -> Document:
     """Put one value into the data, in place, and return the document with its new places."""
-    key = key.strip()
-    parts = key.split(".")
-    name = prefix + dotted(parts)
-    if given == _Text(None) or not all(part.strip() for part in parts):
-        text = f"{key}={given.text}" if isinstance(given, _Text) and given.text else key
-        name = prefix + shortened(printable(text))
-        raise _error(name, "write an override as KEY=VALUE, for example a.b=2.5")
-    if NOT_YAML.search(key):
-        raise _error(name, "the key holds a character that is not allowed")
-    value = _value(name, given.text or "") if isinstance(given, _Text) else copy.deepcopy(given)
-    path, made = _set(document.data, parts, value, name)
-    marks = Marks(_without(document.marks.keys, path), _without(document.marks.values, path))
-    overridden = _without(document.overridden, path) | dict.fromkeys([*made, path], name)
-    return dataclasses.replace(document, marks=marks, overridden=overridden)
+    around = {parts[-1]: value}
+    set_absolute_paths(around, Path.cwd())
+    path, made = _put(document.data, parts, around[parts[-1]])
+    return dataclasses.replace(
+        document,
+        key_marks=_without(document.key_marks, path),
+        value_marks=_without(document.value_marks, path),
+        overridden=_without(document.overridden, path) | dict.fromkeys([*made, path], name),
+    )
 
 
 def _without(places: Mapping[KeyPath, T], path: KeyPath) -> dict[KeyPath, T]:
     return {key: value for key, value in places.items() if key[: len(path)] != path}
-
-
-def _error(name: str, message: str) -> InputError:
-    return InputError([Problem(OVERRIDE + name, None, None, name, message)])
-
-
-def _value(name: str, text: str) -> Any:
-    try:
-        node = compose(text.strip(), "")
-    except InputError as error:
-        message = "; ".join(problem.message for problem in error.problems)
-        raise _error(name, f"the value {message}") from error
-    if node is None or node.empty:
-        raise _error(name, "no value after the = sign (write null for no value)")
-    if node.block:
-        raise _error(
-            name, "write one value, or a list in brackets such as [1, 2]; quote text with colons"
-        )
-    return plain_data(node)[0]
-
-
-def _set(holder: Any, parts: Sequence[str], value: Any, name: str) -> tuple[KeyPath, list[KeyPath]]:
-    """Put the value into nested data.
-
-    Return its path and the paths of the mappings made only to hold it.
-    """
-    path: KeyPath = ()
-    made: list[KeyPath] = []
-    for part in parts[:-1]:
-        key = _step(holder, path, part, name)
-        path = (*path, key)
-        if isinstance(holder, dict) and holder.get(part) is None:
-            holder[part] = {}
-            made.append(path)
-        holder = holder[key]
-    key = _step(holder, path, parts[-1], name)
-    holder[key] = value
-    return (*path, key), made
-
-
-def _step(holder: Any, path: KeyPath, part: str, name: str) -> str | int:
-    """Return the key or index that `part` means in `holder`."""
-    if isinstance(holder, dict):
-        return part
-    if not isinstance(holder, list):
-        raise _error(name, f"{dotted(path)} is the single value {shown(holder)} and has no keys")
-    if re.fullmatch(r"[0-9]{1,6}", part) and int(part) < len(holder):
-        return int(part)
-    allowed = f"an index from 0 to {len(holder) - 1}" if holder else "no index: it is empty"
-    raise _error(name, f"{dotted(path)} is a list and takes {allowed} (got {shown(part)})")
 
 
 def with_values(record: R, values: Mapping[str, Any]) -> R:
@@ -180,11 +130,42 @@ def with_values(record: R, values: Mapping[str, Any]) -> R:
     for key, value in values.items():
         try:
             _put(data, key.split("."), value)
-        except (KeyError, ValueError, IndexError, TypeError):
-            problems.append(Problem(source, None, None, key, "leads to no value of this record"))
+        except InputError as error:
+            problems.extend(Problem(source, None, None, key, p.message) for p in error.problems)
     if problems:
         raise InputError(problems)
     return validate(Document(source, data), type(record))
+
+
+def _put(holder: Any, parts: Sequence[str], value: Any) -> tuple[KeyPath, list[KeyPath]]:
+    """Put a value into nested data, opening the records on the way to it.
+
+    Return its path and the paths of the mappings made only to hold it.
+    """
+    path: KeyPath = ()
+    made: list[KeyPath] = []
+    for part in parts[:-1]:
+        key = _step(holder, path, part)
+        path = (*path, key)
+        inner = holder.get(key) if isinstance(holder, dict) else holder[key]
+        if inner is None:
+            made.append(path)
+        holder[key] = _opened(inner)
+        holder = holder[key]
+    key = _step(holder, path, parts[-1])
+    holder[key] = value
+    return (*path, key), made
+
+
+def _opened(value: Any) -> Any:
+    """Return what a value holds as a new dict or list; a scalar as it is."""
+    if value is None:
+        return {}
+    if isinstance(value, BaseModel):
+        return _as_data(value)
+    if isinstance(value, dict):
+        return dict(value)
+    return list(value) if isinstance(value, list | tuple) else value
 
 
 def _as_data(record: BaseModel) -> dict[str, Any]:
@@ -197,23 +178,15 @@ def _as_data(record: BaseModel) -> dict[str, Any]:
     }
 
 
-def _put(holder: Any, parts: Sequence[str], value: Any) -> None:
-    """Replace one value, opening the records on the way to it."""
-    first, *rest = parts
-    key = int(first) if isinstance(holder, list) else first
-    if rest:
-        inner = holder.get(key) if isinstance(holder, dict) else holder[key]
-        holder[key] = inner = _opened(inner)
-        _put(inner, rest, value)
+def _step(holder: Any, path: KeyPath, part: str) -> str | int:
+    """Return the key or index that a part of a dotted key means."""
+    if isinstance(holder, dict):
+        return part
+    if not isinstance(holder, list):
+        message = f"{dotted(path)} is the single value {shown(holder)} and has no keys"
+    elif part.isascii() and part.isdecimal() and len(part) < 7 and int(part) < len(holder):
+        return int(part)
     else:
-        holder[key] = value
-
-
-def _opened(value: Any) -> dict[str, Any] | list[Any]:
-    if value is None:
-        return {}
-    if isinstance(value, BaseModel):
-        return _as_data(value)
-    if isinstance(value, dict | list | tuple):
-        return dict(value) if isinstance(value, dict) else list(value)
-    raise TypeError
+        allowed = f"an index from 0 to {len(holder) - 1}" if holder else "no index: it is empty"
+        message = f"{dotted(path)} is a list and takes {allowed} (got {shown(part)})"
+    raise file_error("", message)

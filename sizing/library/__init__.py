@@ -20,10 +20,11 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
     Parameters
     ----------
     name_or_path : str or path
-        Name of a shipped aircraft, or path of a YAML file.
+        Name of a shipped aircraft, or path of a YAML file. Files that it names by a relative path
+        are looked for beside it.
     overrides : mapping or sequence of str
         Values that replace or add keys of the file: ``{"power.avionics_w": 8}`` or
-        ``["power.avionics_w=8"]``.
+        ``["power.avionics_w=8"]``. Relative paths among them start from the working folder.
 
     Returns
     -------

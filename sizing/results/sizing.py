@@ -329,9 +329,9 @@ def _without_margins(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
     """Optimum without the mission's uncertainty margins; None where the mission has none."""
-    if result.design is None or result.simulated is None or not mission.bands.given:
+    if result.design is None or result.simulated is None or not mission.uncertainty_margins.given:
         return None
-    plain = mission.without_bands()
+    plain = mission.without_margins()
     day = solar_day(aircraft, plain, solar, scenarios=result.simulated.day.scenarios)
     return performance_of_designs(aircraft, plain, result.design.variables, solar, day=day)
 

@@ -123,12 +123,12 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
         blocks.append(Line(uncertainty_line(record), "faint"))
         low = record["uncertainty"]["excess_time_low_h"]
         required = max(study.result.required_excess_time_h, 0.0)
-        if low is not None and low < required and not study.mission.bands.given:
+        if low is not None and low < required and not study.mission.uncertainty_margins.given:
             blocks.append(
                 Line(
                     f"on the edge: one RMS error less solar power misses the required "
                     f"{required:g} h; to size with that margin: "
-                    "--set mission.bands.solar_model_sigmas=1",
+                    "--set mission.uncertainty_margins.solar_model_sigmas=1",
                     "warning",
                 )
             )

@@ -12,6 +12,7 @@ import csv
 import html
 import io
 import math
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -187,15 +188,26 @@ class Table:
             show_edge=False,
             header_style="",
         )
-        for i, column in enumerate(self.columns):
+        for i, heading in enumerate(self._headings()):
             justify: Literal["right", "left"] = "right" if self.is_numeric(i) else "left"
-            heading = Text(column.heading)
-            table.add_column(heading, justify=justify, overflow="fold")
+            table.add_column(Text(heading), justify=justify, overflow="fold")
         for i, cells in enumerate(self.texts()):
             if i in self.sections and i > 0:
                 table.add_section()
             table.add_row(*map(Text, cells))
         return table
+
+    def _headings(self) -> list[str]:
+        """Headings, broken between words where the table would be too wide: cells stay whole."""
+        headings = [column.heading for column in self.columns]
+        cells = [max(map(len, column), default=0) for column in zip(*self.texts(), strict=True)]
+        widths = map(max, map(len, headings), cells)
+        if not cells or sum(widths) + 2 * len(cells) <= _WIDTH:
+            return headings
+        return [
+            textwrap.fill(heading, max(width, 1, *map(len, heading.split())))
+            for heading, width in zip(headings, cells, strict=True)
+        ]
 
     def __str__(self) -> str:
         return self.to_text()

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from missions.files.writing import write_files_atomically
-from sizing.results.tables import Result
+from sizing.results.tables import Result, Summary, Table
 from studies.cli.files import Case
 from studies.cli.options import print_json
 from studies.output.formats import image_format
@@ -21,7 +21,7 @@ from studies.output.terminal import console, show
 def tell(
     case: Case,
     record: Any,
-    shown: Result | Callable[[Console], None],
+    shown: Result | Summary | Table | Callable[[Console], None],
     *,
     as_json: bool = False,
     out_dir: str | None = None,
@@ -34,7 +34,7 @@ def tell(
         What the command was asked about.
     record : JSON-ready
         Result as :meth:`Case.named` made it.
-    shown : Result or callable
+    shown : Result, Summary, Table or callable
         Result itself, or what prints its tables on a console.
     as_json : bool
         Whether JSON is asked for.
@@ -46,7 +46,7 @@ def tell(
         return
     screen = console()
     screen.print(case.title, style="dim")
-    if isinstance(shown, Result):
+    if isinstance(shown, Result | Summary | Table):
         show(shown)
     else:
         shown(screen)

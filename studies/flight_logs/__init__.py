@@ -1,7 +1,7 @@
 """Solar power models against flight logs.
 
-* ``verification``: errors of all models, and what looks wrong in the flight
+* ``verification``: ``verify``: errors of all models, and what looks wrong in the flight
 * ``samples``, ``errors``, ``log_view``: models on a log, their errors, the log as rules look at it
 * ``anomalies``, ``limited_charging``: the rules; ``synthetic``: logs with known faults
-* ``records``, ``plots``: JSON, CSV and figures
+* ``plots``: figures
 """

@@ -1,6 +1,8 @@
-"""Which solar power models a study compares, and which of them comes closest to the truth."""
+"""Solar power models with their corrections, and the one that comes closest to the truth."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -14,33 +16,87 @@ BEST_WITHOUT_PATH = SolarModel("CAM", "report")
 
 
 def attitude_is_known(aircraft: Aircraft, mission: Mission) -> bool:
-    """Whether VM, FM and the loiter correction have the surfaces and the path that they need."""
+    """Whether VM, FM and the loiter correction have what they need.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Needs surfaces in ``modules.geometry``.
+    mission : Mission
+        Needs a ``flight_path``.
+    """
     return aircraft.modules.geometry is not None and mission.flight_path is not None
 
 
 def reference_model(aircraft: Aircraft, mission: Mission) -> SolarModel:
-    """Model that comes closest to the truth for an aircraft and a mission."""
+    """Model that comes closest to the truth.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Decide whether the Full Model can be computed.
+    """
     return BEST if attitude_is_known(aircraft, mission) else BEST_WITHOUT_PATH
 
 
 def combinations(
-    models: tuple[ModelName, ...] = MODEL_NAMES,
-    corrections: tuple[CorrectionName, ...] = CORRECTION_NAMES,
+    models: Iterable[ModelName | SolarModel] | None = None,
+    corrections: Iterable[CorrectionName] | None = None,
     *,
     attitude: bool = True,
 ) -> list[SolarModel]:
     """Every model with every correction, without repetition.
 
-    FM corrected by the loiter is FM corrected by its measured error, and counts as that. Without
-    knowledge of the ``attitude``, what needs it is left out.
+    FM corrected by the loiter is FM corrected by its measured error, and counts as that.
+
+    Parameters
+    ----------
+    models : iterable of str or SolarModel, optional
+        Names of models, all by default; a :class:`SolarModel` stands for itself, with its own
+        correction.
+    corrections : iterable of str, optional
+        Names of corrections, all by default.
+    attitude : bool
+        Whether the attitude is known. Without, what needs it is left out where nothing is named,
+        and refused where it is.
+
+    Returns
+    -------
+    list of SolarModel
+
+    Raises
+    ------
+    ValueError
+        If a name does not exist, or needs an attitude that is not known.
     """
+    models = None if models is None else list(models)
+    corrections = None if corrections is None else list(corrections)
     found = []
-    for model in models:
-        for name in corrections:
-            if not attitude and (model in ATTITUDE_MODELS or name == "loiter"):
-                continue
-            found.append(SolarModel(model, "report" if (model, name) == ("FM", "loiter") else name))
-    return list(dict.fromkeys(found))
+    for model in MODEL_NAMES if models is None else models:
+        if isinstance(model, SolarModel):
+            found.append(model)
+            continue
+        _check_name("model", model, MODEL_NAMES)
+        for name in CORRECTION_NAMES if corrections is None else corrections:
+            _check_name("correction", name, CORRECTION_NAMES)
+            by_report = (model, name) == ("FM", "loiter")
+            found.append(SolarModel(model, "report" if by_report else name))
+    if attitude:
+        return list(dict.fromkeys(found))
+    named = [m.model if isinstance(m, SolarModel) else m for m in models or ()]
+    named_corrections = [m.correction for m in models or () if isinstance(m, SolarModel)]
+    for given in (*named, *named_corrections, *(corrections or ())):
+        if given in (*ATTITUDE_MODELS, "loiter"):
+            raise ValueError(
+                f"{given} needs modules.geometry of the aircraft and flight_path of the mission"
+            )
+    horizontal = (s for s in found if s.model not in ATTITUDE_MODELS and s.correction != "loiter")
+    return list(dict.fromkeys(horizontal))
+
+
+def _check_name(what: str, name: str, allowed: Sequence[str]) -> None:
+    if name not in allowed:
+        raise ValueError(f"{what} must be one of {', '.join(allowed)} (got {name!r})")
 
 
 def model_label(solar: SolarModel) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from missions.library import load_mission
-from missions.mission import Bands, Mission
+from missions.mission import Mission, UncertaintyMargins
 from sizing import sunlight
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
@@ -99,7 +99,9 @@ def test_days_joined_and_taken_apart() -> None:
 
 
 def test_margin_takes_errors_of_the_model_off_its_power() -> None:
-    wary = RAFZ.model_copy(update={"bands": Bands(solar_model_sigmas=1.5)})
+    wary = RAFZ.model_copy(
+        update={"uncertainty_margins": UncertaintyMargins(solar_model_sigmas=1.5)}
+    )
     model = SolarModel("CAM", "report")
     plain, less = (solar_day(AS2, m, model).specific_power_w_per_m2 for m in (RAFZ, wary))
     np.testing.assert_allclose(less, (1.0 - 1.5 * model.rms_relative) * plain, rtol=1e-12)

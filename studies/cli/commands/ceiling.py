@@ -52,8 +52,8 @@ def ceiling(
     as_json: bool,
 ) -> None:
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
-    from sizing.altitude.ceiling import highest_perpetual_altitude
-    from studies import ceiling as results
+    from studies.ceiling import ceiling as find_ceiling
+    from studies.ceiling import ceiling_figure
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
@@ -71,25 +71,20 @@ def ceiling(
         message = f"must be above the mission's altitude_m of {lowest_m:g} (got {highest_m:g})"
         raise click.BadParameter(message, param_hint="--highest")
     with progress_of("altitudes", lines=False) as progress:
-        found = highest_perpetual_altitude(
-            *(case.aircraft, case.mission, case.solar),
+        result = find_ceiling(
+            *(case.aircraft, case.mission),
+            model=case.solar.model,
+            correction=case.solar.correction,
             highest_m=highest_m,
             step_m=step_m,
             progress=progress,
         )
-    record = results.to_json(found, case.aircraft.name, case.mission.name, case.solar)
-    title = f"{case.aircraft.name}, {case.mission.name}"
     write_results(
         csv_file,
-        lambda: csv_bytes(results.altitude_table(found)),
+        lambda: csv_bytes(result.to_frame()),
         plot_file,
-        lambda: results.ceiling_figure(found, title, case.solar),
+        lambda: ceiling_figure(result),
     )
-    scenarios = case.mission.scenarios()
-    tell(
-        *(case, case.named(record)),
-        lambda console: results.print_ceiling(console, found, record, scenarios),
-        as_json=as_json,
-    )
-    if found.highest is None:
+    tell(case, case.named(result.to_dict()), result, as_json=as_json)
+    if result.found.highest is None:
         raise SystemExit(EXIT_FAILED)

@@ -8,7 +8,14 @@ from typing import Any
 
 import click
 
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, RESIZE_NAMES
+from solar.names import (
+    ATTITUDE_MODELS,
+    CORRECTION_NAMES,
+    MODEL_NAMES,
+    RESIZE_NAMES,
+    CorrectionName,
+    ModelName,
+)
 from studies.cli.options import (
     EXIT_FAILED,
     check_image,
@@ -77,8 +84,8 @@ class Names(click.ParamType["tuple[str, ...]"]):
 def compare(
     aircraft: str,
     mission: str,
-    models: tuple[str, ...] | None,
-    corrections: tuple[str, ...] | None,
+    models: tuple[ModelName, ...] | None,
+    corrections: tuple[CorrectionName, ...] | None,
     objective: str,
     required_h: float | None,
     no_design: bool,
@@ -90,17 +97,13 @@ def compare(
 ) -> None:
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
     from missions.files.writing import check_writable_folder
-    from sizing.optimisation.objectives import Objective
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
     from studies.cli.files import load
     from studies.cli.outputs import figure_bytes, tell, write_results
     from studies.cli.progress import progress_of
-    from studies.models import comparison as study
+    from studies.models.comparison import compare as compare_models
     from studies.models.plots import comparison_figure
-    from studies.models.records import case_table, to_json
-    from studies.models.solar_models import attitude_is_known, combinations
-    from studies.models.summary import sentence
-    from studies.models.tables import print_comparison
+    from studies.models.solar_models import attitude_is_known
     from studies.output.formats import csv_bytes
     from studies.output.run_folder import write_run_folder
 
@@ -115,40 +118,34 @@ def compare(
         case = case.with_mission(required_excess_time_h=required_h)
     refuse_climb(case, "compare")
     refuse_polar_night(case)
-    known = attitude_is_known(case.aircraft, case.mission)
     asked = _asked(models, corrections)
-    if asked is not None or known:
+    if asked is not None or attitude_is_known(case.aircraft, case.mission):
         # With surfaces and a path, the reference flies it even if no case does.
         require_path(case, asked or "the reference")
-    # What was asked for by name must be possible, the rest may be left out.
-    chosen: Any = models or MODEL_NAMES, corrections or CORRECTION_NAMES
     with progress_of("models", lines=False) as progress:
-        found = study.compare(
-            *(case.aircraft, case.mission, combinations(*chosen, attitude=known)),
-            objective=Objective(objective),
-            designs=not no_design,
+        found = compare_models(
+            *(case.aircraft, case.mission),
+            models=models,
+            corrections=corrections,
+            objective=objective,
+            design=not no_design,
             progress=progress,
         )
-    record = case.named(to_json(found, sentence(found)))
+    record = case.named(found.to_dict())
     if out_dir is None:
         write_results(
             csv_file,
-            lambda: csv_bytes(case_table(record)),
+            lambda: csv_bytes(found.to_frame()),
             plot_file,
             lambda: comparison_figure(found),
         )
     else:
         contents = {
-            "comparison.csv": csv_bytes(case_table(record)),
+            "comparison.csv": csv_bytes(found.to_frame()),
             "comparison.png": figure_bytes(comparison_figure(found), "comparison.png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
-    tell(
-        *(case, record),
-        lambda console: print_comparison(console, record),
-        as_json=as_json,
-        out_dir=out_dir,
-    )
+    tell(case, record, found, as_json=as_json, out_dir=out_dir)
     sized = [one.built for one in found.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -26,18 +27,17 @@ from studies.cli.options import (
 def published(as_json: bool, markdown_file: str | None) -> None:
     """Compare published numbers with computed ones; exit code 1 if one is missed."""
     from missions.files.writing import write_text_atomically
-    from studies.output.tables import print_published
-    from studies.output.terminal import console
-    from studies.validation import published as study
+    from studies.output.terminal import show
+    from studies.validation.published import published as compute_published
 
-    rows = study.comparisons()
+    result = compute_published()
     if markdown_file is not None:
-        write_text_atomically(markdown_file, study.markdown(rows))
+        write_text_atomically(markdown_file, result.table().to_markdown())
     if as_json:
-        print_json([row.record() for row in rows])
+        print_json(result.to_dict())
     else:
-        print_published(console(), rows)
-    if not all(row.met for row in rows):
+        show(result)
+    if not result.met:
         sys.exit(EXIT_FAILED)
 
 
@@ -61,7 +61,6 @@ def loiter_correction(
     from studies.cli.files import load
     from studies.cli.outputs import tell
     from studies.models import transfer as study
-    from studies.output.tables import print_transfer
 
     case = load(aircraft, mission, overrides)
     require_path(case, "--model FM")
@@ -70,9 +69,9 @@ def loiter_correction(
     winds = [w for w in study.WINDS_M_PER_S if w < limit]
     errors = study.transferred_errors(case.aircraft, case.mission, winds_m_per_s=winds)
     if markdown_file is not None:
-        write_text_atomically(markdown_file, study.markdown(errors))
-    record = case.named({"errors": study.to_json(errors)})
-    tell(case, record, lambda console: print_transfer(console, errors), as_json=as_json)
+        write_text_atomically(markdown_file, study.transfer_table(errors).to_markdown())
+    record = case.named({"errors": [asdict(error) for error in errors]})
+    tell(case, record, study.transfer_table(errors), as_json=as_json)
 
 
 @click.command()
@@ -93,7 +92,6 @@ def efficiencies(
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.models import component_efficiencies as study
-    from studies.output.tables import print_efficiencies
 
     check_image(plot_file)
     check_outputs(csv=csv_file, plot=plot_file)
@@ -105,9 +103,9 @@ def efficiencies(
         csv_file,
         lambda: data.to_dataframe().to_csv().encode(),
         plot_file,
-        lambda: study.figure(data),
+        lambda: study.efficiency_figure(data),
     )
-    tell(case, {}, lambda console: print_efficiencies(console, data))
+    tell(case, {}, study.efficiency_table(data))
 
 
 @click.command(name="reproduce-report")
@@ -123,24 +121,18 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     from studies.cli.outputs import tell
     from studies.output.plots import to_bytes
     from studies.output.run_folder import write_run_folder
-    from studies.output.tables import print_reproduction
     from studies.validation import report_reproduction as study
 
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
     case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION))
-    result = study.reproduce(case.aircraft, case.mission)
-    varied = study.sensitivities(case.aircraft, case.mission)
-    record = case.named(study.to_json(result, case.mission, varied))
+    result = study.reproduce(case.aircraft, case.mission, vary=True)
+    record = case.named(result.to_dict())
     if out_dir is not None:
+        tables = "\n".join(table.to_markdown() for table in result.tables())
         contents = {
-            "report.md": study.markdown(result, varied).encode(),
-            "report.png": to_bytes(study.figure(case.aircraft, case.mission), "png"),
+            "report.md": tables.encode(),
+            "report.png": to_bytes(study.reproduction_figure(result), "png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
-    tell(
-        *(case, record),
-        lambda console: print_reproduction(console, record),
-        as_json=as_json,
-        out_dir=out_dir,
-    )
+    tell(case, record, result, as_json=as_json, out_dir=out_dir)

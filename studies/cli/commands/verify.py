@@ -49,29 +49,23 @@ def verify(
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.files.writing import check_writable_folder
-    from missions.logs.csv import read_flight_log
     from studies.cli.files import load, refuse_swapped_log
-    from studies.cli.outputs import tell
-    from studies.flight_logs import verification as study
-    from studies.flight_logs.output import print_verification, verification_files
-    from studies.flight_logs.records import to_json
+    from studies.cli.outputs import figure_bytes, tell
+    from studies.flight_logs.plots import figures
+    from studies.flight_logs.verification import verify as verify_models
     from studies.output.run_folder import write_run_folder
 
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
     refuse_swapped_log(aircraft, log_file)
     case = load(aircraft, mission, overrides)
-    log = read_flight_log(log_file)
-    result = study.verify(
-        log, case.aircraft, case.mission, windows=windows, semi_window=semi_window
+    result = verify_models(
+        *(case.aircraft, log_file, case.mission), windows=windows, semi_window=semi_window
     )
-    record = case.named(to_json(result))
+    record = case.named(result.to_dict())
     if out_dir is not None:
+        contents = {"samples.csv": result.to_csv().encode()}
+        contents |= {f"{n}.png": figure_bytes(figure, f"{n}.png") for n, figure in figures(result)}
         inputs = case.inputs(log=Path(log_file))
-        write_run_folder(Path(out_dir), inputs, record, verification_files(result))
-    tell(
-        *(case, record),
-        lambda console: print_verification(console, record),
-        as_json=as_json,
-        out_dir=out_dir,
-    )
+        write_run_folder(Path(out_dir), inputs, record, contents)
+    tell(case, record, result, as_json=as_json, out_dir=out_dir)

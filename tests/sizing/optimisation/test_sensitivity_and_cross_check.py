@@ -22,6 +22,8 @@ from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel
 from studies.output.plots import tornado_figure
 
+pytestmark = pytest.mark.slow
+
 DESIGN = "atlantiksolar-design"
 
 

@@ -1,27 +1,29 @@
-"""What else a sizing may be asked: payload, ranges, limits, bands, lift, and what would help."""
+"""What else a sizing may be asked: payload, ranges, limits, margins, lift, and what would help."""
 
 from __future__ import annotations
 
 import dataclasses
+from functools import cache, partial
 from itertools import product
-from typing import Any, get_args
+from typing import get_args
 
+import builders
 import numpy as np
 import pytest
+from builders import AS2
+from builders import shipped_mission as mission
 
 from missions.files.errors import InputError
 from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
-from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.energy.cycle import Status
-from sizing.library import load_aircraft
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.cells import CellStatus, size_cells
-from sizing.optimisation.coverage import DAYS, widest_range
+from sizing.optimisation.coverage import DAYS, WidestRange, widest_range
 from sizing.optimisation.cross_check import certify
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
@@ -33,6 +35,8 @@ from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 
+pytestmark = pytest.mark.slow
+
 SMALL = (
     "design_space.wingspan_m.maximum=4.0",
     "airframe.wingspan_m=3.5",
@@ -40,14 +44,7 @@ SMALL = (
 )
 
 
-def aircraft(*overrides: str) -> Aircraft:
-    return load_aircraft("atlantiksolar-design", overrides)
-
-
-def mission(name: str = "rafz-july", **changes: Any) -> Mission:
-    plain = load_mission(name).model_dump(by_alias=True, exclude_none=True)
-    return Mission.model_validate(plain | changes)
-
+aircraft = partial(builders.aircraft, "atlantiksolar-design")
 
 # ---- payload
 
@@ -209,18 +206,18 @@ def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
         aircraft(wing, f"{span}{1.05 * highest:.4f}}}")
 
 
-# ---- bands
+# ---- uncertainty margins
 
 
-def test_design_is_judged_at_the_bad_end_of_every_band() -> None:
-    plane = load_aircraft("atlantiksolar-as2")
+def test_performance_is_that_at_the_worst_of_every_margin() -> None:
+    plane = AS2
     ends = {
         "solar_model_sigmas": (0.0, 1.0),
         "clearness_minimum": (1.0, 0.9),
         "battery_capacity": (1.0, 0.8),
     }
     corners = [
-        performance(plane, mission(bands=dict(zip(ends, corner, strict=True))))
+        performance(plane, mission(uncertainty_margins=dict(zip(ends, corner, strict=True))))
         for corner in product(*ends.values())
     ]
     excess = [float(np.min(one.cycle.excess_time_h)) for one in corners]
@@ -229,10 +226,10 @@ def test_design_is_judged_at_the_bad_end_of_every_band() -> None:
     assert excess[-1] < excess[0]
 
 
-def test_bands_act_as_the_numbers_they_stand_for() -> None:
-    plane = load_aircraft("atlantiksolar-as2")
+def test_margins_act_as_the_numbers_they_stand_for() -> None:
+    plane = AS2
     solar = SolarModel("CAM", "report")
-    aged = performance(plane, mission(bands={"battery_capacity": 0.8}), solar)
+    aged = performance(plane, mission(uncertainty_margins={"battery_capacity": 0.8}), solar)
     lighter = with_parameter(
         plane,
         mission(),
@@ -242,13 +239,13 @@ def test_bands_act_as_the_numbers_they_stand_for() -> None:
     np.testing.assert_allclose(
         aged.cycle.excess_time_h, performance(lighter, mission(), solar).cycle.excess_time_h
     )
-    dim = solar_day(plane, mission(bands={"solar_model_sigmas": 2.0}), solar)
+    dim = solar_day(plane, mission(uncertainty_margins={"solar_model_sigmas": 2.0}), solar)
     plain = solar_day(plane, mission(), solar)
     np.testing.assert_allclose(
         dim.specific_power_w_per_m2,
         plain.specific_power_w_per_m2 * (1.0 - 2.0 * solar.rms_relative),
     )
-    hazy = solar_day(plane, mission(bands={"clearness_minimum": 0.7}), solar)
+    hazy = solar_day(plane, mission(uncertainty_margins={"clearness_minimum": 0.7}), solar)
     np.testing.assert_allclose(
         hazy.specific_power_w_per_m2,
         solar_day(plane, mission(clearness=0.7), solar).specific_power_w_per_m2,
@@ -257,16 +254,16 @@ def test_bands_act_as_the_numbers_they_stand_for() -> None:
 
 def test_robust_design_is_larger_and_flies_at_both_ends() -> None:
     plane = aircraft()
-    banded = mission(bands={"solar_model_sigmas": 1.0, "battery_capacity": 0.85})
-    robust = size_aircraft(plane, banded, Objective.min_mass, required_excess_time_h=2.0)
+    uncertain = mission(uncertainty_margins={"solar_model_sigmas": 1.0, "battery_capacity": 0.85})
+    robust = size_aircraft(plane, uncertain, Objective.min_mass, required_excess_time_h=2.0)
     plain = size_aircraft(plane, mission(), Objective.min_mass, required_excess_time_h=2.0)
     assert robust.design is not None
     assert plain.design is not None
     assert robust.design.total_mass_kg > plain.design.total_mass_kg
     for where, design, enough in (
         (mission(), robust.design, True),
-        (banded, robust.design, True),
-        (banded, plain.design, False),
+        (uncertain, robust.design, True),
+        (uncertain, plain.design, False),
     ):
         perf = performance_of_designs(plane, where, design.variables)
         assert bool(np.min(perf.cycle.excess_time_h) >= 2.0) is enough
@@ -278,7 +275,7 @@ name: hazy
 latitude_deg: 47.6
 dates: {on: 07-15}
 clearness: 0.8
-bands: {clearness_minimum: 0.9}
+uncertainty_margins: {clearness_minimum: 0.9}
 """
     with pytest.raises(InputError, match=r"clearness_minimum.*at most the mission's clearness"):
         validate(parse_yaml(text, "hazy.yaml"), Mission)
@@ -287,9 +284,15 @@ bands: {clearness_minimum: 0.9}
 # ---- ranges
 
 
+@cache
+def range_of_span(span_m: float, objective: Objective) -> WidestRange:
+    plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL[1:])
+    return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
+
+
 def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() -> None:
     plane = aircraft(*SMALL)
-    found = widest_range(plane, mission(), Objective.longest_season, required_excess_time_h=2.0)
+    found = range_of_span(4.0, Objective.longest_season)
     assert found.first is not None
     assert found.sizing.design is not None
     days = found.members.astype(int)
@@ -318,7 +321,7 @@ def test_no_run_one_day_longer_is_kept_up(
 ) -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
     bound = f"design_space.wingspan_m.maximum={span_m}"
-    plane = load_aircraft(name, [bound, *small])
+    plane = builders.aircraft(name, bound, *small)
     place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
     found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
     days = found.members.astype(int)
@@ -334,7 +337,7 @@ def test_no_run_one_day_longer_is_kept_up(
 
 def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
-    plane = load_aircraft("sky-sailor", small)
+    plane = builders.aircraft("sky-sailor", *small)
     june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
     found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
     assert found.sizing.status == "optimal"
@@ -354,11 +357,8 @@ def test_season_wraps_the_years_end_in_the_south() -> None:
 
 
 def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
-    planes = [
-        aircraft(f"design_space.wingspan_m.maximum={span}", *SMALL[1:]) for span in (3.8, 5.0)
-    ]
     for objective in (Objective.longest_season, Objective.widest_latitude_band):
-        extents = [widest_range(plane, mission(), objective).extent for plane in planes]
+        extents = [range_of_span(span_m, objective).extent for span_m in (4.0, 5.0)]
         assert 0.0 < extents[0] < extents[1]
 
 

@@ -45,7 +45,7 @@ AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
         ("[10, 5, 1]", "[10, 5]", "battery.charge_limit: state_of_charge and current_a must have the same length"),  # noqa: E501
         ("[0.8, 0.9, 1.0]", "[0.9, 0.8, 1.0]", "battery.charge_limit: state_of_charge must increase strictly"),  # noqa: E501
         # what YAML allows and a description must not hold
-        ("name: bird", "name: !!python/object/apply:os.getcwd []", ":1:7: name: explicit tags (!!python/object/apply:os.getcwd) are not allowed"),  # noqa: E501
+        ("name: bird", "name: !!python/object/apply:os.getcwd []", ":1:7: explicit tags (!!python/object/apply:os.getcwd) are not allowed"),  # noqa: E501
         ("power:\n", "<<: {a: 1}\npower:\n", ":23:1: merge keys (<<) are not allowed"),
         ("name: bird", "? [a]\n: b", "a key must be text (got a list)"),
         ("name: bird", "--- {}\n---\nname: bird", "only one document (---) is allowed per file"),

@@ -5,7 +5,7 @@ import pytest
 
 from missions.dates import day_of_year
 from missions.library import load_mission
-from missions.mission import Bands
+from missions.mission import UncertaintyMargins
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
 from sizing.sunlight import SolarModel, solar_day
@@ -65,7 +65,9 @@ def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
 
 
 def test_margin_of_the_solar_model_shortens_the_season_as_it_does_in_an_analysis() -> None:
-    wary = LOITER.model_copy(update={"bands": Bands(solar_model_sigmas=2.0)})
+    wary = LOITER.model_copy(
+        update={"uncertainty_margins": UncertaintyMargins(solar_model_sigmas=2.0)}
+    )
     model = SolarModel("CAM", "report")
     found = perpetual_flags(AS2, wary, 47.6, [model])[model]
     every = perpetual_days(AS2, wary, 47.6, model)

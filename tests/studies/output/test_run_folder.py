@@ -30,7 +30,7 @@ def contents(folder: Path) -> tuple[Any, Any]:
         ("--model", "FM", "--objective", "min_wingspan"),
         ("--model", "CDM", "--correction", "report", "--set", "mission.clearness=0.9"),
         ("--set", "mission.payload.mass_kg=0.4", "--set", "power.avionics_w=8"),
-        ("--set", "mission.bands.solar_model_sigmas=1"),
+        ("--set", "mission.uncertainty_margins.solar_model_sigmas=1"),
     ],
     ids=" ".join,
 )

@@ -7,8 +7,7 @@ import pandas as pd
 import pvlib
 import pytest
 
-from solar.almanac import sun_position
-from solar.sun import day_angle, equation_of_time_h
+from solar.sun import day_angle, equation_of_time_h, sun_position
 
 # The almanac's algorithm is good for 0.01 deg in ecliptic longitude; SPA sees the sun from the
 # surface, which lowers it by up to 0.0025 deg.

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.interpolate import PchipInterpolator
 
-from solar.curves import Curve, shipped_curve
-from solar.modules import IncidenceTable, SolarCell
+from solar.modules import Curve, IncidenceTable, SolarCell, shipped_curve
 
 SHIPPED = ("incidence_sunpower_glass", "low_light_sunpower_c60")
 
