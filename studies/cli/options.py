@@ -36,7 +36,17 @@ class Parsed(click.ParamType[Any]):
         self.name, self._reader = name, reader
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Read the value."""
+        """Read a value.
+
+        Parameters
+        ----------
+        value, param, ctx
+            As click gives them.
+
+        Returns
+        -------
+        What the function reads it as.
+        """
         module, _, function = self._reader.partition(":")
         try:
             return getattr(import_module(module), function)(str(value))

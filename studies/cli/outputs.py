@@ -83,5 +83,16 @@ def write_results(
 
 
 def figure_bytes(figure: Figure, path: str) -> bytes:
-    """Figure in the format that its file name asks for, which was checked before."""
+    """Figure in the format that its file name asks for, which was checked before.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : str
+        Name of its file.
+
+    Returns
+    -------
+    bytes
+    """
     return to_bytes(figure, image_format(path) or "png")

@@ -28,7 +28,14 @@ def seasons_record(data: xr.Dataset) -> dict[str, Any]:
 
 
 def show_seasons(console: Console, data: xr.Dataset) -> None:
-    """Print the days of perpetual flight at each latitude."""
+    """Print the days of perpetual flight at each latitude.
+
+    Parameters
+    ----------
+    console : Console
+    data : xarray.Dataset
+        Map of a fixed aircraft.
+    """
     print_seasons(console, data, season_length(data))
 
 
@@ -49,7 +56,14 @@ def designs_record(data: xr.Dataset) -> dict[str, Any]:
 
 
 def show_designs(console: Console, data: xr.Dataset) -> None:
-    """Print on how many days there is a design at each latitude, and the range of its size."""
+    """Print on how many days there is a design at each latitude, and the range of its size.
+
+    Parameters
+    ----------
+    console : Console
+    data : xarray.Dataset
+        Map of sized aircraft.
+    """
     record = designs_record(data)
     none = (SizingStatus.infeasible, SizingStatus.invalid)
     groups = (SIZED, none, [kind for kind in SizingStatus if kind not in (*SIZED, *none)])

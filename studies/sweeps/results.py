@@ -41,7 +41,14 @@ def _counts(data: xr.Dataset) -> dict[str, int]:
 
 
 def show_points(console: Console, data: xr.Dataset) -> None:
-    """How many points end in which way, and the points where they fit on a screen."""
+    """Print how many points end in which way, and the points where they fit on a screen.
+
+    Parameters
+    ----------
+    console : Console
+    data : xarray.Dataset
+        Trade study.
+    """
     counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
     count = data["status"].size
     noun = "point" if count == 1 else "points"
