@@ -3,14 +3,43 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 
 from sizing.design import Design
 from sizing.energy.march import FloatArray
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Constraint
+from sizing.optimisation.problem import Constraint, Variable
 from sizing.performance import Performance
+
+# A design that is better than an optimum by less than this is within what the time steps and
+# tolerances allow; relative, and for excess times in hours.
+RELATIVE_TOLERANCE = 0.005
+ABSOLUTE_TOLERANCE_H = 0.01
+ROW_TOLERANCE = 1e-6  # of requirements, relative: the solver meets them to about 1e-8
+
+
+class SizingStatus(IntEnum):
+    """How a sizing ends; the numbers are the flags of gridded results, the names those of JSON.
+
+    ``failed`` stands for an error of the program, ``invalid`` for values that no aircraft or
+    mission can have, ``not_converged`` says nothing about feasibility. An optimum is one that the
+    simulator confirms; it is ``cross_checked`` where neighbouring designs were tried and none is
+    better.
+    """
+
+    failed = -1
+    optimal = 0
+    infeasible = 1
+    not_converged = 2
+    invalid = 3
+    cross_checked = 4
+
+    @property
+    def sized(self) -> bool:
+        """Whether there is a design."""
+        return self in (SizingStatus.optimal, SizingStatus.cross_checked)
 
 
 @dataclass(frozen=True)
@@ -39,19 +68,20 @@ class SolverReport:
 
 @dataclass(frozen=True)
 class Optimum:
-    """Solver's answer at an optimum: point, prices of the constraints, and what it was asked.
+    """The solver's optimum: point, multipliers, and the program that was solved.
 
-    ``filled`` are the scenarios in the slots of the program, ``weights`` its cost; see
-    :class:`sizing.optimisation.problem.SizingProblem`. ``bound_prices`` are those of the variables
-    that
-    were free. Where ``needs_no_battery``, the program had the lowest sun of the day all day long.
+    ``scenarios`` are those in the blocks of the program, ``weights`` its cost, ``margin`` that of
+    the recharge; see :class:`sizing.optimisation.solver.ProblemInstance`. ``bound_multipliers`` are
+    those of the variables that were free. Where ``needs_no_battery``, the program had the lowest
+    sun of the day all day long.
     """
 
     x: FloatArray
+    variables: tuple[Variable, ...]
     constraints: tuple[Constraint, ...]
-    constraint_prices: FloatArray
-    bound_prices: dict[str, float]
-    filled: tuple[int, ...]
+    constraint_multipliers: FloatArray
+    bound_multipliers: dict[str, float]
+    scenarios: tuple[int, ...]
     weights: FloatArray
     margin: float
     needs_no_battery: bool = False
@@ -67,7 +97,7 @@ class SizingResult:
     what holds it back.
     """
 
-    status: str
+    status: SizingStatus
     objective: Objective
     required_excess_time_h: float
     objective_value: float | None
@@ -82,11 +112,23 @@ class SizingResult:
     @property
     def feasible(self) -> bool:
         """Whether an optimum was found."""
-        return self.status == "optimal"
+        return self.status.sized
 
 
 def objective_value(objective: Objective, perf: Performance) -> FloatArray:
-    """Objective of simulated designs, of the shape of their batch.
+    """Objective of simulated designs.
+
+    Parameters
+    ----------
+    objective : Objective
+        Quantity of a single simulation.
+    perf : Performance
+        Of one design, or of a batch; the scenarios are the last axis.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of the batch, in the objective's unit.
 
     Raises
     ------

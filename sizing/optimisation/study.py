@@ -16,16 +16,16 @@ from sizing.analysis import finite
 from sizing.design import Design, DesignVariables, FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.coverage import WidestRange, widest_range
-from sizing.optimisation.cross_check import Certificate, certify
+from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import Remedy, remedies
-from sizing.optimisation.result import SizingResult
+from sizing.optimisation.relaxations import Relaxation, relaxations
+from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
-    ConstraintPrice,
+    ConstraintMultiplier,
     Sensitivity,
-    constraint_prices,
+    constraint_multipliers,
     sensitivities,
 )
 from sizing.performance import (
@@ -45,9 +45,9 @@ if TYPE_CHECKING:
 class SizingStudy:
     """A sizing and what was asked about it.
 
-    ``band`` is the range of days or latitudes for the objectives that have one; ``remedies`` exist
-    for an infeasible sizing, ``worth`` and ``certificate`` where they were asked for;
-    ``as_assumed`` is the optimum without the mission's bands, where it has any.
+    ``band`` is the range of days or latitudes for the objectives that have one;
+    ``relaxations`` exist for an infeasible sizing, ``worth`` and ``cross_check`` where they were
+    asked for; ``as_assumed`` is the optimum without the mission's bands, where it has any.
     """
 
     aircraft: Aircraft
@@ -55,10 +55,10 @@ class SizingStudy:
     solar: SolarModel
     result: SizingResult
     band: WidestRange | None = None
-    remedies: tuple[Remedy, ...] = ()
+    relaxations: tuple[Relaxation, ...] = ()
     worth: list[Sensitivity] | None = None
-    prices: list[ConstraintPrice] | None = None
-    certificate: Certificate | None = None
+    multipliers: list[ConstraintMultiplier] | None = None
+    cross_check: CrossCheck | None = None
     as_assumed: Performance | None = None
 
     def record(self) -> dict[str, Any]:
@@ -66,14 +66,14 @@ class SizingStudy:
         record = to_json(self.result, self.aircraft, self.mission)
         if self.band is not None:
             record["range"] = _range_record(self.band)
-        if self.result.status == "infeasible":
-            record["remedies"] = [_remedy_record(remedy) for remedy in self.remedies]
+        if self.result.status is SizingStatus.infeasible:
+            record["relaxations"] = [_relaxation_record(one) for one in self.relaxations]
         if self.worth is not None:
             record["sensitivities"] = sensitivity_records(self.worth)
-        if self.prices is not None:
-            record["constraint_prices"] = [dict(price.__dict__) for price in self.prices]
-        if self.certificate is not None:
-            record["certificate"] = certificate_record(self.certificate)
+        if self.multipliers is not None:
+            record["constraint_multipliers"] = [dict(one.__dict__) for one in self.multipliers]
+        if self.cross_check is not None:
+            record["cross_check"] = cross_check_record(self.cross_check)
         if self.as_assumed is not None:
             record["as_assumed"] = _reached(self.as_assumed)
         return record
@@ -87,7 +87,7 @@ def size(
     *,
     required_excess_time_h: float | None = None,
     with_sensitivities: bool = False,
-    with_certificate: bool = False,
+    with_cross_check: bool = False,
 ) -> SizingStudy:
     """Size an aircraft, and say what would help where that is infeasible."""
     problems = SizingProblems(aircraft)
@@ -111,15 +111,17 @@ def size(
             required_excess_time_h=required_excess_time_h,
             problems=problems,
         )
-    helpful: tuple[Remedy, ...] = ()
-    if result.status == "infeasible" and not objective.of_range:
-        helpful = tuple(remedies(aircraft, mission, result, solar, problems=problems))
+    helpful: tuple[Relaxation, ...] = ()
+    if result.status is SizingStatus.infeasible and not objective.of_range:
+        helpful = tuple(relaxations(aircraft, mission, result, solar, problems=problems))
     asked = (aircraft, mission, result, solar)
     return SizingStudy(
         *(aircraft, mission, solar, result, band, helpful),
         worth=sensitivities(*asked) if with_sensitivities and result.feasible else None,
-        prices=constraint_prices(result) if with_sensitivities and result.feasible else None,
-        certificate=certify(*asked) if with_certificate and result.feasible else None,
+        multipliers=constraint_multipliers(result)
+        if with_sensitivities and result.feasible
+        else None,
+        cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         as_assumed=_as_assumed(aircraft, mission, result, solar),
     )
 
@@ -138,7 +140,7 @@ def _as_assumed(
 def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
     """Result of a sizing, JSON-ready; what only an optimum has is null without one."""
     record: dict[str, Any] = {
-        "status": result.status,
+        "status": result.status.name,
         "aircraft": aircraft.name,
         "mission": mission.name,
         "objective": {
@@ -165,7 +167,7 @@ def to_json(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[
     if result.design is not None:
         conditions = FlightConditions.of(mission).with_payload_of(result.design.variables)
         flown = DesignInFlight(aircraft, result.design, conditions)
-        record["quantities"] = {name: float(q.of(flown)) for name, q in QUANTITIES.items()}
+        record["quantities"] = {name: float(of(flown)) for name, of in QUANTITIES.items()}
     return record | _design_record(result.design) | _simulated_record(result.simulated)
 
 
@@ -234,8 +236,8 @@ def _range_record(band: WidestRange) -> dict[str, Any]:
     return {"from_deg": first, "to_deg": last, "width_deg": band.extent}
 
 
-def _remedy_record(remedy: Remedy) -> dict[str, Any]:
-    return {**_strict(remedy.__dict__), "text": remedy.text}
+def _relaxation_record(one: Relaxation) -> dict[str, Any]:
+    return {**_strict(one.__dict__), "text": one.text}
 
 
 def sensitivity_records(worth: list[Sensitivity]) -> list[dict[str, Any]]:
@@ -243,9 +245,9 @@ def sensitivity_records(worth: list[Sensitivity]) -> list[dict[str, Any]]:
     return [_strict({**s.__dict__, "per_percent": s.per_percent}) for s in worth]
 
 
-def certificate_record(certificate: Certificate) -> dict[str, Any]:
-    """Certificate, JSON-ready; a value that does not exist is null."""
-    return _strict(certificate.__dict__)
+def cross_check_record(check: CrossCheck) -> dict[str, Any]:
+    """Cross-check, JSON-ready; a value that does not exist is null."""
+    return _strict(check.__dict__)
 
 
 def _strict(record: Mapping[str, Any]) -> dict[str, Any]:

@@ -89,7 +89,7 @@ def design_record(built: Built) -> dict[str, Any]:
     names = DesignVariables._fields
     variables = dict.fromkeys(names) if design is None else design.variables._asdict()
     return {
-        "status": sizing.status,
+        "status": sizing.status.name,
         **variables,
         "total_mass_kg": None if design is None else design.total_mass_kg,
         "promised_excess_time_h": (

@@ -6,6 +6,7 @@ import numpy as np
 
 from sizing.energy.cycle import Status
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import SizingStatus
 from studies.models.comparison import Built, Case, Comparison, Prediction
 from studies.models.solar_models import model_label
 
@@ -47,7 +48,7 @@ def _of_designs(comparison: Comparison, case: Case, built: Built) -> str:
 
 
 def _no_design(built: Built, name: str) -> str:
-    if built.sizing.status == "infeasible":
+    if built.sizing.status is SizingStatus.infeasible:
         return f"no design of {name} meets the requirements"
     return f"{name} comes to no result, as the solver does not converge"
 
@@ -55,7 +56,7 @@ def _no_design(built: Built, name: str) -> str:
 def _in_short(built: Built, objective: Objective) -> str:
     if built.judged is not None:
         return outcome(built, objective)
-    return "no design" if built.sizing.status == "infeasible" else "no result"
+    return "no design" if built.sizing.status is SizingStatus.infeasible else "no result"
 
 
 def outcome(built: Built, objective: Objective) -> str:

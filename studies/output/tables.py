@@ -15,10 +15,10 @@ from sizing.optimisation.objectives import Objective
 from solar.names import ATTITUDE_MODELS
 
 if TYPE_CHECKING:  # each command prints its own results alone
-    from sizing.optimisation.cross_check import Certificate
-    from sizing.optimisation.relaxations import Remedy
+    from sizing.optimisation.cross_check import CrossCheck
+    from sizing.optimisation.relaxations import Relaxation
     from sizing.optimisation.result import SizingResult
-    from sizing.optimisation.sensitivity import ConstraintPrice, Sensitivity
+    from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
     from sizing.optimisation.study import SizingStudy
     from studies.models.transfer import TransferredError
     from studies.validation.published import Comparison
@@ -163,14 +163,14 @@ def print_sizing_study(console: Console, study: SizingStudy, record: dict[str, A
         console.print(
             "without the mission's bands the excess time would be " + hours(reached, "without end")
         )
-    if study.result.status == "infeasible" and study.band is None:
-        _print_remedies(console, study.remedies)
+    if study.result.status.name == "infeasible" and study.band is None:
+        _print_relaxations(console, study.relaxations)
     if study.worth is not None:
         print_sensitivities(console, study.worth, study.result.objective)
-    if study.prices:
-        _print_prices(console, study.prices, study.result.objective)
-    if study.certificate is not None:
-        print_certificate(console, study.certificate, study.result.objective)
+    if study.multipliers:
+        _print_multipliers(console, study.multipliers, study.result.objective)
+    if study.cross_check is not None:
+        print_cross_check(console, study.cross_check, study.result.objective)
 
 
 def _print_path_airspeed(console: Console, study: SizingStudy, record: dict[str, Any]) -> None:
@@ -200,28 +200,30 @@ def _range_text(band: dict[str, Any]) -> str:
     return f"latitudes: {ends}, {band['width_deg']:g} degrees"
 
 
-def _print_prices(console: Console, prices: list[ConstraintPrice], objective: Objective) -> None:
+def _print_multipliers(
+    console: Console, multipliers: list[ConstraintMultiplier], objective: Objective
+) -> None:
     table = Table(title="what easing a constraint gains", title_justify="left")
     table.add_column("constraint", overflow="fold")
     table.add_column(f"{objective.unit}", justify="right")
     table.add_column("for easing by")
-    for price in prices:
-        table.add_row(price.constraint, f"{price.gain:.3g}", price.step)
+    for one in multipliers:
+        table.add_row(one.constraint, f"{one.gain:.3g}", one.step)
     console.print(table)
 
 
-def _print_remedies(console: Console, remedies: tuple[Remedy, ...]) -> None:
-    if not remedies:
+def _print_relaxations(console: Console, relaxations: tuple[Relaxation, ...]) -> None:
+    if not relaxations:
         console.print("no single parameter that was tried would make it feasible")
         return
     console.print("feasible with one of these, all else unchanged:")
-    for remedy in remedies:
-        console.print(f"  {remedy.text}")
+    for one in relaxations:
+        console.print(f"  {one.text}")
 
 
 def print_sizing(console: Console, result: SizingResult, record: dict[str, Any]) -> None:
     """One sizing: the design, its masses, what limits it; or why there is none."""
-    title = f"{record['aircraft']} sized for {record['mission']}: {result.status}"
+    title = f"{record['aircraft']} sized for {record['mission']}: {result.status.name}"
     console.print(title.replace("_", " "), style="bold")
     if result.design is None:
         for violation in result.violations:
@@ -419,24 +421,24 @@ def print_sensitivities(
     console.print(table)
 
 
-def print_certificate(console: Console, certificate: Certificate, objective: Objective) -> None:
-    """Whether the optimum withstood the attack."""
-    from sizing.optimisation.cross_check import RELATIVE_TOLERANCE
+def print_cross_check(console: Console, check: CrossCheck, objective: Objective) -> None:
+    """Whether a search by simulation found a better design than the optimum."""
+    from sizing.optimisation.result import RELATIVE_TOLERANCE
 
-    verdict = "certified" if certificate.certified else "NOT certified"
+    verdict = "cross-check passed" if check.cross_checked else "cross-check FAILED"
     found = (
-        f"the best of them has {_with_unit(certificate.best_found, '.5g', objective)} "
-        f"({certificate.found_by}), better by {_with_unit(certificate.advantage, '.2g', objective)}"
-        if certificate.advantage > RELATIVE_TOLERANCE * abs(certificate.objective_value)
+        f"the best of them has {_with_unit(check.best_found, '.5g', objective)} "
+        f"({check.found_by}), better by {_with_unit(check.advantage, '.2g', objective)}"
+        if check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
         else "none is better by more than the tolerance"
     )
     fine = (
         "misses its requirement"
-        if math.isnan(certificate.fine_step_value)
-        else f"has {_with_unit(certificate.fine_step_value, '.5g', objective)}"
+        if math.isnan(check.fine_step_value)
+        else f"has {_with_unit(check.fine_step_value, '.5g', objective)}"
     )
     console.print(
-        f"{verdict}: {certificate.designs_tried} designs tried, {found}; with a time step of one "
+        f"{verdict}: {check.designs_tried} designs tried, {found}; with a time step of one "
         f"minute the optimum {fine}"
     )
 

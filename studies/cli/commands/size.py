@@ -23,6 +23,11 @@ from studies.cli.options import (
 )
 
 
+def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
+    if given:
+        raise click.UsageError(f"{option.opts[0]} is called --cross-check now")
+
+
 @click.command(short_help="The best design for a mission.")
 @click.argument("aircraft")
 @mission_option(None)
@@ -40,11 +45,12 @@ from studies.cli.options import (
     "--sensitivities",
     "with_sensitivities",
     is_flag=True,
-    help="Tell what each technology parameter is worth at the optimum.",
+    help="Tell how the optimum changes with each technology parameter.",
 )
+@click.option("--certify", is_flag=True, hidden=True, expose_value=False, callback=_renamed)
 @click.option(
-    "--certify",
-    "with_certificate",
+    "--cross-check",
+    "with_cross_check",
     is_flag=True,
     help="Try to beat the optimum with thousands of other designs in the simulator.",
 )
@@ -56,7 +62,7 @@ def size(
     required_h: float | None,
     out_dir: str | None,
     with_sensitivities: bool,
-    with_certificate: bool,
+    with_cross_check: bool,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -68,9 +74,9 @@ def size(
     from sizing.optimisation.objectives import Objective
 
     asked = Objective(objective)
-    if asked.of_range and (with_sensitivities or with_certificate):
+    if asked.of_range and (with_sensitivities or with_cross_check):
         raise click.UsageError(
-            f"{objective} counts days or degrees: it has no sensitivities and no certificate"
+            f"{objective} counts days or degrees: it has no sensitivities and no cross-check"
         )
     craft, where = load(aircraft, mission, overrides)
     if isinstance(craft.aircraft.airframe, MeasuredAirframe):
@@ -96,7 +102,7 @@ def size(
         solar_model(model, correction),
         required_excess_time_h=required_h,
         with_sensitivities=with_sensitivities,
-        with_certificate=with_certificate,
+        with_cross_check=with_cross_check,
     )
     record = study.record()
     if out_dir is not None and study.result.feasible:
