@@ -8,6 +8,7 @@ tells what is missing.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -151,4 +152,4 @@ def promising_designs(
     coarse = solar_day(aircraft, mission, solar, scenarios=day.scenarios, step_h=_GRID_STEP_H)
     found = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
     best = np.argsort(-np.min(found.cycle.excess_time_h, axis=-1), kind="stable")[:_PROMISING]
-    return [variables.mapped(lambda v: v[i]).mapped(float) for i in best]
+    return [variables.mapped(itemgetter(int(i))).mapped(float) for i in best]

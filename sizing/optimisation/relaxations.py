@@ -247,6 +247,7 @@ class _Relaxations:
             scenarios,
             self.start,
         )
+        at_its_end = self.last
         if reached is None or reached.value(WORST_EXCESS) < self.required_h:
             return None
 
@@ -262,6 +263,8 @@ class _Relaxations:
                 for one in some
             ],
         )
+        # The next parameter starts with the same cost, not with this one's.
+        self.last = at_its_end
         return search.best
 
     def _solve(
