@@ -26,7 +26,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, Masses, variables_of
 from sizing.energy.march import FloatArray
 from sizing.limits import meets_requirements
-from sizing.optimisation.energy_constraints import lowest_sun_parameters, never_dark
+from sizing.optimisation.energy_constraints import never_dark
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, Role, SizingProblems
 from sizing.optimisation.result import (
@@ -42,7 +42,6 @@ from sizing.optimisation.search import (
     Search,
     Simulated,
     checked_problems,
-    instance_of,
     run,
 )
 from sizing.optimisation.solver import ProblemInstance, ProgramSolver, Solution
@@ -172,7 +171,7 @@ class _CellSearch(Search):
         required_h = float(cells.required_h[cell])
         held = {name: float(values[cell]) for name, values in cells.payload.items()}
         super().__init__(
-            replace(instance_of(cells.objective, required_h, battery=battery), held=held),
+            replace(ProblemInstance.of(cells.objective, required_h, battery=battery), held=held),
             required_h,
             range(cell * cells.each, (cell + 1) * cells.each),
             cells.solve,
@@ -218,12 +217,7 @@ class _Cells:
         lit = never_dark(self.day).reshape(-1, self.each).all(axis=-1)
         if self.objective is not Objective.max_excess_time:
             lit = lit & (self.required_h > 0.0)
-        cells = np.flatnonzero(lit)
-        if not len(cells):
-            return {}
-        where = self._scenarios_of(cells)
-        self.solver.suns[where] = lowest_sun_parameters(self.day.at(where), self.mission)
-        searches = [_CellSearch(self, int(cell), battery=False) for cell in cells]
+        searches = [_CellSearch(self, int(cell), battery=False) for cell in np.flatnonzero(lit)]
         self._run(searches)
         return {one.cell: one.best for one in searches if one.best is not None}
 
@@ -300,7 +294,7 @@ class _Cells:
 
     def _simulated(self, searches: Sequence[Search]) -> list[Simulated]:
         cells = np.array([one.scenarios[0] // self.each for one in searches])
-        perf = self._performance(_stacked([one.current.variables for one in searches]), cells)
+        perf = self._performance(_stacked([one.current.design for one in searches]), cells)
         worst = perf.cycle.excess_time_h.argmin(axis=-1)
         excess = perf.cycle.excess_time_h.min(axis=-1)
         columns = (excess, cells * self.each + worst, self._merit(perf), self._sound(perf))
@@ -351,7 +345,7 @@ class _Cells:
         columns = {name: blank() for name in _NUMBERS}
         if best:
             kept = np.array(sorted(best), int)
-            variables = _stacked([best[int(i)].variables for i in kept])
+            variables = _stacked([best[int(i)].design for i in kept])
             perf = self._performance(variables, kept)
             checked = self._cross_checked(kept, variables, perf)
             status[kept] = np.where(checked, SizingStatus.cross_checked, SizingStatus.optimal)

@@ -25,7 +25,6 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SOLAR_TECHNOLOGY, WORST_EXCESS, Role, SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import (
-    GOAL_CUSHION_H,
     PENALTY,
     Accepted,
     Search,
@@ -34,7 +33,12 @@ from sizing.optimisation.search import (
     size_aircraft,
     telling_scenarios,
 )
-from sizing.optimisation.solver import ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.solver import (
+    GOAL_CUSHION_H,
+    ProblemInstance,
+    ProgramSolver,
+    Solution,
+)
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import (
     UNCORRECTED_CAM,
@@ -186,7 +190,7 @@ class _Relaxations:
             None
             if moved is None
             else self._confirmed(
-                key, present, present * moved.solution.value(key), moved.solution.variables
+                key, present, present * moved.solution.value(key), moved.solution.design
             )
         )
 
@@ -198,7 +202,7 @@ class _Relaxations:
         moved = self._moved_least(name, (0.0, present), upwards=False, furthest=0.0)
         if moved is None:
             return None
-        carried = moved.solution.variables._replace(payload_mass_kg=None, payload_power_w=None)
+        carried = moved.solution.design._replace(payload_mass_kg=None, payload_power_w=None)
         return self._confirmed(key, present, moved.solution.value(name), carried)
 
     def _bound(self, key: str) -> Relaxation | None:
@@ -253,7 +257,7 @@ class _Relaxations:
 
         def solve(search: Search) -> Solution | None:
             before = reached if search.previous is None else search.previous
-            return self._solve(search.instance, search.filled(), before.variables)
+            return self._solve(search.instance, search.filled(), before.design)
 
         search = Search(instance, self.required_h, scenarios, solve, count=count)
         run(
@@ -277,7 +281,7 @@ class _Relaxations:
             scenarios,
             [start],
             efforts=("quick", "steady"),
-            previous=last if last is not None and last.problem.blocks == len(scenarios) else None,
+            previous=last if last is not None and len(last.scenarios) == len(scenarios) else None,
         )
         if found is None:
             return None
@@ -294,9 +298,7 @@ class _Relaxations:
                 aircraft, _ = with_parameter(aircraft, self.mission, key, present * relative)
                 if key == SOLAR_TECHNOLOGY:
                     day = day.scaled(relative)
-        return performance_of_designs(
-            aircraft, self.mission, solution.variables, self.solar, day=day
-        )
+        return performance_of_designs(aircraft, self.mission, solution.design, self.solar, day=day)
 
     def _confirmed(
         self, key: str, present: float, found: float, variables: DesignVariables

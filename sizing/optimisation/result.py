@@ -10,7 +10,7 @@ import numpy as np
 from sizing.design import Design
 from sizing.energy.march import FloatArray
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Constraint, Variable
+from sizing.optimisation.solver import Solution, SolverReport
 from sizing.performance import Performance
 
 # A design that is better than an optimum by less than this is within what the time steps and
@@ -56,45 +56,13 @@ class Violation:
 
 
 @dataclass(frozen=True)
-class SolverReport:
-    """What the solver did: iterations and time over all starts and rounds."""
-
-    iterations: int
-    time_s: float
-    build_time_s: float
-    solves: int
-    message: str
-
-
-@dataclass(frozen=True)
-class Optimum:
-    """The solver's optimum: point, multipliers, and the program that was solved.
-
-    ``scenarios`` are those in the blocks of the program, ``weights`` its cost, ``margin`` that of
-    the recharge; see :class:`sizing.optimisation.solver.ProblemInstance`. ``bound_multipliers`` are
-    those of the variables that were free. Where ``needs_no_battery``, the program had the lowest
-    sun of the day all day long.
-    """
-
-    x: FloatArray
-    variables: tuple[Variable, ...]
-    constraints: tuple[Constraint, ...]
-    constraint_multipliers: FloatArray
-    bound_multipliers: dict[str, float]
-    scenarios: tuple[int, ...]
-    weights: FloatArray
-    margin: float
-    needs_no_battery: bool = False
-
-
-@dataclass(frozen=True)
 class SizingResult:
     """Outcome of a sizing: an optimum, or the requirements that cannot be met.
 
     ``status`` is ``optimal``, ``infeasible`` or ``not_converged``. Design, simulated performance
     and objective value (the simulator's number) exist for an optimum alone. ``nearest`` is the
     simulated design that comes closest where none is feasible, and ``active_constraints`` then name
-    what holds it back.
+    what holds it back. ``optimum`` is the program's solution.
     """
 
     status: SizingStatus
@@ -107,7 +75,7 @@ class SizingResult:
     active_constraints: tuple[str, ...]
     violations: tuple[Violation, ...]
     solver: SolverReport
-    optimum: Optimum | None = None
+    optimum: Solution | None = None
 
     @property
     def feasible(self) -> bool:

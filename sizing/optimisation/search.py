@@ -20,7 +20,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, DesignVariables, Masses, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import meets_requirements
-from sizing.optimisation.energy_constraints import lowest_sun_parameters, never_dark
+from sizing.optimisation.energy_constraints import never_dark
 from sizing.optimisation.infeasibility import (
     Verdict,
     least_mission,
@@ -28,17 +28,19 @@ from sizing.optimisation.infeasibility import (
     short_of_largest_excess,
     violations,
 )
-from sizing.optimisation.objectives import Objective, without_battery
+from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
-    Optimum,
     SizingResult,
     SizingStatus,
-    SolverReport,
-    Violation,
     objective_value,
 )
-from sizing.optimisation.solver import ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.solver import (
+    GOAL_CUSHION_H,
+    ProblemInstance,
+    ProgramSolver,
+    Solution,
+)
 from sizing.performance import (
     DEFAULT_STEP_H,
     UNCORRECTED_CAM,
@@ -49,15 +51,12 @@ from sizing.performance import (
     solar_day,
 )
 
-__all__ = ["SizingResult", "SolverReport", "Violation", "size_aircraft"]
+__all__ = ["Search", "SizingResult", "run", "size_aircraft"]
 
 # Scenarios that a program starts with; others join when the simulator finds them worse.
-FIRST_BLOCKS = 3
+_FIRST_BLOCKS = 3
 _ROUNDS = 12
-# The goal is a little more than what is required, and less the next time where that was too much
-# [h]. The program's time step flatters a design by up to 0.003 h, the simulator's by another 0.002.
-GOAL_CUSHION_H = 0.006
-WASTE_H = 0.012
+_WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
 # Cost of a missed requirement: far above what one is worth, so that none is missed for a gain.
 PENALTY = 300.0
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
@@ -164,13 +163,13 @@ class Search:
         """Whether a design has more excess time than needed, and another goal may change that."""
         if self.instance.best_excess or self.instance.goal_h <= 0.0:
             return False
-        return found.excess_time_h - self.required_h > WASTE_H and not self._unchanged()
+        return found.excess_time_h - self.required_h > _WASTE_H and not self._unchanged()
 
     def _unchanged(self) -> bool:
         """Whether the last goal made no difference: another requirement decides."""
         if self.previous is None:
             return False
-        then, now = (list(one.variables.chosen().values()) for one in (self.previous, self.current))
+        then, now = (list(one.design.chosen().values()) for one in (self.previous, self.current))
         return bool(np.allclose(then, now, rtol=_UNCHANGED, atol=0.0))
 
     def _tighten(self, found: Simulated) -> None:
@@ -310,21 +309,16 @@ def size_aircraft(
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    solver = ProgramSolver(problems, mission, lit)
+    asked = (solver, solar, objective, required, start)
     unlimited = None
     if never_dark(lit).all() and (required > 0.0 or objective is Objective.max_excess_time):
-        without = ProgramSolver(problems, mission, lit)
-        without.suns = lowest_sun_parameters(lit, mission)
-        unlimited = _Sizing(
-            without, solar, objective, required, start, explain=False, battery=False
-        ).run()
+        unlimited = _Sizing(*asked, explain=False, battery=False).run()
         if unlimited.feasible and objective is Objective.max_excess_time:
             return unlimited
-    solver = ProgramSolver(problems, mission, lit)
     if unlimited is None or not unlimited.feasible:
-        return _Sizing(solver, solar, objective, required, start, explain).run()
-    return _better(
-        _Sizing(solver, solar, objective, required, start, explain=False).run(), unlimited
-    )
+        return _Sizing(*asked, explain=explain).run()
+    return _better(_Sizing(*asked, explain=False).run(), unlimited)
 
 
 def checked_problems(
@@ -375,6 +369,7 @@ class _Sizing:
         objective: Objective,
         required_h: float,
         start: DesignVariables | None = None,
+        *,
         explain: bool = True,
         battery: bool = True,
     ) -> None:
@@ -389,9 +384,9 @@ class _Sizing:
         first = self._performance(self.start)
         count = len(self.day.scenarios)
         self.search = Search(
-            instance_of(self.objective, self.required_h, battery=self.battery),
+            ProblemInstance.of(self.objective, self.required_h, battery=self.battery),
             self.required_h,
-            telling_scenarios(first, min(FIRST_BLOCKS, count)),
+            telling_scenarios(first, min(_FIRST_BLOCKS, count)),
             self._solve_again,
             count=count,
         )
@@ -401,7 +396,7 @@ class _Sizing:
             solution = self._solve([self.start])
             return self._failure(first) if solution is None else self._settled(solution)
         if solution.missed() and self.explain:
-            return self._explained([solution.variables])
+            return self._explained([solution.design])
         if solution.missed():
             solution = self._met_after_all(solution)
         return self._given_up(first) if solution is None else self._settled(solution)
@@ -428,16 +423,16 @@ class _Sizing:
     def _solve_again(self, search: Search) -> Solution | None:
         """Solution from the last one's design."""
         assert search.previous is not None
-        return self._solve([search.previous.variables])
+        return self._solve([search.previous.design])
 
     def _met_after_all(self, solution: Solution) -> Solution | None:
         """Solution where the penalty was too low to keep a requirement from being missed."""
         least = self._solve(
-            [solution.variables], self.search.instance.least_missed(), previous=solution
+            [solution.design], self.search.instance.least_missed(), previous=solution
         )
         if least is not None and least.missed():
             return None
-        return self._solve([solution.variables if least is None else least.variables])
+        return self._solve([solution.design if least is None else least.design])
 
     # --- the simulator -----------------------------------------------------------------------
 
@@ -447,7 +442,7 @@ class _Sizing:
         )
 
     def _simulated(self, solution: Solution) -> Simulated:
-        perf = self._performance(solution.variables)
+        perf = self._performance(solution.design)
         value = float(objective_value(self.objective, perf))
         return simulated(self.solver, perf, value if self.objective.maximised else -value)
 
@@ -456,7 +451,7 @@ class _Sizing:
         self.search.previous, self.search.solution = None, solution
         run([self.search], lambda some: [self._simulated(one.current) for one in some])
         if self.search.best is None:
-            return self._failure(self._performance(solution.variables))
+            return self._failure(self._performance(solution.design))
         return self._optimal(*self.search.best)
 
     # --- verdicts ----------------------------------------------------------------------------
@@ -504,7 +499,7 @@ class _Sizing:
         missed, nearest = least.missed(), self._simulated(least)
         assert nearest.performance is not None
         if not missed or self.search.accepts(nearest):
-            return self._restarted([least.variables, *starts], nearest.performance)
+            return self._restarted([least.design, *starts], nearest.performance)
         verdict = Verdict(
             SizingStatus.infeasible,
             tuple(violations(self.aircraft, missed, nearest.performance, self.required_h)),
@@ -519,7 +514,7 @@ class _Sizing:
             return self._given_up(nearest)
         self.restarts += 1
         if self.restarts > _RESTARTS:
-            return self._given_up(self._performance(solution.variables))
+            return self._given_up(self._performance(solution.design))
         return self._settled(solution)
 
     def _given_up(self, nearest: Performance) -> SizingResult:
@@ -552,39 +547,8 @@ class _Sizing:
             active_constraints=active_constraints(solution, self.day),
             violations=(),
             solver=self.solver.report(),
-            optimum=Optimum(
-                x=solution.x,
-                variables=solution.problem.variables,
-                constraints=solution.problem.constraints,
-                constraint_multipliers=solution.constraint_multipliers,
-                bound_multipliers=solution.free_bound_multipliers(),
-                scenarios=solution.scenarios,
-                weights=solution.weights,
-                margin=solution.instance.margin,
-                needs_no_battery=not self.battery,
-            ),
+            optimum=solution,
         )
-
-
-def instance_of(
-    objective: Objective, required_h: float, *, battery: bool = True
-) -> ProblemInstance:
-    """What the program is to be solved for, with a cushion on the required excess time.
-
-    Parameters
-    ----------
-    objective : Objective
-        Of single designs.
-    required_h : float
-        Required excess time [h].
-    battery : bool
-        Whether the aircraft flies on its battery at any time; if not, its excess time is infinite
-        and none is required.
-    """
-    if not battery:
-        return ProblemInstance.of(without_battery(objective), 0.0)
-    cushion_h = 0.0 if objective is Objective.max_excess_time else GOAL_CUSHION_H
-    return ProblemInstance.of(objective, required_h + cushion_h)
 
 
 def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
@@ -599,7 +563,7 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
     """
     active = []
     multipliers = np.abs(solution.constraint_multipliers)
-    for multiplier, constraint in zip(multipliers, solution.problem.constraints, strict=True):
+    for multiplier, constraint in zip(multipliers, solution.constraints, strict=True):
         if multiplier <= _ACTIVE_MULTIPLIER or constraint.equation:
             continue
         label = constraint.name

@@ -24,7 +24,8 @@ from sizing.energy.march import FloatArray
 from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Role, SizingProblem, build_problem
-from sizing.optimisation.result import Optimum, SizingResult
+from sizing.optimisation.result import SizingResult
+from sizing.optimisation.solver import Solution
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import UNCORRECTED_CAM, Performance, SolarModel, solar_day
 
@@ -102,7 +103,7 @@ def sensitivities(
     return sorted(found, key=lambda s: -abs(s.per_percent))
 
 
-def _checked(result: SizingResult, wanted: str) -> tuple[Optimum, Performance, float]:
+def _checked(result: SizingResult, wanted: str) -> tuple[Solution, Performance, float]:
     """Parts of a result that an optimum alone has."""
     if result.optimum is None or result.simulated is None or result.objective_value is None:
         raise ValueError(f"the sizing is {result.status.name}: only an optimum has {wanted}")
@@ -156,7 +157,7 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
             add(name, float(multiplier), 0.01, "1 % of the battery's capacity")
         elif result.objective is not Objective.max_excess_time:
             add(name, float(multiplier), 1.0 / row.scale, f"1 {row.unit}")
-    for variable, multiplier in optimum.bound_multipliers.items():
+    for variable, multiplier in optimum.free_bound_multipliers().items():
         add(f"{variable} at its bound", multiplier, 0.01, "1 % of the bound")
     found = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
     return sorted(found, key=lambda one: -one.gain)
@@ -189,7 +190,7 @@ def _objective_per_cost(result: SizingResult) -> float:
 
 @dataclass(frozen=True)
 class _Lagrangian:
-    optimum: Optimum
+    optimum: Solution
     solar: SolarModel
     scenarios: Scenarios
 
@@ -209,12 +210,12 @@ class _Lagrangian:
         function = ca.Function(
             "program", [symbols["x"], symbols["p"]], [symbols["f"], symbols["g"]]
         )
-        suns = lowest_sun_parameters if self.optimum.needs_no_battery else sun_parameters
+        suns = sun_parameters if self.optimum.instance.battery else lowest_sun_parameters
         parameters = problem.parameters(
             self.optimum.weights,
             FlightConditions.of(mission),
             suns(day, mission),
-            margin=self.optimum.margin,
+            margin=self.optimum.instance.margin,
         )
         cost, rows = function(self._point(problem, mission), parameters)
         multipliers = self.optimum.constraint_multipliers

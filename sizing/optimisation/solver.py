@@ -14,15 +14,25 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, closed_design
 from sizing.energy.march import FloatArray
-from sizing.optimisation.energy_constraints import sun_parameters
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import WORST_EXCESS, Effort, Role, SizingProblem, SizingProblems
-from sizing.optimisation.result import SolverReport
+from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
+from sizing.optimisation.objectives import Objective, without_battery
+from sizing.optimisation.problem import (
+    WORST_EXCESS,
+    Constraint,
+    Effort,
+    Role,
+    SizingProblem,
+    SizingProblems,
+    Variable,
+)
 from sizing.performance import SolarDay
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5
-FIRST_MARGIN = 1e-3  # of the recharge, to begin with
+_FIRST_MARGIN = 1e-3  # of the recharge, to begin with
+# The goal is a little more than what is required [h]: the program's time step flatters a design by
+# up to 0.003 h, the simulator's by another 0.002.
+GOAL_CUSHION_H = 0.006
 
 # Sequential quadratic programming ends where the point is feasible and the multipliers balance the
 # cost. Old ones do so still where a requirement has only become easier, though it no longer binds;
@@ -66,6 +76,8 @@ class ProblemInstance:
         that counts; None where every requirement must be met.
     margin : float
         By how much more charge the day must return than the night takes, relative.
+    battery : bool
+        Whether the sun is that of the day; if not, its lowest one shines all day long.
     """
 
     cost: Mapping[str, float]
@@ -75,16 +87,34 @@ class ProblemInstance:
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     held: Mapping[str, float] = field(default_factory=dict)
     penalty: float | None = None
-    margin: float = FIRST_MARGIN
+    margin: float = _FIRST_MARGIN
+    battery: bool = True
 
     @classmethod
-    def of(cls, objective: Objective, goal_h: float) -> ProblemInstance:
-        """Instance of an objective, with an excess time that every scenario must have [h]."""
+    def of(
+        cls, objective: Objective, required_h: float, *, battery: bool = True
+    ) -> ProblemInstance:
+        """Instance of an objective, with a cushion on the required excess time where that costs.
+
+        Parameters
+        ----------
+        objective : Objective
+            Of single designs.
+        required_h : float
+            Required excess time [h].
+        battery : bool
+            Whether the aircraft needs its battery; if not, its excess time is infinite and none is
+            required.
+        """
+        if not battery:
+            plain = cls.of(without_battery(objective), 0.0)
+            return replace(plain, goal_h=0.0, battery=False)
         payload = (Objective.max_payload_mass, Objective.max_payload_power)
+        best_excess = objective is Objective.max_excess_time
         return cls(
             cost=_COSTS[objective],
-            goal_h=goal_h,
-            best_excess=objective is Objective.max_excess_time,
+            goal_h=required_h if best_excess else required_h + GOAL_CUSHION_H,
+            best_excess=best_excess,
             freed=(objective.variable,) if objective in payload else (),
         )
 
@@ -104,38 +134,54 @@ class ProblemInstance:
 class Solution:
     """Solution of a program.
 
-    ``x`` is the decision vector, ``weights`` its cost, ``scenarios`` are those in the blocks.
+    ``x`` is the decision vector of ``variables``, ``weights`` its cost, ``design`` what it says of
+    the aircraft; ``scenarios`` are those in the blocks.
     """
 
-    problem: SizingProblem
     instance: ProblemInstance
+    variables: tuple[Variable, ...]
+    constraints: tuple[Constraint, ...]
+    scenarios: tuple[int, ...]
+    design: DesignVariables
     x: FloatArray
     weights: FloatArray
     constraint_multipliers: FloatArray
     bound_multipliers: FloatArray
-    scenarios: tuple[int, ...]
-
-    @property
-    def variables(self) -> DesignVariables:
-        """Design that was found."""
-        return self.problem.design_variables(self.x, self.instance.bounds)
 
     def value(self, name: str) -> float:
         """Value of a variable, in its unit."""
-        return self.problem.value(self.x, name)
+        ((x, variable),) = (
+            (x, v) for x, v in zip(self.x, self.variables, strict=True) if v.name == name
+        )
+        return float(variable.from_program(x))
 
     def missed(self) -> dict[str, float]:
         """Requirements that are missed by more than the solver's tolerance, and by how much."""
-        slacks = {c.name: self.value(c.slack) for c in self.problem.constraints}
-        return {name: slack for name, slack in slacks.items() if slack > _SLACK_TOLERANCE}
+        names = {c.slack: c.name for c in self.constraints}
+        return {
+            names[v.name]: float(slack)
+            for slack, v in zip(self.x, self.variables, strict=True)
+            if v.role is Role.slack and slack > _SLACK_TOLERANCE
+        }
 
     def free_bound_multipliers(self) -> dict[str, float]:
         """Multipliers of the bounds of all design variables that are not held at a value."""
         return {
             v.name: float(multiplier)
-            for v, multiplier in zip(self.problem.variables, self.bound_multipliers, strict=True)
+            for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
             if v.role is Role.design or v.name in self.instance.freed
         }
+
+
+@dataclass(frozen=True)
+class SolverReport:
+    """What the solver did: iterations and time over all starts and rounds."""
+
+    iterations: int
+    time_s: float
+    build_time_s: float
+    solves: int
+    message: str
 
 
 class _Posed(NamedTuple):
@@ -168,7 +214,7 @@ class ProgramSolver:
     def __init__(self, problems: SizingProblems, mission: Mission, day: SolarDay) -> None:
         self.problems, self.mission, self.day = problems, mission, day
         self.conditions = FlightConditions.of(mission)
-        self.suns = sun_parameters(day, mission)
+        self._suns = {True: sun_parameters(day, mission)}
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
         self.message = ""
 
@@ -220,7 +266,7 @@ class ProgramSolver:
         problem = self.problems.of(len(scenarios))
         self.build_s += time.perf_counter() - begun
         weights = problem.weights(_cost(problem, instance))
-        suns = self.suns[list(scenarios)]
+        suns = self._sun(battery=instance.battery)[list(scenarios)]
         lower, upper = self._bounds(problem, instance)
         limits = {
             "p": problem.parameters(weights, self.conditions, suns, margin=instance.margin),
@@ -248,9 +294,18 @@ class ProgramSolver:
         x, rows, bounds = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
         if not (stats["success"] and np.isfinite(x).all()):
             return None
+        problem, instance = posed.problem, posed.instance
+        design = problem.design_variables(x, instance.bounds)
         return Solution(
-            posed.problem, posed.instance, x, posed.weights, rows, bounds, posed.scenarios
+            *(instance, problem.variables, problem.constraints, posed.scenarios, design),
+            *(x, posed.weights, rows, bounds),
         )
+
+    def _sun(self, *, battery: bool) -> FloatArray:
+        """Sun of every scenario; without battery its lowest one."""
+        if battery not in self._suns:
+            self._suns[battery] = lowest_sun_parameters(self.day, self.mission)
+        return self._suns[battery]
 
     def add(self, other: ProgramSolver) -> None:
         """Count the work of another solver as well."""
