@@ -245,3 +245,9 @@ def test_quantities_of_a_design_are_told(run: Run) -> None:
     assert f"{told['stall_speed_m_per_s']:.2f} m/s" in text
     heavy = run("size", DESIGN, "-m", "rafz-july", "--set", "mission.payload.mass_kg=1e6", "--json")
     assert heavy.json()["quantities"] is None
+
+
+def test_old_name_of_the_cross_check_is_refused_with_the_new_one(run: Run) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--certify")
+    assert outcome.code == 2
+    assert "--cross-check" in outcome.err
