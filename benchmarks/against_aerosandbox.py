@@ -22,11 +22,11 @@ from benchmarks.shared_sizing import (
 )
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.march import FloatArray
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.performance import SolarDay
+from sizing.sunlight import SolarDay
+from solar.types import FloatArray
 
 _PEER = "AeroSandbox Opti"
 # Equal optima differ by the trapezoids of the collocation, 10 min wide, and by the margin of one

@@ -10,11 +10,11 @@ import numpy as np
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.energy.battery import Battery, NoChargeLimit
+from sizing.energy.battery import Battery, NoChargeLimit, Store
 from sizing.energy.cycle import simulate_cycle
-from sizing.energy.march import FloatArray, Store
 from sizing.library import load_aircraft
-from sizing.performance import solar_day
+from sizing.sunlight import solar_day
+from solar.types import FloatArray
 
 _COUNT = 500
 _LOAD_W = 42.0
@@ -65,7 +65,9 @@ def _integrator(time_h: FloatArray, solar_w: FloatArray) -> Callable[[], Any]:
     def rate(t: float, energy: Any) -> Any:
         net = np.interp(t, time_h, solar_w) - _LOAD_W
         if net > 0.0:
-            return 0.0 if energy[0] >= _BATTERY.energy_wh else _BATTERY.charge_efficiency * net
+            return (
+                0.0 if energy[0] >= _BATTERY.battery_energy_wh else _BATTERY.charge_efficiency * net
+            )
         return net / _BATTERY.discharge_efficiency
 
     return lambda: solve_ivp(rate, (0.0, 24.0), [400.0], max_step=1.0 / 12.0, rtol=1e-6)
@@ -73,7 +75,7 @@ def _integrator(time_h: FloatArray, solar_w: FloatArray) -> Callable[[], Any]:
 
 def looped_day(hours: Any, solar_w: Any) -> float:
     """Least state of charge on the second of two days from a full battery, by a plain loop."""
-    full = energy = _BATTERY.energy_wh
+    full = energy = _BATTERY.battery_energy_wh
     charging, discharging = _BATTERY.charge_efficiency, _BATTERY.discharge_efficiency
     least = full
     for _ in range(2):

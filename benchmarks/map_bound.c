@@ -12,7 +12,7 @@ typedef struct {
     const double *curve_begin, *curve_end, *cubic;   /* pieces; pieces; 4 x pieces */
     const double *clock_soc, *clock_h;               /* clock_nodes */
     double pressure, common, camber, diffuse, first_angle, last_angle;
-    double area_m2, load_w, full_wh, eta_charge, eta_discharge;
+    double area_m2, load_w, battery_energy_wh, eta_charge, eta_discharge;
     double constant_up_to, constant_rate_per_h;
 } Craft;
 
@@ -50,12 +50,12 @@ static double ramp(double left, double right, double share) {
 }
 
 static double charged(const Craft *c, double energy, double surplus, double hours, int place[2]) {
-    double target = fmin(energy + c->eta_charge * surplus, c->full_wh);
-    double after = fmin(target, energy + c->constant_rate_per_h * c->full_wh * hours);
-    if (after <= fmax(energy, c->constant_up_to * c->full_wh)) return after;
+    double target = fmin(energy + c->eta_charge * surplus, c->battery_energy_wh);
+    double after = fmin(target, energy + c->constant_rate_per_h * c->battery_energy_wh * hours);
+    if (after <= fmax(energy, c->constant_up_to * c->battery_energy_wh)) return after;
     double begun = interpolate(c->clock_soc, c->clock_h, c->clock_nodes,
-                               fmin(energy / c->full_wh, 1.0), &place[0]);
-    double limited = c->full_wh * interpolate(c->clock_h, c->clock_soc, c->clock_nodes,
+                               fmin(energy / c->battery_energy_wh, 1.0), &place[0]);
+    double limited = c->battery_energy_wh * interpolate(c->clock_h, c->clock_soc, c->clock_nodes,
                                               begun + hours, &place[1]);
     return fmax(fmin(target, limited), energy);
 }
@@ -97,7 +97,7 @@ static void cell(const Craft *c, double mean, double amplitude, double a, double
     }
     double start = 0.0, lowest, dawn, first, last, missing, unserved;
     if (c->eta_charge * gained * c->eta_discharge >= lost)
-        start = positive(c->full_wh - tail / c->eta_discharge);
+        start = positive(c->battery_energy_wh - tail / c->eta_discharge);
     for (int cycle = 0; cycle < 400; cycle++) {
         int place[2] = {0, 0};
         double energy = start;
@@ -114,13 +114,13 @@ static void cell(const Craft *c, double mean, double amplitude, double a, double
             double after = before;
             if (surplus[k] > 0.0) {
                 after = charged(c, before, surplus[k], hours, place);
-                if (after >= (1.0 - 1e-9) * c->full_wh) {
+                if (after >= (1.0 - 1e-9) * c->battery_energy_wh) {
                     double begin = l < 0.0 ? crossing : 0.0, end = r < 0.0 ? crossing : hours;
                     if (isnan(first)) {
-                        double share = (c->full_wh - before) / (c->eta_charge * surplus[k]);
+                        double share = (c->battery_energy_wh - before) / (c->eta_charge * surplus[k]);
                         double taken = (end - begin) * ramp(positive(l), positive(r), share);
                         double from = interpolate(c->clock_soc, c->clock_h, c->clock_nodes,
-                                                  fmin(before / c->full_wh, 1.0), &place[0]);
+                                                  fmin(before / c->battery_energy_wh, 1.0), &place[0]);
                         taken = fmax(taken, c->clock_h[c->clock_nodes - 1] - from);
                         first = c->time_h[k] + fmin(begin + taken, end);
                     }
@@ -140,13 +140,13 @@ static void cell(const Craft *c, double mean, double amplitude, double a, double
         }
         double moved = fabs(energy - start);
         start = energy;
-        if (moved <= 1e-11 * c->full_wh) break;
+        if (moved <= 1e-11 * c->battery_energy_wh) break;
     }
-    int starved = unserved > 1e-9 * c->full_wh, dark = isnan(morning) && !always;
+    int starved = unserved > 1e-9 * c->battery_energy_wh, dark = isnan(morning) && !always;
     double excess = starved || dark ? -missing : dawn * c->eta_discharge / c->load_w;
     if (always && !starved) excess = INFINITY;
     out[EXCESS] = excess;
-    out[SOC] = excess > 0.0 ? lowest / c->full_wh : 0.0;
+    out[SOC] = excess > 0.0 ? lowest / c->battery_energy_wh : 0.0;
     out[MARGIN] = isnan(first) ? 0.0 : last - first;
     out[MORNING] = morning;
     out[EVENING] = evening;

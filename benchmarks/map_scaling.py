@@ -20,10 +20,10 @@ from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.design import design_of
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Status
-from sizing.energy.march import Store
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, day_axis_h
+from sizing.sunlight import SolarModel, day_axis_h
 from solar.clearsky import coefficients, pressure_ratio
 from solar.sun import declination, hour_angle, sun_arc
 from studies.maps.feasibility import map_block
@@ -124,7 +124,7 @@ class _Craft(ctypes.Structure):
                 "last_angle",
                 "area_m2",
                 "load_w",
-                "full_wh",
+                "battery_energy_wh",
                 "eta_charge",
                 "eta_discharge",
                 "constant_up_to",
@@ -188,7 +188,7 @@ class _Bound:
             last_angle=curve.x[-1],
             area_m2=modules.area_m2,
             load_w=float(design.nominal_load_w(mission)),
-            full_wh=aircraft.battery.energy_wh,
+            battery_energy_wh=aircraft.battery.battery_energy_wh,
             eta_charge=store.charge_efficiency,
             eta_discharge=store.discharge_efficiency,
             constant_up_to=clock.constant_up_to,

@@ -1,10 +1,10 @@
 """Random missions and technology sets, sized, cross-checked and held against a simulated grid.
 
 ``python -m benchmarks.random_missions --count 300``. Each case is drawn from its own seed:
-aircraft, latitudes, dates, altitude, clearness, turbulence, payload, wind, bands, battery, cells,
-avionics, free variables, objective and required excess time. The optimum is cross-checked; the
-verdict, feasible or not, is compared with a grid over the whole design space that only the
-simulator judges.
+aircraft, latitudes, dates, altitude, clearness, turbulence, payload, wind, uncertainty margins,
+battery, cells, avionics, free variables, objective and required excess time. The optimum is
+cross-checked; the verdict, feasible or not, is compared with a grid over the whole design space
+that only the simulator judges.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from sizing.optimisation.cross_check import cross_check, design_grid
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
-from sizing.performance import performance_of_designs, solar_day
+from sizing.performance import performance_of_designs
+from sizing.sunlight import solar_day
 
 _OBJECTIVES = [o for o in Objective if not o.of_range]
 _GRID_STEP_H = 0.25
@@ -79,7 +80,7 @@ def _random_mission(rng: np.random.Generator) -> Mission:
                 "power_w": float(rng.choice([0.0, 3.0, 10.0])),
             },
             "wind_m_per_s": float(rng.choice([0.0, 0.0, 5.0, 9.0])),
-            "bands": {
+            "uncertainty_margins": {
                 "solar_model_sigmas": float(rng.choice([0.0, 1.0])),
                 "battery_capacity": float(rng.choice([1.0, 0.85])),
             },

@@ -16,7 +16,7 @@ import numpy as np
 from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.engine.run import Columns, run
 from studies.engine.workers import Crew, DaskCrew, ProcessCrew, SerialCrew, available_cores
 from studies.maps.jobs import SizedMapConfiguration, sized_map_job

@@ -28,12 +28,12 @@ from sizing.design import (
     parametric_design,
     variables_of,
 )
-from sizing.energy.march import FloatArray
 from sizing.library import load_aircraft
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
-from sizing.performance import SolarDay, solar_day
+from sizing.sunlight import SolarDay, solar_day
+from solar.types import FloatArray
 
 POINTS_PER_DAY = 150
 REQUIRED_H = 3.0

@@ -5,7 +5,8 @@ Run with: python examples/analyse_atlantiksolar.py
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance, perpetual_days
+from sizing.performance import performance, perpetual_days
+from sizing.sunlight import SolarModel
 
 
 def main() -> None:

@@ -13,7 +13,7 @@ from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.library import load_aircraft
 from sizing.optimisation.cells import size_cells
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 
 SPECIFIC_ENERGIES_WH_PER_KG = np.arange(200.0, 501.0, 25.0)
 DATES = {"21 June": "06-21", "15 August": "08-15", "23 September": "09-23"}

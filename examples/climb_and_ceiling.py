@@ -26,12 +26,13 @@ def main() -> None:
         f"{found.highest.propulsion_power_w:.1f} W"
     )
 
-    # Height as a second store: climb once the battery is full, glide in the evening.
+    # Potential-energy storage: climb once the battery is full, glide in the evening.
     for ceiling_m in (1536, 3536, 6536):
         climbs = load_mission("rafz-july", [*JUNE, f"climb={{ceiling_m: {ceiling_m}}}"])
         result = climb_performance(aircraft, climbs)
+        stored_wh = result.climb.maximum_potential_energy_wh[0]
         print(
-            f"climbing to {ceiling_m} m stores {result.climb.maximum_height_wh[0]:.1f} Wh, "
+            f"climbing to {ceiling_m} m stores {stored_wh:.1f} Wh, "
             f"glides {result.climb.gliding_h[0]:.1f} h and adds {result.gain_h[0]:.2f} h "
             f"to {result.constant.cycle.excess_time_h[0]:.2f} h of excess time"
         )

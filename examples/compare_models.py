@@ -10,11 +10,10 @@ from sizing.library import load_aircraft
 from studies.models.comparison import compare
 from studies.models.plots import comparison_figure
 from studies.models.solar_models import model_label
-from studies.models.summary import fate, sentence
 
 
 def main() -> None:
-    """Print the fate of every model's design, and the one sentence that sums it up."""
+    """Print the outcome of every model's design, and the one sentence that sums it up."""
     # A parametric aircraft: every model gets to size its own. Judge of all is corrected FM.
     aircraft = load_aircraft("atlantiksolar-design")
     mission = load_mission("rafz-july")
@@ -31,8 +30,8 @@ def main() -> None:
         if case.built is None or case.built.sizing.design is None or case.built.judged is None:
             continue
         span_m = case.built.sizing.design.variables.wingspan_m
-        print(f"  would build {span_m:.2f} m, which {fate(case.built.judged, 3.0)}")
-    print(sentence(found))
+        print(f"  would build {span_m:.2f} m, which {case.built.judged.outcome(3.0)}")
+    print(found.headline())
 
     if len(sys.argv) > 1:
         comparison_figure(found).savefig(sys.argv[1], dpi=150)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.models.comparison import Comparison, compare
 from studies.models.solar_models import model_label
 
@@ -23,7 +23,7 @@ def main() -> None:
     found = []
     for latitude in LATITUDES_DEG:
         mission = load_mission("rafz-july", [f"latitude_deg={latitude}"])
-        found.append(compare(aircraft, mission, MODELS, required_excess_time_h=3.0))
+        found.append(compare(aircraft, mission, models=MODELS, required_excess_time_h=3.0))
     for latitude, comparison in zip(LATITUDES_DEG, found, strict=True):
         print(f"{latitude:g} N, 15 Jul")
         for case in comparison.cases:

@@ -5,8 +5,8 @@ Run with: python examples/design_chart.py [figure.png]
 
 import sys
 
-from sizing.performance import SolarModel
-from studies.cli.library import open_aircraft, open_mission
+from sizing.sunlight import SolarModel
+from studies.cli.files import open_aircraft, open_mission
 from studies.sweeps.axes import parse_axis
 from studies.sweeps.plots import figure_of
 from studies.sweeps.study import feasible, sweep

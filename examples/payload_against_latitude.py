@@ -13,7 +13,7 @@ from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.library import load_aircraft
 from sizing.optimisation.cells import size_cells
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 
 LATITUDES_DEG = np.arange(-30.0, 61.0, 10.0)
 PAYLOADS_KG = np.array([0.0, 1.0, 2.0])

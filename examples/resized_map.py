@@ -10,7 +10,7 @@ import numpy as np
 from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.engine.run import run
 from studies.engine.workers import AutomaticCrew
 from studies.maps.jobs import (

@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.maps.feasibility import feasibility_map, map_figure, season_length
 
 AIRCRAFT = {"as built": [], "half the battery": ["battery.mass_kg=1.46"]}

@@ -7,7 +7,7 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 
 
 def main() -> None:
@@ -26,7 +26,7 @@ def main() -> None:
             SolarModel("CAM", "report"),
             required_excess_time_h=margin_h,
         )
-        print(f"margin of {margin_h:g} h: {result.status}")
+        print(f"margin of {margin_h:g} h: {result.status.label}")
         if result.design is None or result.simulated is None:
             for violation in result.violations:
                 print(f"  {violation.text}")

@@ -1,4 +1,13 @@
 """Mission layer: where, when and in which air an aircraft flies, and the mission library.
 
+The names of ``dir(missions)`` are what one may use; a name is imported when it is first asked for.
 Built on :mod:`solar` only.
+
+* ``load_mission`` reads a mission; ``Mission`` holds place, dates, air, load, wind and flight path
+* ``read_flight_log`` reads a log of a real flight
+* ``files``: strict YAML with the line of every mistake; ``logs``: flight logs
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

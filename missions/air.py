@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from solar.types import FloatArray
 
 GRAVITY_M_PER_S2 = 9.80665
 GAS_CONSTANT_AIR = 287.05287  # [J/(kg K)]
@@ -61,6 +61,11 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
     temperature_offset_k : array_like
         Temperature above standard [K], at all altitudes alike.
 
+    Returns
+    -------
+    Air
+        Temperature, pressure, density and viscosity; broadcast shape of the arguments.
+
     Raises
     ------
     ValueError
@@ -76,7 +81,20 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
 
 
 def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
-    """Air of a given temperature [K] and pressure [Pa]: ideal gas, Sutherland viscosity."""
+    """Air of a given temperature [K] and pressure [Pa]: ideal gas, Sutherland viscosity.
+
+    Parameters
+    ----------
+    temperature_k : array_like
+        Temperature [K].
+    pressure_pa : array_like
+        Pressure [Pa].
+
+    Returns
+    -------
+    Air
+        With density [kg/m3] and dynamic viscosity [Pa s]; broadcast shape of the arguments.
+    """
     t = np.asarray(temperature_k, float)
     p = np.asarray(pressure_pa, float)
     return Air(

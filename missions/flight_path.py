@@ -21,7 +21,7 @@ from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
 from solar.schema import NonNegativeReal, PositiveReal, Record
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 MAXIMUM_BANK_DEG = 60.0
 

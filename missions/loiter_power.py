@@ -8,17 +8,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from missions.flight_path import FlightPath, Orbit, Wind, orbit
 from solar.attitude import direction_cosines
-from solar.clearsky import Irradiance, clear_sky
+from solar.clearsky import ClearSky, Irradiance, clear_sky
 from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.shading import Shading
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_vector_ned
+from solar.sun import cos_zenith, declination, hour_angle, sun_vector_ned
+from solar.types import BoolArray, FloatArray
 
 # Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
 # within 1e-4 of the limit (docs/full-model.md).
@@ -43,6 +44,7 @@ def mean_power_on_path(
     clearness: float = 1.0,
     shading: Shading | None = None,
     samples: int = ORBIT_SAMPLES,
+    sky: ClearSky = clear_sky,
 ) -> FloatArray:
     """Specific power of VM or FM over a day, averaged over the path [W/m2].
 
@@ -68,6 +70,8 @@ def mean_power_on_path(
         Tail and losses by its shadows, for FM.
     samples : int
         Attitudes per turning direction.
+    sky : ClearSky
+        Clear-sky model.
 
     Returns
     -------
@@ -87,7 +91,7 @@ def mean_power_on_path(
     result = np.zeros(time_h.shape)
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
-        seen = _sky(latitude_deg, day[block], time_h[block], altitude_m, clearness, flown)
+        seen = _sky(latitude_deg, day[block], time_h[block], altitude_m, clearness, flown, sky)
         if model == "VM":
             power = verification_model(
                 seen.light, seen.sun, seen.to_ned, geometry, cell, module_temperature_c
@@ -120,10 +124,16 @@ def module_power_on_path(
     clearness: float = 1.0,
     shading: Shading | None = None,
     samples: int = ORBIT_SAMPLES,
-) -> tuple[NDArray[np.bool_], Orbit, ModulePower]:
+    sky: ClearSky = clear_sky,
+) -> tuple[BoolArray, Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
 
-    Parameters are those of :func:`mean_power_on_path`.
+    Parameters
+    ----------
+    latitude_deg, day_of_year, time_solar_h, geometry, cell, path, wind, ambient_temperature_c
+        As in :func:`mean_power_on_path`.
+    altitude_m, clearness, shading, samples, sky
+        As in :func:`mean_power_on_path`.
 
     Returns
     -------
@@ -137,7 +147,7 @@ def module_power_on_path(
     flown = orbit(path, wind, samples=samples)
     time_h = np.asarray(time_solar_h, float)
     day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
-    seen = _sky(latitude_deg, day, time_h, altitude_m, clearness, flown)
+    seen = _sky(latitude_deg, day, time_h, altitude_m, clearness, flown, sky)
     power = full_model(
         seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c, shading=shading
     )
@@ -147,7 +157,7 @@ def module_power_on_path(
 class _Sky(NamedTuple):
     """Sun and light at the lit times, ready to meet the attitudes on the second axis."""
 
-    lit: NDArray[np.bool_]
+    lit: BoolArray
     sun: FloatArray
     light: Irradiance
     to_ned: FloatArray
@@ -160,12 +170,13 @@ def _sky(
     altitude_m: float,
     clearness: float,
     flown: Orbit,
+    clear_sky_model: ClearSky,
 ) -> _Sky:
     sun_declination, hour = declination(day), hour_angle(time_h)
     cosine = cos_zenith(latitude_deg, sun_declination, hour)
     lit = cosine > 0.0
     sun = sun_vector_ned(latitude_deg, sun_declination[lit], hour[lit])[:, np.newaxis, :]
-    clear = clear_sky(day[lit], latitude_deg, cosine[lit], altitude_m)
+    clear = clear_sky_model(day[lit], latitude_deg, cosine[lit], altitude_m)
     light = Irradiance(*(clearness * part[:, np.newaxis] for part in clear))
     to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
     return _Sky(lit, sun, light, to_ned)

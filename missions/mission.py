@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, Strict, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -21,6 +21,9 @@ from missions.air import (
     standard_air,
 )
 from missions.flight_path import FlightPath, Heading, Wind
+from solar.clearsky import ClearSky, named_clear_sky
+from solar.correction import correction
+from solar.names import CorrectionName, ModelName
 from solar.schema import (
     Fraction,
     NonNegativeReal,
@@ -29,6 +32,7 @@ from solar.schema import (
     UnitInterval,
 )
 from solar.sun import declination, sun_times
+from solar.types import BoolArray, FloatArray, IntArray
 
 Latitude = Annotated[float, Strict(), Field(ge=-90.0, le=90.0, allow_inf_nan=False)]
 Longitude = Annotated[float, Strict(), Field(ge=-180.0, le=180.0, allow_inf_nan=False)]
@@ -160,11 +164,11 @@ class Turbulence(Record):
     thermal: Annotated[float, Strict(), Field(ge=0.0, le=5.0)] = 0.0
 
 
-class Bands(Record):
-    """What may turn out worse than assumed: a design is judged at the bad end of every band.
+class UncertaintyMargins(Record):
+    """What may turn out worse than assumed: performance is computed at the worst of every margin.
 
     Less sun and less capacity never help, so that the worst case of all combinations is the one
-    with the bad end of each.
+    with the worst of each.
 
     ``solar_model_sigmas`` is how many RMS errors of the solar power model are taken off the power;
     ``clearness_minimum`` replaces a higher clearness; ``battery_capacity`` is the fraction of the
@@ -177,8 +181,8 @@ class Bands(Record):
 
     @property
     def given(self) -> bool:
-        """Whether any band has a width."""
-        return self != Bands()
+        """Whether there is any margin."""
+        return self != UncertaintyMargins()
 
     def solar_factor(self, rms_relative: float) -> float:
         """Factor on the solar power of a model with this RMS error."""
@@ -227,6 +231,8 @@ class Climb(Record):
 class Mission(Record):
     """Where, when and how an aircraft flies."""
 
+    renamed_keys: ClassVar[Mapping[str, str]] = {"bands": "uncertainty_margins"}
+
     name: Text
     description: str = ""
     latitude_deg: Latitude | LatitudeRange
@@ -234,8 +240,9 @@ class Mission(Record):
     dates: Dates
     altitude_m: Altitude = 0.0
     air: AirConditions = AirConditions()
+    clear_sky: Text = "ashrae"
     clearness: Fraction = 1.0
-    bands: Bands = Bands()
+    uncertainty_margins: UncertaintyMargins = UncertaintyMargins()
     turbulence: Turbulence = Turbulence()
     payload: Payload = Payload()
     wind_m_per_s: NonNegativeReal = 0.0
@@ -244,6 +251,12 @@ class Mission(Record):
     required_excess_time_h: ExcessTime = 0.0
     launch: Launch | None = None
     climb: Climb | None = None
+
+    @field_validator("clear_sky")
+    @classmethod
+    def _check_sky(cls, value: str) -> str:
+        named_clear_sky(value)
+        return value
 
     @model_validator(mode="after")
     def _check_climb(self) -> Mission:
@@ -295,14 +308,14 @@ class Mission(Record):
         return self
 
     @model_validator(mode="after")
-    def _check_bands(self) -> Mission:
-        lowest = self.bands.clearness_minimum
+    def _check_margins(self) -> Mission:
+        lowest = self.uncertainty_margins.clearness_minimum
         if lowest is not None and lowest > self.clearness:
             raise PydanticCustomError(
-                "clearness_band",
+                "clearness_margin",
                 "must be at most the mission's clearness of {clearness} (got {lowest})",
                 {
-                    "key": "bands.clearness_minimum",
+                    "key": "uncertainty_margins.clearness_minimum",
                     "clearness": f"{self.clearness:g}",
                     "lowest": f"{lowest:g}",
                 },
@@ -310,14 +323,40 @@ class Mission(Record):
         return self
 
     @property
-    def judged_clearness(self) -> float:
-        """Clearness that performance is judged by: the low end of its band, if it has one."""
-        lowest = self.bands.clearness_minimum
+    def pessimistic_clearness(self) -> float:
+        """Clearness of all light, at the worst of its uncertainty margin [-]."""
+        lowest = self.uncertainty_margins.clearness_minimum
         return self.clearness if lowest is None else lowest
 
-    def without_bands(self) -> Mission:
+    def pessimistic_power_factor(self, model: ModelName, correct: CorrectionName = "none") -> float:
+        """Factor on the power of a solar model in this mission's light [-].
+
+        With :attr:`pessimistic_clearness` this is all that corrections and uncertainty margins do
+        to modelled power, in every study.
+
+        Parameters
+        ----------
+        model : {"CDM", "CAM", "VM", "FM"}
+            Solar power model.
+        correct : {"none", "report", "loiter"}
+            Correction of its systematic error; of ``loiter`` the part that is the same everywhere.
+
+        Returns
+        -------
+        float
+            Factor of the correction, less the margin of the model's RMS error.
+        """
+        known = correction(model, correct)
+        return known.factor * self.uncertainty_margins.solar_factor(known.rms_relative)
+
+    def without_margins(self) -> Mission:
         """Same mission with everything as assumed."""
-        return self.model_copy(update={"bands": Bands()})
+        return self.model_copy(update={"uncertainty_margins": UncertaintyMargins()})
+
+    @property
+    def sky(self) -> ClearSky:
+        """Clear-sky model."""
+        return named_clear_sky(self.clear_sky)
 
     @property
     def wind(self) -> Wind:
@@ -377,14 +416,14 @@ class Mission(Record):
 class Scenarios:
     """Latitude and day of year of each scenario, two arrays of one length."""
 
-    latitude_deg: NDArray[np.float64]
-    day_of_year: NDArray[np.int_]
+    latitude_deg: FloatArray
+    day_of_year: IntArray
 
     def __len__(self) -> int:
         return len(self.latitude_deg)
 
     @property
-    def noon_day(self) -> NDArray[np.float64]:
+    def noon_day(self) -> FloatArray:
         """Fractional day of year of each scenario's noon, for the sun."""
         return np.asarray(self.day_of_year + 0.5)
 
@@ -393,7 +432,7 @@ class Scenarios:
         date = dates.date_label(int(self.day_of_year[index]))
         return f"{latitude_label(float(self.latitude_deg[index]))}, {date}"
 
-    def in_polar_night(self) -> NDArray[np.bool_]:
+    def in_polar_night(self) -> BoolArray:
         """Mark the scenarios in which the sun never rises."""
         times = sun_times(self.latitude_deg, declination(self.noon_day))
         return np.asarray(times.day_length_h <= 0.0)

@@ -1,4 +1,14 @@
 """Sizing layer: aircraft, their day and night energy balance, and their optimisation.
 
+The names of ``dir(sizing)`` are what one may use; a name is imported when it is first asked for.
 Built on :mod:`missions` and :mod:`solar`.
+
+* ``load_aircraft`` reads an aircraft, ``analyse`` says how long it flies, ``size`` finds the best
+* ``performance_of_designs``, ``size_cells``: the same for many at once
+* ``structures``, ``aerodynamics``, ``energy``, ``altitude``, ``optimisation``: the physics and the
+  mathematics behind them, one sub-package each
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -15,8 +15,7 @@ from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
-from solar.shading import Shading, TailGeometry
-from solar.shading_losses import LOSS_MODELS, loss_model
+from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
 _CLIMB_POWER_RATIO = 5.0

@@ -21,7 +21,7 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
 from sizing.smooth import Value
-from sizing.structures.inputs import StructureInputs
+from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
@@ -122,7 +122,7 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=mission.wind_m_per_s,
-            usable_capacity=mission.bands.battery_capacity,
+            usable_capacity=mission.uncertainty_margins.battery_capacity,
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -302,7 +302,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
             payload=mission.payload.mass_kg,
             other=airframe.mass_without_battery_kg - modules_kg,
         ),
-        battery_energy_wh=aircraft.battery.energy_wh * air.usable_capacity,
+        battery_energy_wh=aircraft.battery.battery_energy_wh * air.usable_capacity,
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),

@@ -10,17 +10,12 @@ from missions import dates
 from missions.mission import Launch, Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
-from sizing.energy.march import (
-    FloatArray,
-    PowerBalance,
-    Step,
-    Store,
-    empty_after_h,
-    full_after_h,
-    march,
-)
-from sizing.performance import UNCORRECTED_CAM, SolarModel, power_on_calendar
+from sizing.energy.battery import Store
+from sizing.energy.march import Step, empty_after_h, full_after_h, march
+from sizing.energy.power_balance import PowerBalance
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from solar.sun import declination, solar_time_h, sun_times
+from solar.types import FloatArray
 
 CALENDAR_STEP_H = 1.0 / 60.0
 
@@ -111,15 +106,15 @@ def _fly(
     load: FloatArray,
 ) -> CalendarRun:
     store = Store.of(aircraft.battery)
-    energy = np.asarray(launch.state_of_charge * store.energy_max_wh)
+    energy = np.asarray(launch.state_of_charge * store.battery_energy_wh)
     trajectory = [float(energy)]
     full: dict[int, float] = {}
     empty: float | None = None
     for step in march(PowerBalance.of(clock, power, load), store, energy):
         trajectory.append(float(step.end_wh))
         _note_full_charge(step, store, full)
-        if step.unserved_wh > 1e-9 * store.energy_max_wh:
-            empty = float(step.interval.start_h + empty_after_h(step))
+        if step.unserved_wh > 1e-9 * store.battery_energy_wh:
+            empty = float(step.interval.start_h + empty_after_h(step.interval, step.unserved_wh))
             break
     flown = len(trajectory)
     stored = np.asarray(trajectory)
@@ -132,7 +127,7 @@ def _fly(
         solar_power_w=power[:flown],
         load_w=load[:flown],
         energy_wh=stored,
-        state_of_charge=stored / float(store.energy_max_wh),
+        state_of_charge=stored / float(store.battery_energy_wh),
         full_charge_clock_h=tuple(full[d] for d in sorted(full)),
         empty_clock_h=empty,
     )
@@ -140,7 +135,8 @@ def _fly(
 
 def _note_full_charge(step: Step, store: Store, full: dict[int, float]) -> None:
     """Remember the first full charge of each local day."""
-    reached = step.after_charge_wh >= store.energy_max_wh * (1.0 - 1e-9)
+    reached = step.after_charge_wh >= store.battery_energy_wh * (1.0 - 1e-9)
     if reached and step.after_charge_wh > step.before_charge_wh:
-        instant_h = float(step.interval.start_h + full_after_h(step, store))
+        after_h = full_after_h(step.interval, store, step.before_charge_wh)
+        instant_h = float(step.interval.start_h + after_h)
         full.setdefault(int(instant_h // 24.0), instant_h)

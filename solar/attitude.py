@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 
 def direction_cosines(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:

@@ -7,16 +7,21 @@ in the middle of each month and interpolated linearly, periodically over the yea
 The ratio C was fitted on the ground. High up, with less air to scatter the light, it would give
 more light than arrives: the diffuse light is therefore never more than what the direct beam has
 lost on its way (:func:`clear_sky`). That bound takes effect above some 8 km alone.
+
+Any function with the arguments and the result of :func:`clear_sky` can take its place; see
+:func:`register_clear_sky`.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.sun import DAYS_PER_YEAR, FloatArray, day_angle
+from solar.sun import DAYS_PER_YEAR, day_angle
+from solar.types import FloatArray
 
 # Apparent extraterrestrial irradiance [W/m2], optical depth [-], diffuse ratio [-], Jan..Dec.
 # Source: Markus & Morris (1980), ASHRAE type; the set used in the design of AtlantikSolar.
@@ -64,7 +69,20 @@ class Coefficients(NamedTuple):
 
 
 def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArray:
-    """Interpolate twelve mid-month values linearly, periodic over the year."""
+    """Interpolate twelve mid-month values linearly, periodic over the year.
+
+    Parameters
+    ----------
+    day_of_year : array_like
+        Fractional day of year.
+    monthly : array_like, shape (12,)
+        Values at the middle of each month, January first.
+
+    Returns
+    -------
+    ndarray
+        Value on each day, in the unit given.
+    """
     return np.asarray(
         np.interp(
             np.asarray(day_of_year, float), MID_MONTH_DAY, np.asarray(monthly), period=DAYS_PER_YEAR
@@ -77,6 +95,18 @@ def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficient
 
     B and C describe the season's water vapour and dust, so south of the equator they are shifted
     by half a year; A follows the distance to the sun and does not depend on the hemisphere.
+
+    Parameters
+    ----------
+    day_of_year : array_like
+        Fractional day of year.
+    latitude_deg : array_like
+        Latitude [deg]; only its sign matters.
+
+    Returns
+    -------
+    Coefficients
+        Broadcast shape of the arguments.
     """
     day = np.asarray(day_of_year, float)
     southern = np.asarray(latitude_deg, float) < 0.0
@@ -163,7 +193,22 @@ def clear_sky(
 def irradiance_under(
     sky: Coefficients, cos_zenith: ArrayLike, relative_pressure: ArrayLike
 ) -> Irradiance:
-    """Irradiance [W/m2] under a sky of given coefficients, at a pressure relative to sea level."""
+    """Irradiance [W/m2] under a sky of given coefficients, at a pressure relative to sea level.
+
+    Parameters
+    ----------
+    sky : Coefficients
+        A [W/m2], B [-], C [-] and the light outside the atmosphere [W/m2].
+    cos_zenith : array_like
+        Cosine of the zenith angle.
+    relative_pressure : array_like
+        Pressure over that at sea level [-], see :func:`pressure_ratio`.
+
+    Returns
+    -------
+    Irradiance
+        Direct normal and diffuse horizontal [W/m2]; zero with the sun below the horizon.
+    """
     cos_z = np.asarray(cos_zenith, float)
     optical_path = sky.b * np.asarray(relative_pressure, float) * air_mass(cos_z)
     dni = np.where(cos_z > 0.0, sky.a * np.exp(-optical_path), 0.0)
@@ -172,6 +217,65 @@ def irradiance_under(
 
 
 def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArray:
-    """Global horizontal irradiance [W/m2]."""
+    """Global horizontal irradiance [W/m2].
+
+    Parameters
+    ----------
+    irradiance : Irradiance
+        Direct normal and diffuse horizontal [W/m2].
+    cos_zenith : array_like
+        Cosine of the zenith angle.
+
+    Returns
+    -------
+    ndarray
+        ``DNI cos z + DHI`` [W/m2] (Duffie & Beckman, Solar Engineering of Thermal Processes).
+    """
     projected = irradiance.dni * np.maximum(np.asarray(cos_zenith, float), 0.0)
     return np.asarray(projected + irradiance.dhi)
+
+
+ClearSky: TypeAlias = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Irradiance]
+"""Irradiance of day of year, latitude [deg], cosine of the zenith angle and altitude [m].
+
+As :func:`clear_sky`: the arguments broadcast, and both results are zero with the sun below the
+horizon.
+"""
+
+CLEAR_SKIES: dict[str, ClearSky] = {"ashrae": clear_sky}
+
+
+def register_clear_sky(name: str, sky: ClearSky) -> None:
+    """Make the user's own clear sky known by a name, that of a mission's ``clear_sky``.
+
+    The name holds in this process alone: others, such as the workers of a long map, must register
+    the sky themselves.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    sky : ClearSky
+        From day of year, latitude [deg], cosine of the zenith angle and altitude [m] to irradiance.
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    if name in CLEAR_SKIES:
+        raise ValueError(f"there is a clear sky {name} already")
+    CLEAR_SKIES[name] = sky
+
+
+def named_clear_sky(name: str) -> ClearSky:
+    """Clear sky of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if name not in CLEAR_SKIES:
+        raise ValueError(f"unknown clear sky {name!r}; choose from {', '.join(CLEAR_SKIES)}")
+    return CLEAR_SKIES[name]

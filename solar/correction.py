@@ -60,6 +60,18 @@ class Correction:
 def correction(model: ModelName, name: CorrectionName) -> Correction:
     """Look up the systematic correction of a model.
 
+    Parameters
+    ----------
+    model : {"CDM", "CAM", "VM", "FM"}
+        Solar power model.
+    name : {"none", "report", "loiter"}
+        Correction; of ``loiter`` the part that is the same in every scenario.
+
+    Returns
+    -------
+    Correction
+        Factor on the power and relative RMS error [-].
+
     Raises
     ------
     ValueError

@@ -17,7 +17,7 @@ from solar.geometry import ModuleGeometry, cos_angle_of_incidence
 from solar.modules import SolarCell
 from solar.power import conceptual_analysis_model
 from solar.shading import Shading
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 _ITERATIONS = 60
 _TOLERANCE = 1e-12
@@ -29,7 +29,7 @@ class ModulePower:
 
     Arrays without a surface have the shape of sun and attitude together, those ``_by_surface`` one
     more axis. Power and irradiance are per module area [W/m2]; temperatures in degrees Celsius;
-    efficiencies relative, except ``module_efficiency`` (electric power before the tracker over the
+    efficiencies relative, except ``module_efficiency`` (electric power before the MPPT over the
     light that falls on the modules).
     """
 
@@ -66,7 +66,7 @@ def verification_model(
     geometry : ModuleGeometry
         Module surfaces; the central wing's mean normal is used.
     cell : SolarCell
-        Module and tracker efficiencies.
+        Module and MPPT efficiencies.
     module_temperature_c : array_like
         Constant module temperature [C].
 
@@ -93,11 +93,30 @@ def full_model(
     """Specific power and component efficiencies of the Full Model.
 
     Every surface meets the light at its own angle; its efficiency falls with little light and at
-    flat angles; the modules warm up with the power they give (eq. 9 and 10), and the tracker's
+    flat angles; the modules warm up with the power they give (eq. 9 and 10), and the MPPT's
     efficiency follows its load. Power, temperature and load are solved for together.
 
-    Parameters are those of :func:`verification_model`, with the temperature of the air, and the
-    shading by the tail where its losses are to count (the report only shows the shaded area).
+    Parameters
+    ----------
+    irradiance : Irradiance
+        Direct normal and diffuse horizontal irradiance [W/m2].
+    sun_vector : array_like, shape (..., 3)
+        Unit vector to the sun, North-East-Down.
+    to_ned : array_like, shape (..., 3, 3)
+        Rotation from body axes to North-East-Down, see :func:`solar.attitude.direction_cosines`.
+    geometry : ModuleGeometry
+        Module surfaces.
+    cell : SolarCell
+        Module and MPPT efficiencies.
+    ambient_temperature_c : array_like
+        Temperature of the air [C].
+    shading : Shading, optional
+        Shading by the tail, where its losses are to count (the report only shows the shaded area).
+
+    Returns
+    -------
+    ModulePower
+        Arrays of the broadcast shape of irradiance, sun and attitude; by surface one more axis.
     """
     rotation = np.asarray(to_ned, float)
     normals = np.einsum("...ij,sj->...si", rotation, geometry.normals())
@@ -115,13 +134,13 @@ def full_model(
     shares = geometry.area_shares
     at_25_c = (useful * low_light) @ shares * cell.efficiency_stc
     power, temperature = _balanced_power(at_25_c, cell, np.asarray(ambient_temperature_c, float))
-    before_tracker = at_25_c * cell.temperature_efficiency(temperature)
+    before_mppt = at_25_c * cell.temperature_efficiency(temperature)
     falling = light @ shares
     return ModulePower(
         specific_power_w_per_m2=power,
         irradiance_w_per_m2=falling,
-        module_efficiency=_ratio(before_tracker, falling),
-        mppt_efficiency=_ratio(power, before_tracker),
+        module_efficiency=_ratio(before_mppt, falling),
+        mppt_efficiency=_ratio(power, before_mppt),
         temperature_efficiency=cell.temperature_efficiency(temperature),
         module_temperature_c=temperature,
         cos_aoi_by_surface=cosine,
@@ -134,9 +153,9 @@ def full_model(
 def _balanced_power(
     at_25_c: FloatArray, cell: SolarCell, ambient_c: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Power behind the tracker and module temperature that agree with each other.
+    """Power behind the MPPT and module temperature that agree with each other.
 
-    The temperature takes back a few per cent of what it rises by, and the tracker's curve is flat
+    The temperature takes back a few per cent of what it rises by, and the MPPT's curve is flat
     where it is loaded, so that plain iteration settles to the last digits within a few rounds.
     """
     rated = cell.full_load_w_per_m2
@@ -144,7 +163,7 @@ def _balanced_power(
     for _ in range(_ITERATIONS):
         temperature = ambient_c + cell.temperature_rise_k * power / rated
         before = at_25_c * cell.temperature_efficiency(temperature)
-        found = before * cell.tracker_efficiency(before / rated)
+        found = before * cell.mppt_efficiency_at(before / rated)
         settled = np.max(np.abs(found - power), initial=0.0) <= _TOLERANCE * rated
         power = found
         if settled:

@@ -14,7 +14,7 @@ from pydantic import Field, Strict, model_validator
 
 from solar.attitude import direction_cosines
 from solar.schema import PositiveReal, Real, Record, Text
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 _Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
 
@@ -102,6 +102,16 @@ def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
 
     A level surface has the normal ``[0, 0, -1]``. Pitching its nose up turns the normal aft; a
     positive roll (right side down) turns it to the right.
+
+    Parameters
+    ----------
+    roll, pitch : array_like
+        Angles of the surface to the body [rad]; they broadcast.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Unit normals in body axes (report, eq. 2).
     """
     phi, theta = np.broadcast_arrays(np.asarray(roll, float), np.asarray(pitch, float))
     return np.stack(
@@ -118,6 +128,16 @@ def cos_angle_of_incidence(normals: ArrayLike, sun_vector: ArrayLike) -> FloatAr
     """Cosine of the angle between surface normals and the sun, negative from behind.
 
     Both are unit vectors on the last axis and in the same frame; the others broadcast.
+
+    Parameters
+    ----------
+    normals, sun_vector : array_like, shape (..., 3)
+        Unit vectors.
+
+    Returns
+    -------
+    ndarray
+        Their scalar product [-] (report, eq. 3).
     """
     products = np.asarray(normals, float) * np.asarray(sun_vector, float)
     return np.asarray(products.sum(axis=-1))

@@ -1,17 +1,22 @@
-"""Technology of the solar modules and their power tracker: what turns light into power."""
+"""Solar modules and their MPPT: efficiencies, constant or as curves, shipped or the user's own."""
 
 from __future__ import annotations
 
+import io
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Self
+from importlib import resources
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
-from solar.curves import Curve, shipped_curve
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
-from solar.sun import FloatArray
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
+from solar.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 STC_TEMPERATURE_C = 25.0
 STC_IRRADIANCE_W_PER_M2 = 1000.0
@@ -52,19 +57,111 @@ class LowLightTable(_Table):
 
 
 class MpptTable(_Table):
-    """Tracker efficiency against its load relative to the rated power."""
+    """MPPT efficiency against its load relative to the rated power."""
 
     relative_load: tuple[NonNegativeReal, ...] = Field(min_length=2)
     mppt_efficiency: tuple[Fraction, ...] = Field(min_length=2)
 
 
+class Curve(Record):
+    """A tabulated curve ``y(x)``, interpolated monotonically and held constant outside.
+
+    The interpolant is the piecewise cubic of Fritsch & Carlson (1980): it passes through every
+    point and never over- or undershoots between two of them.
+    """
+
+    x: tuple[Real, ...] = Field(min_length=2)
+    y: tuple[Real, ...] = Field(min_length=2)
+
+    @model_validator(mode="after")
+    def _check_table(self) -> Curve:
+        if len(self.x) != len(self.y):
+            raise ValueError(f"x has {len(self.x)} values and y has {len(self.y)}; they must match")
+        if np.any(np.diff(self.x) <= 0.0):
+            raise ValueError("x must increase strictly")
+        return self
+
+    @cached_property
+    def _pieces(self) -> _Pieces:
+        from scipy.interpolate import PchipInterpolator
+
+        return _Pieces.of(PchipInterpolator(np.asarray(self.x), np.asarray(self.y)))
+
+    def __call__(self, x: ArrayLike) -> FloatArray:
+        """Value of the curve at ``x``, shape of ``x``."""
+        return self._pieces.at(np.minimum(np.maximum(x, self.x[0]), self.x[-1]))
+
+
+# Beyond so many bins a piece is searched for instead of looked up.
+_MOST_BINS = 4096
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """Cubic pieces, evaluated several times faster than by SciPy's general class.
+
+    The axis is divided into equal bins, of which none holds more than one end of a piece: the bin
+    of a value and one comparison tell its piece.
+    """
+
+    begin: FloatArray
+    end: FloatArray
+    cubic: FloatArray
+    bins_per_x: float
+    piece_of_bin: IntArray | None
+
+    @classmethod
+    def of(cls, interpolant: PchipInterpolator) -> _Pieces:
+        begin, end = interpolant.x[:-1], np.append(interpolant.x[1:-1], np.inf)
+        span = interpolant.x[-1] - interpolant.x[0]
+        bins = 2.0 * np.ceil(span / np.diff(interpolant.x).min())
+        scale = float(bins / span)
+        piece_of_bin = None
+        if bins <= _MOST_BINS:
+            bin_of_end = ((end[:-1] - begin[0]) * scale).astype(np.intp)
+            piece_of_bin = np.searchsorted(bin_of_end, np.arange(int(bins) + 1), side="left")
+        return cls(begin, end, np.asarray(interpolant.c), scale, piece_of_bin)
+
+    def at(self, x: FloatArray) -> FloatArray:
+        """Value at points within the axis."""
+        if self.piece_of_bin is None:
+            piece = np.searchsorted(self.end, x, side="right")
+        else:
+            place = ((x - self.begin[0]) * self.bins_per_x).astype(np.intp)
+            piece = self.piece_of_bin.take(place, mode="clip")
+            piece = piece + (x >= self.end.take(piece))
+        along = x - self.begin.take(piece)
+        value = self.cubic[0].take(piece)
+        for coefficient in self.cubic[1:]:
+            value = value * along + coefficient.take(piece)
+        return np.asarray(value)
+
+
+def shipped_curve(name: str) -> Curve:
+    """Read one of the curves that ship with the package, for instance ``low_light_sunpower_c60``.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no curve of that name.
+    """
+    text = resources.files("solar").joinpath("data", f"{name}.csv").read_text(encoding="utf-8")
+    table = np.loadtxt(io.StringIO(_without_header(text)), delimiter=",")
+    return Curve(x=tuple(table[:, 0].tolist()), y=tuple(table[:, 1].tolist()))
+
+
+def _without_header(text: str) -> str:
+    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
+    return "\n".join(lines[1:])
+
+
 class SolarCell(Record):
-    """Efficiencies of module and maximum-power-point tracker (eq. 6-13 of the report).
+    """Efficiencies of module and maximum power point tracker (MPPT; eq. 6-13 of the report).
 
     The defaults are those of AtlantikSolar AS-2: SunPower E60 cells, foil covered. The constants
     ``mppt_efficiency`` and the curves ``mppt`` and ``low_light`` exclude each other: the simple
     models use the former, the Full Model the latter. ``rated_power_w_per_m2`` is the power at which
-    the modules are ``temperature_rise_k`` warmer than the air and to which the tracker's load is
+    the modules are ``temperature_rise_k`` warmer than the air and to which the MPPT's load is
     related; left out it is that of AS-2 (265 W of 1.35 m2, 12 K) in proportion to the efficiency,
     because modules heat up by the light, not by the power they make of it.
     """
@@ -102,27 +199,26 @@ class SolarCell(Record):
         """Component efficiency ``eps_I`` [-] of the irradiance on a module."""
         return self._low_light_curve(irradiance_w_per_m2)
 
-    def tracker_efficiency(self, relative_load: ArrayLike) -> FloatArray:
-        """Efficiency of the power tracker [-] at a load relative to the rated power."""
+    def mppt_efficiency_at(self, relative_load: ArrayLike) -> FloatArray:
+        """Efficiency of the MPPT [-] at a load relative to the rated power."""
         return self._mppt_curve(relative_load)
 
     @cached_property
     def _incidence_curve(self) -> Curve:
-        table = self.incidence
-        if table is None:
-            return shipped_curve("incidence_sunpower_glass")
-        return Curve(x=table.aoi_deg, y=table.relative_efficiency)
+        return _curve(self.incidence, "incidence_sunpower_glass")
 
     @cached_property
     def _low_light_curve(self) -> Curve:
-        table = self.low_light
-        if table is None:
-            return shipped_curve("low_light_sunpower_c60")
-        return Curve(x=table.irradiance_w_per_m2, y=table.relative_efficiency)
+        return _curve(self.low_light, "low_light_sunpower_c60")
 
     @cached_property
     def _mppt_curve(self) -> Curve:
-        table = self.mppt
-        if table is None:
-            return shipped_curve("mppt_atlantiksolar")
-        return Curve(x=table.relative_load, y=table.mppt_efficiency)
+        return _curve(self.mppt, "mppt_atlantiksolar")
+
+
+def _curve(table: _Table | None, shipped: str) -> Curve:
+    """Curve of a table, the shipped one without a table."""
+    if table is None:
+        return shipped_curve(shipped)
+    x, y = (getattr(table, name) for name in type(table).model_fields)
+    return Curve(x=x, y=y)

@@ -1,6 +1,6 @@
 """Specific electric power of horizontal solar modules: the models CDM and CAM.
 
-Every function returns power per module area [W/m2] behind the power tracker; times the module
+Every function returns power per module area [W/m2] behind the MPPT; times the module
 area it is what reaches battery and load. Source: Oettershagen, "High-Fidelity Solar Power Income
 Modeling for Solar-Electric UAVs" (the report), table 2 and the equations named below.
 """
@@ -8,14 +8,16 @@ Modeling for Solar-Electric UAVs" (the report), table 2 and the equations named 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from solar.clearsky import (
+    ClearSky,
     Coefficients,
     Irradiance,
+    clear_sky,
     coefficients,
     irradiance_under,
     pressure_ratio,
@@ -23,7 +25,8 @@ from solar.clearsky import (
 from solar.correction import correction
 from solar.modules import SolarCell
 from solar.names import CorrectionName, ModelName
-from solar.sun import NOON_H, FloatArray, declination, hour_angle, sun_arc
+from solar.sun import NOON_H, cos_zenith, declination, hour_angle, sun_arc
+from solar.types import FloatArray
 
 
 def conceptual_design_model(
@@ -34,7 +37,7 @@ def conceptual_design_model(
 ) -> FloatArray:
     """Specific power of the Conceptual Design Model (CDM): one efficiency for all light.
 
-    Equation 4 of the report with ``eta = eta_STC eps_T eps_cbr`` and a constant tracker
+    Equation 4 of the report with ``eta = eta_STC eps_T eps_cbr`` and a constant MPPT
     efficiency.
 
     Parameters
@@ -44,7 +47,7 @@ def conceptual_design_model(
     cos_aoi : array_like
         Cosine of the angle of incidence; for a horizontal module that of the zenith angle.
     cell : SolarCell
-        Module and tracker efficiencies.
+        Module and MPPT efficiencies.
     module_temperature_c : array_like
         Constant module temperature [C].
 
@@ -72,8 +75,23 @@ def conceptual_analysis_model(
     """Specific power of the Conceptual Analysis Model (CAM): direct and diffuse light apart.
 
     Equation 5 of the report; the efficiency of direct light depends on its angle of incidence,
-    that of diffuse light is constant and knows no camber (eq. 12 and 13). Parameters and result
-    are those of :func:`conceptual_design_model`.
+    that of diffuse light is constant and knows no camber (eq. 12 and 13).
+
+    Parameters
+    ----------
+    irradiance : Irradiance
+        Direct normal and diffuse horizontal irradiance [W/m2].
+    cos_aoi : array_like
+        Cosine of the angle of incidence; for a horizontal module that of the zenith angle.
+    cell : SolarCell
+        Module and MPPT efficiencies.
+    module_temperature_c : array_like
+        Constant module temperature [C].
+
+    Returns
+    -------
+    ndarray
+        Specific power [W/m2], broadcast shape of the arguments.
     """
     cosine = np.maximum(np.asarray(cos_aoi, float), 0.0)
     common = (
@@ -85,7 +103,16 @@ def conceptual_analysis_model(
     return np.asarray((direct + irradiance.dhi * cell.diffuse_efficiency) * common)
 
 
-HORIZONTAL_MODELS = {"CDM": conceptual_design_model, "CAM": conceptual_analysis_model}
+PowerModel: TypeAlias = Callable[[Irradiance, ArrayLike, SolarCell, ArrayLike], FloatArray]
+"""Specific power [W/m2] of irradiance, cosine of incidence, cell and module temperature [C].
+
+As :func:`conceptual_design_model`: everything broadcasts, and no light gives no power.
+"""
+
+HORIZONTAL_MODELS: dict[str, PowerModel] = {
+    "CDM": conceptual_design_model,
+    "CAM": conceptual_analysis_model,
+}
 
 
 def horizontal_specific_power(
@@ -97,8 +124,9 @@ def horizontal_specific_power(
     module_temperature_c: ArrayLike,
     altitude_m: ArrayLike = 0.0,
     clearness: ArrayLike = 1.0,
-    model: ModelName = "CAM",
+    model: ModelName | PowerModel = "CAM",
     correct: CorrectionName = "none",
+    sky: ClearSky = clear_sky,
 ) -> FloatArray:
     """Specific power of horizontal modules under the clear sky, over latitude x day x time.
 
@@ -109,17 +137,19 @@ def horizontal_specific_power(
         shapes ``(lat, 1, 1)``, ``(day, 1)`` and ``(time,)`` give a whole map. For a repeated day
         pass the day's noon, ``day + 0.5``.
     cell : SolarCell
-        Module and tracker efficiencies.
+        Module and MPPT efficiencies.
     module_temperature_c : array_like
         Constant module temperature [C].
     altitude_m : array_like
         Altitude above mean sea level [m].
     clearness : array_like
         Factor on the clear-sky irradiance, 0 to 1 (1: no clouds).
-    model : {"CDM", "CAM"}
-        Solar power model.
+    model : {"CDM", "CAM"} or PowerModel
+        Solar power model, or the user's own.
     correct : {"none", "report"}
-        Systematic correction, see :mod:`solar.correction`.
+        Systematic correction of CDM or CAM, see :mod:`solar.correction`.
+    sky : ClearSky
+        Clear-sky model, :func:`solar.clearsky.clear_sky` or the user's own.
 
     Returns
     -------
@@ -131,13 +161,16 @@ def horizontal_specific_power(
     ValueError
         If the model or the correction does not exist, or needs a flight path.
     """
-    if model not in HORIZONTAL_MODELS:
-        allowed = ", ".join(HORIZONTAL_MODELS)
-        raise ValueError(f"unknown horizontal solar power model {model!r}; choose from {allowed}")
-    if correct == "loiter":
-        raise ValueError("the correction 'loiter' needs a flight path; choose none or report")
-    factor = correction(model, correct).factor * np.asarray(clearness, float)
+    convert, corrected = _power_model(model, correct)
+    factor = corrected * np.asarray(clearness, float)
     time = np.asarray(time_solar_h, float)
+    if sky is not clear_sky:
+        cos_z = cos_zenith(latitude_deg, declination(day_of_year), hour_angle(time))
+        light = sky(day_of_year, latitude_deg, cos_z, altitude_m)
+        return np.where(
+            cos_z > 0.0, factor * convert(light, cos_z, cell, module_temperature_c), 0.0
+        )
+    # The same in blocks and with what is the same all day computed once.
     skies = _Skies(
         *sun_arc(latitude_deg, declination(day_of_year)),
         *coefficients(day_of_year, latitude_deg),
@@ -145,14 +178,29 @@ def horizontal_specific_power(
         factor,
         np.asarray(module_temperature_c, float),
     )
-    convert = HORIZONTAL_MODELS[model]
 
     def power(part: _Skies, cosine: FloatArray) -> FloatArray:
-        sky = Coefficients(part.a, part.b, part.c, part.extraterrestrial)
-        irradiance = irradiance_under(sky, cosine, part.pressure)
+        of_day = Coefficients(part.a, part.b, part.c, part.extraterrestrial)
+        irradiance = irradiance_under(of_day, cosine, part.pressure)
         return part.factor * convert(irradiance, cosine, cell, part.temperature_c)
 
     return _over_the_day(power, skies, time)
+
+
+def _power_model(
+    model: ModelName | PowerModel, correct: CorrectionName
+) -> tuple[PowerModel, float]:
+    """Return the model, and the factor of its correction."""
+    if not isinstance(model, str):
+        if correct != "none":
+            raise ValueError(f"the correction {correct!r} is none of the user's own model")
+        return model, 1.0
+    if model not in HORIZONTAL_MODELS:
+        allowed = ", ".join(HORIZONTAL_MODELS)
+        raise ValueError(f"unknown horizontal solar power model {model!r}; choose from {allowed}")
+    if correct == "loiter":
+        raise ValueError("the correction 'loiter' needs a flight path; choose none or report")
+    return HORIZONTAL_MODELS[model], correction(model, correct).factor
 
 
 class _Skies(NamedTuple):

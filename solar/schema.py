@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
@@ -22,11 +22,37 @@ __all__ = [
 
 
 class Record(BaseModel):
-    """Immutable description that refuses unknown keys and non-finite numbers."""
+    """Immutable description that refuses unknown keys and non-finite numbers.
+
+    A record is what its declared fields say: what it derives from them and keeps (cached
+    properties, arrays among them) plays no part in equality and hash, and a changed copy derives
+    its own. Records may therefore be keys of caches.
+    """
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True
     )
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are of the same class and their declared fields are equal."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return self is other or _declared(self) == _declared(other)
+
+    def __hash__(self) -> int:
+        """Hash of the class and the declared fields."""
+        return hash((type(self), *_declared(self).values()))
+
+    def __copy__(self) -> Self:
+        """Copy of the declared fields alone: :meth:`model_copy` makes changed records of it."""
+        copied = super().__copy__()
+        object.__setattr__(copied, "__dict__", _declared(copied))
+        return copied
+
+
+def _declared(record: BaseModel) -> dict[str, Any]:
+    state = vars(record)
+    return {name: state[name] for name in type(record).model_fields}
 
 
 def _at_least(limit: float) -> AfterValidator:

@@ -2,7 +2,8 @@
 
 All positions are in body axes (x forward, y right, z down) from the leading edge of the wing root;
 aft positions are ``-x``, heights are ``-z``. The shadow is geometry and is exact for flat
-rectangles; what it costs is that of :mod:`solar.shading_losses`.
+rectangles. What it costs depends on how the cells are wired, which is the user's to say: by a
+:data:`LossModel`, shipped or his own.
 
 Source: Oettershagen's report on solar power models, section on geometric modelling (shaded area of
 every module by rays along the sun vector; the loss is left to plug-ins). See ``docs/shading.md``.
@@ -10,18 +11,17 @@ every module by rays along the sun vector; the loss is left to plug-ins). See ``
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import field_validator
 
 from solar.attitude import direction_cosines
 from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
 from solar.schema import PositiveReal, Real, Record
-from solar.shading_losses import LossModel, apply_losses, no_losses
-from solar.sun import FloatArray
+from solar.types import FloatArray, IntArray
 
 # A sun closer than 0.06 degrees to the plane of a module gives it less than 1 W/m2 of direct light;
 # the shadows would be hundreds of metres long, and their corners inexact.
@@ -196,8 +196,22 @@ def shaded_area(
     """Shaded area of every module [m2], shape ``(..., surface)``.
 
     The shaded fraction of the outline times the module's area, which is smaller than the outline's
-    by gaps and by the cut corners of the cells. Parameters and exceptions are those of
-    :func:`shaded_fraction`.
+    by gaps and by the cut corners of the cells.
+
+    Parameters
+    ----------
+    geometry, tail, sun_vector_body
+        As in :func:`shaded_fraction`.
+
+    Returns
+    -------
+    ndarray, shape (..., surface)
+        Shaded area [m2].
+
+    Raises
+    ------
+    ValueError
+        As :func:`shaded_fraction`.
     """
     areas = np.array([surface.area_m2 for surface in geometry.surfaces])
     return np.asarray(shaded_fraction(geometry, tail, sun_vector_body) * areas)
@@ -239,6 +253,143 @@ def elevation_free_of_shading_deg(
     return float(np.degrees(np.arcsin(min(max(sines, default=0.0), 1.0))))
 
 
+LossModel = Callable[[FloatArray], FloatArray]
+"""From the shaded fraction of each surface to the lost fraction of its direct light.
+
+Both have the shape ``(..., surface)`` and lie between zero and one.
+"""
+
+
+def no_losses(shaded: FloatArray) -> FloatArray:
+    """Leave the light as it is: the report's Full Model, which only shows the shaded area."""
+    return np.zeros_like(shaded)
+
+
+def proportional_losses(shaded: FloatArray) -> FloatArray:
+    """Lose direct light in proportion to the shaded area: the least a shadow can cost.
+
+    It would be so if every cell had its own MPPT.
+    """
+    return shaded
+
+
+def string_losses(substrings: int = 4, threshold: float = 0.005) -> LossModel:
+    """Example of a loss by wiring: a series string with a bypass diode for each sub-string.
+
+    Parameters
+    ----------
+    substrings : int
+        Equal sub-strings of a module, each with a bypass diode.
+    threshold : float
+        Shaded fraction of the module up to which nothing is lost; the default is a tenth of a cell
+        in a module of twenty.
+
+    Returns
+    -------
+    LossModel
+        Above the threshold, the share of the sub-strings that the shadow can fill, rounded up.
+
+    Raises
+    ------
+    ValueError
+        If there is no sub-string, or the threshold is not in ``[0, 1)``.
+
+    Notes
+    -----
+    Cells in series carry the current of the weakest one, and a bypass diode takes its whole
+    sub-string out. Assumptions: the shadow is in one piece and covers one sub-string after the
+    other; diodes drop no voltage; the MPPT finds the greatest of several maxima. A long, thin
+    shadow that grazes many cells costs more than this.
+    """
+    if substrings < 1:
+        raise ValueError(f"a module has at least one sub-string, not {substrings}")
+    if not 0.0 <= threshold < 1.0:
+        raise ValueError(f"the threshold must be at least 0 and below 1, not {threshold}")
+
+    def losses(shaded: FloatArray) -> FloatArray:
+        # The small number keeps rounding from bypassing one sub-string too many.
+        bypassed = np.ceil(substrings * np.asarray(shaded) - 1e-9) / substrings
+        return np.where(shaded > threshold, np.maximum(bypassed, 0.0), 0.0)
+
+    return losses
+
+
+LOSS_MODELS: dict[str, LossModel] = {
+    "none": no_losses,
+    "proportional": proportional_losses,
+    "string": string_losses(),
+}
+
+
+def register_loss_model(name: str, model: LossModel) -> None:
+    """Make the user's own loss model known by a name.
+
+    The name holds in this process alone: others, such as the workers of a long map, must register
+    the model themselves.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    model : LossModel
+        From shaded to lost fractions of the direct light.
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    if name in LOSS_MODELS:
+        raise ValueError(f"there is a loss model {name} already")
+    LOSS_MODELS[name] = model
+
+
+def loss_model(name: str) -> LossModel:
+    """Loss model of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if name not in LOSS_MODELS:
+        raise ValueError(f"unknown loss model {name}; choose from {', '.join(LOSS_MODELS)}")
+    return LOSS_MODELS[name]
+
+
+def apply_losses(
+    direct_by_surface: ArrayLike, shaded: ArrayLike, model: LossModel = no_losses
+) -> FloatArray:
+    """Direct light of every surface that is left after shading.
+
+    Parameters
+    ----------
+    direct_by_surface : array_like, shape (..., surface)
+        Direct light on the unshaded surfaces, in any unit.
+    shaded : array_like, shape (..., surface)
+        Shaded fractions, see :func:`shaded_fraction`.
+    model : LossModel
+        What a shadow costs.
+
+    Returns
+    -------
+    ndarray, shape (..., surface)
+        Direct light in the same unit; diffuse light is not touched by any loss model.
+
+    Raises
+    ------
+    ValueError
+        If the model returns another shape, or a loss that is not between zero and one.
+    """
+    fractions = np.asarray(shaded, float)
+    lost = np.asarray(model(fractions), float)
+    if lost.shape != fractions.shape:
+        raise ValueError(f"loss model: shape {lost.shape} returned, {fractions.shape} needed")
+    if not np.all((lost >= 0.0) & (lost <= 1.0)):
+        raise ValueError("loss model: every lost fraction must be between 0 and 1")
+    return np.asarray(direct_by_surface, float) * (1.0 - lost)
+
+
 @dataclass(frozen=True)
 class Shading:
     """A tail that shades, and what its shadows cost."""
@@ -249,7 +400,22 @@ class Shading:
     def direct_left(
         self, direct_by_surface: FloatArray, geometry: ModuleGeometry, sun_vector_body: FloatArray
     ) -> FloatArray:
-        """Direct light of every surface that is left; no shadow is cast where none costs."""
+        """Direct light of every surface that is left; no shadow is cast where none costs.
+
+        Parameters
+        ----------
+        direct_by_surface : ndarray, shape (..., surface)
+            Direct light on the unshaded surfaces, in any unit.
+        geometry : ModuleGeometry
+            Module surfaces.
+        sun_vector_body : ndarray, shape (..., 3)
+            Unit vectors to the sun in body axes.
+
+        Returns
+        -------
+        ndarray, shape (..., surface)
+            In the same unit.
+        """
         if self.model is no_losses:
             return direct_by_surface
         shaded = shaded_fraction(geometry, self.tail, sun_vector_body)
@@ -332,7 +498,7 @@ def _covered_area(frame: _ModuleFrame, panels: Sequence[FloatArray], sun: FloatA
 
 def _shadow_corners(
     panel: FloatArray, sun: FloatArray, half: FloatArray
-) -> tuple[FloatArray, NDArray[np.intp]]:
+) -> tuple[FloatArray, IntArray]:
     """Shadows that may reach a module around the origin, and the indices of their suns.
 
     All in the axes of the module, the sun above its plane. A corner at the height ``w`` falls at

@@ -1,153 +1,199 @@
-"""Results of the search for the ceiling of perpetual flight: JSON, table, words and figure."""
+"""How high an aircraft flies perpetually: the search's result as text, table, record and figure."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from rich.console import Console
-from rich.table import Table
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.altitude.ceiling import (
+    DEFAULT_HIGHEST_M,
+    DEFAULT_STEP_M,
+    AltitudeFlight,
+    PerpetualCeiling,
+    highest_perpetual_altitude,
+)
+from sizing.results.records import finite, finite_values, hours
+from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.sunlight import SolarModel
+from solar.names import CorrectionName, ModelName
 
-from missions.mission import Scenarios
-from sizing.altitude.ceiling import AltitudeFlight, PerpetualCeiling
-from sizing.analysis import finite
-from sizing.performance import SolarModel
-from studies.output.plots import CHARGE, LOAD, SUN, caption
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
 
 _PRINTED_ROWS = 20
-_MARK = "#555555"
+_COLUMNS = (
+    Column("altitude_m", "altitude", "m", ".0f"),
+    Column("excess_time_h", "excess time", "h", ".2f"),
+    Column("minimum_state_of_charge_percent", "least SoC", "%", ".1f"),
+    Column("propulsion_power_w", "level-flight power", "W", ".1f"),
+    Column("solar_energy_wh", "solar energy", "Wh", ".0f"),
+    Column("airspeed_m_per_s", "airspeed", "m/s", ".1f"),
+)
 
 
-def to_json(
-    found: PerpetualCeiling, aircraft: str, mission: str, solar: SolarModel
-) -> dict[str, Any]:
-    """Ceiling and all altitudes, JSON-ready."""
-    highest = found.highest
-    return {
-        "aircraft": aircraft,
-        "mission": mission,
-        "model": solar.model,
-        "correction": solar.correction,
-        "required_excess_time_h": found.required_excess_time_h,
-        "highest_perpetual_altitude_m": None if highest is None else highest.altitude_m,
-        "at_search_limit": found.at_search_limit,
-        "best_altitude_m": found.best.altitude_m,
-        "best_excess_time_h": finite(found.best.excess_time_h),
-        "altitudes": [flight_record(flight) for flight in found.flights],
-    }
+@dataclass(frozen=True, repr=False)
+class Ceiling(Result):
+    """Highest altitude of perpetual flight, and the flights at all altitudes of the search."""
 
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    found: PerpetualCeiling
 
-def flight_record(flight: AltitudeFlight) -> dict[str, Any]:
-    """One altitude, JSON-ready."""
-    return {
-        name: value if name == "worst_scenario" else finite(value)
-        for name, value in vars(flight).items()
-    }
+    def headline(self) -> str:
+        """Ceiling and best altitude in one line."""
+        found, required = self.found, self.found.required_excess_time_h
+        more = f" with more than {required:g} h of excess time" if required > 0.0 else ""
+        best = f"largest excess time {hours(found.best.excess_time_h)}"
+        best += f" at {found.best.altitude_m:.0f} m"
+        said = f"no perpetual flight{more} at any altitude"
+        if found.highest is not None:
+            beyond = " and beyond the search" if found.at_search_limit else ""
+            said = f"perpetual flight{more} up to {found.highest.altitude_m:.0f} m{beyond}"
+        return f"{self.aircraft.name} on {self.mission.name}: {said}; {best}"
 
-
-def altitude_table(found: PerpetualCeiling) -> pd.DataFrame:
-    """All altitudes, one row each."""
-    return pd.DataFrame([vars(flight) for flight in found.flights])
-
-
-def print_ceiling(
-    console: Console, found: PerpetualCeiling, record: dict[str, Any], scenarios: Scenarios
-) -> None:
-    """Ceiling in words, and a table of altitudes around and below it."""
-    console.print(f"{record['aircraft']}, {record['mission']}: {_verdict(found)}", style="bold")
-    table = Table()
-    several = len(scenarios) > 1
-    heads = ["altitude m", "excess h", "charge %", "level W", "sun Wh", "speed m/s"]
-    for name in heads:
-        table.add_column(name, justify="right")
-    if several:
-        table.add_column("worst", no_wrap=True)
-    for flight in _printed(found):
-        table.add_row(
-            f"{flight.altitude_m:.0f}",
-            _shown(flight.excess_time_h, ".2f"),
-            _shown(100.0 * flight.minimum_state_of_charge, ".1f"),
-            _shown(flight.propulsion_power_w, ".1f"),
-            _shown(flight.solar_energy_wh, ".0f"),
-            _shown(flight.airspeed_m_per_s, ".1f"),
-            *([scenarios.label(flight.worst_scenario)] if several else []),
-            style="bold" if flight is found.highest else None,
+    def summary(self) -> Summary:
+        """Headline, and a table of altitudes around and below the ceiling."""
+        note = (
+            f"{self.solar.model}, correction: {self.solar.correction}; energy of the day, electric"
         )
-    console.print(table)
-    console.print(
-        f"{record['model']}, correction: {record['correction']}; excess time, least state of "
-        "charge, electric power of level flight, electric energy of the sun over a day, airspeed",
-        style="dim",
+        return Summary((Line(self.headline(), "strong"), self.table(), Line(note, "faint")))
+
+    def table(self) -> Table:
+        """Both ends, some altitudes between them, and the ceiling."""
+        scenarios = self.mission.scenarios()
+        several = len(scenarios) > 1
+        rows = [
+            (
+                flight.altitude_m,
+                flight.excess_time_h,
+                100.0 * flight.minimum_state_of_charge,
+                flight.propulsion_power_w,
+                flight.solar_energy_wh,
+                flight.airspeed_m_per_s,
+                *([scenarios.label(flight.worst_scenario)] if several else []),
+            )
+            for flight in _shown(self.found)
+        ]
+        worst = (Column("worst_scenario"),) if several else ()
+        return Table("", (*_COLUMNS, *worst), tuple(rows))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Ceiling and all altitudes, JSON-ready."""
+        found = self.found
+        return {
+            "aircraft": self.aircraft.name,
+            "mission": self.mission.name,
+            "model": self.solar.model,
+            "correction": self.solar.correction,
+            "required_excess_time_h": found.required_excess_time_h,
+            "highest_perpetual_altitude_m": found.highest and found.highest.altitude_m,
+            "at_search_limit": found.at_search_limit,
+            "best_altitude_m": found.best.altitude_m,
+            "best_excess_time_h": finite(found.best.excess_time_h),
+            "altitudes": [finite_values(vars(flight)) for flight in found.flights],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """All altitudes, one row each."""
+        import pandas as pd
+
+        return pd.DataFrame([vars(flight) for flight in self.found.flights])
+
+
+def ceiling(
+    aircraft: Aircraft,
+    mission: Mission,
+    *,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    highest_m: float = DEFAULT_HIGHEST_M,
+    step_m: float = DEFAULT_STEP_M,
+    progress: Callable[[int, int], None] | None = None,
+) -> Ceiling:
+    """Find how high an aircraft flies perpetually in all scenarios of a mission.
+
+    Parameters
+    ----------
+    aircraft, mission
+        What flies, and where; the search starts at the mission's altitude.
+    model, correction : str
+        Solar power model and its correction.
+    highest_m, step_m : float
+        End of the search and spacing of its altitudes [m].
+    progress : callable, optional
+        Told after every altitude how many are done, and of how many.
+
+    Returns
+    -------
+    Ceiling
+
+    Raises
+    ------
+    ValueError
+        If the search has no length or no step, or a name does not exist.
+    ImpossibleDesignError
+        If the aircraft cannot carry its own mass at any altitude.
+    """
+    solar = SolarModel(model, correction)
+    found = highest_perpetual_altitude(
+        aircraft, mission, solar, highest_m=highest_m, step_m=step_m, progress=progress
     )
+    return Ceiling(aircraft, mission, solar, found)
 
 
-def _printed(found: PerpetualCeiling) -> list[AltitudeFlight]:
-    """Both ends, some altitudes between them, and the ceiling."""
-    ends = (found.flights[0], found.flights[-1])
-    between = found.flights[1:-1]
+def _shown(found: PerpetualCeiling) -> list[AltitudeFlight]:
+    ends, between = (found.flights[0], found.flights[-1]), found.flights[1:-1]
     altitudes = [flight.altitude_m for flight in between]
     step = altitudes[1] - altitudes[0] if len(altitudes) > 1 else 1.0
-    stride = max(-(-len(between) // _PRINTED_ROWS), 1)
+    stride = max(math.ceil(len(between) / _PRINTED_ROWS), 1)
     # Multiples of a round step rather than every so many from the first.
     shown = [f for f in between if round(f.altitude_m / step) % stride == 0]
     shown += [f for f in (*ends, found.highest) if f is not None and f not in shown]
     return sorted(shown, key=lambda flight: flight.altitude_m)
 
 
-def _verdict(found: PerpetualCeiling) -> str:
-    required = found.required_excess_time_h
-    more = f" with more than {required:g} h of excess time" if required > 0.0 else ""
-    endless = math.isinf(found.best.excess_time_h)
-    largest = "without end" if endless else f"{found.best.excess_time_h:.2f} h"
-    best = f"largest excess time {largest} at {found.best.altitude_m:.0f} m"
-    if found.highest is None:
-        return f"no perpetual flight{more} at any altitude; {best}"
-    beyond = " and beyond the search" if found.at_search_limit else ""
-    return f"perpetual flight{more} up to {found.highest.altitude_m:.0f} m{beyond}; {best}"
+def ceiling_figure(result: Ceiling) -> Figure:
+    """Excess time, power and daily energies over altitude, the ceiling marked."""
+    from studies.output.plots import CHARGE, LOAD, SUN, caption, new_figure
 
-
-def _shown(value: float, digits: str) -> str:
-    if math.isinf(value):
-        return "endless"
-    return "-" if math.isnan(value) else f"{value:{digits}}"
-
-
-def ceiling_figure(found: PerpetualCeiling, title: str, solar: SolarModel) -> Figure:
-    """Excess time, power of level flight and daily income over altitude, the ceiling marked."""
-    figure = Figure(figsize=(9.0, 4.8), layout="constrained")
-    excess, power, income = figure.subplots(1, 3, sharey=True)
+    found, mark = result.found, "#555555"
+    name = f"{result.aircraft.name}, {result.mission.name}"
+    figure, panels = new_figure(
+        1,
+        3,
+        title=f"{name}, worst scenario ({caption(result.solar)})",
+        size_in=(9.0, 4.8),
+        sharey=True,
+    )
+    excess, power, energy = panels
     altitude_km = found.column("altitude_m") / 1000.0
     excess.plot(found.column("excess_time_h"), altitude_km, color=CHARGE)
-    excess.axvline(found.required_excess_time_h, color=_MARK, linewidth=0.8)
+    excess.axvline(found.required_excess_time_h, color=mark, linewidth=0.8)
+    excess.set(xlabel="excess time [h]", ylabel="altitude [km]")
     power.plot(found.column("propulsion_power_w"), altitude_km, color=LOAD)
     power.set(xlabel="level-flight power [W]", xlim=(0.0, None))
-    income.plot(found.column("solar_energy_wh"), altitude_km, color=SUN, label="sun")
-    income.plot(
-        found.column("load_energy_wh"), altitude_km, color=LOAD, linestyle="--", label="load"
+    energy.plot(found.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")
+    energy.plot(found.column("load_energy_wh"), altitude_km, "--", color=LOAD, label="load")
+    energy.set(xlabel="energy of the day [Wh]", xlim=(0.0, None))
+    energy.legend(loc="upper left", fontsize="small")
+    if found.highest is None:
+        return figure
+    highest_km = found.highest.altitude_m / 1000.0
+    if not found.at_search_limit:
+        for axes in panels:
+            axes.axhline(highest_km, color=mark, linestyle=":", linewidth=1.2)
+    excess.annotate(
+        f"ceiling {found.highest.altitude_m:.0f} m",
+        (0.96, highest_km),
+        (0, 4),
+        xycoords=excess.get_yaxis_transform(),
+        textcoords="offset points",
+        ha="right",
     )
-    income.set(xlabel="energy of the day [Wh]", xlim=(0.0, None))
-    income.legend(loc="lower right", fontsize="small")
-    excess.set(xlabel="excess time [h]", ylabel="altitude [km]")
-    for axes in (excess, power, income):
-        _mark_ceiling(axes, found)
-        axes.grid(alpha=0.3)
-    if found.highest is not None:
-        excess.annotate(
-            f"ceiling {found.highest.altitude_m:.0f} m",
-            (0.96, found.highest.altitude_m / 1000.0),
-            (0, 4),
-            xycoords=excess.get_yaxis_transform(),
-            textcoords="offset points",
-            ha="right",
-        )
-    figure.suptitle(f"{title}, worst scenario ({caption(solar)})", parse_math=False)
     return figure
-
-
-def _mark_ceiling(axes: Axes, found: PerpetualCeiling) -> None:
-    """Dotted line at the ceiling, none where the search ended below it."""
-    if found.highest is not None and not found.at_search_limit:
-        axes.axhline(found.highest.altitude_m / 1000.0, color=_MARK, linestyle=":", linewidth=1.2)

@@ -7,73 +7,49 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from studies.models import comparison
-from studies.models import records as comparison_records
-from studies.models import summary as comparison_sentence
-from studies.models import tables as comparison_tables
-from studies.models import transfer as model_transfer
-from studies.validation import (
-    altitude_tables,
-    clear_sky_comparison,
-    found_designs,
-    published,
-    report_reproduction,
-    structure_comparison,
-)
+from sizing.results.tables import Table
+from studies.models.comparison import compare
+from studies.models.transfer import transfer_table, transferred_errors
+from studies.validation import altitude_tables, clear_sky_comparison, found_designs
+from studies.validation.published import published
+from studies.validation.report_reproduction import reference, reproduce
+from studies.validation.structure_comparison import structure_tables
 
 
-def _published() -> str:
-    return published.markdown(published.comparisons())
-
-
-def _report() -> str:
-    aircraft, mission = report_reproduction.reference()
-    result = report_reproduction.reproduce(aircraft, mission)
-    varied = report_reproduction.sensitivities(aircraft, mission)
-    return report_reproduction.markdown(result, varied)
-
-
-def _transfer() -> str:
-    return model_transfer.markdown(
-        model_transfer.transferred_errors(*report_reproduction.reference())
-    )
+def _markdown(*tables: Table) -> str:
+    return "\n".join(table.to_markdown() for table in tables)
 
 
 def _clear_sky() -> str:
-    return clear_sky_comparison.markdown(clear_sky_comparison.compare())
-
-
-def _structure() -> str:
-    return structure_comparison.markdown()
+    return _markdown(clear_sky_comparison.clear_sky_table(clear_sky_comparison.compare()))
 
 
 def _comparison(aircraft: str, mission: str, required_h: float) -> str:
-    found = comparison.compare(
-        load_aircraft(aircraft),
-        load_mission(mission),
-        required_excess_time_h=required_h,
+    found = compare(
+        load_aircraft(aircraft), load_mission(mission), required_excess_time_h=required_h
     )
-    return comparison_tables.markdown(
-        comparison_records.to_json(found, comparison_sentence.sentence(found))
-    )
+    return f"{_markdown(*found.tables())}\n{found.headline()}\n"
 
 
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
-    "published": ("validation.md", _published),
+    "published": ("validation.md", lambda: _markdown(published().table())),
     "clear-sky": ("validation.md", _clear_sky),
-    "found-designs": ("validation.md", found_designs.markdown),
-    "report": ("validation.md", _report),
-    "structure": ("structure.md", _structure),
-    "transfer": ("full-model.md", _transfer),
-    "ceilings": ("altitude.md", altitude_tables.ceilings),
-    "climbs": ("altitude.md", altitude_tables.climbs),
+    "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
+    "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
+    "structure": ("structure.md", lambda: _markdown(*structure_tables())),
+    "transfer": (
+        "full-model.md",
+        lambda: _markdown(transfer_table(transferred_errors(*reference()))),
+    ),
+    "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
+    "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
     "compare-design": (
         "compare.md",
@@ -110,6 +86,33 @@ def update(folder: Path) -> list[Path]:
     return changed
 
 
-if __name__ == "__main__":
-    for page in update(Path(sys.argv[1] if len(sys.argv) > 1 else "docs")):
+def main(arguments: Sequence[str]) -> int:
+    """Write the tables into the pages of a folder; the exit code is 1 where that cannot be.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        The folder; ``docs`` in the working folder if there is none.
+    """
+    folder = Path(arguments[0] if arguments else "docs")
+    pages = dict.fromkeys(page for page, _ in TABLES.values())
+    missing = [page for page in pages if not (folder / page).is_file()]
+    if missing:
+        print(
+            f"{folder} has no {missing[0]}: start this in a clone of the project, or name the "
+            "folder of the pages",
+            file=sys.stderr,
+        )
+        return 1
+    try:
+        changed = update(folder)
+    except ImportError as error:
+        print(f"{error}: install the extra 'test', pip install '.[test]'", file=sys.stderr)
+        return 1
+    for page in changed:
         print(f"updated {page}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

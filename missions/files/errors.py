@@ -77,7 +77,20 @@ class InputError(ValueError):
 
 
 def file_error(source: str, message: str) -> InputError:
-    """Return an error that concerns a whole file."""
+    """Return an error that concerns a whole file.
+
+    Parameters
+    ----------
+    source : str
+        File name.
+    message : str
+        What is wrong and what is allowed.
+
+    Returns
+    -------
+    InputError
+        To be raised by the caller.
+    """
     return InputError([Problem(source, None, None, "", message)])
 
 

@@ -1,12 +1,15 @@
-"""Values given on the command line as ``dotted.key=value``, put into a document."""
+"""Values that replace others: on the command line ``dotted.key=value``, in Python by dotted key."""
 
 from __future__ import annotations
 
 import copy
 import dataclasses
-import re
+import typing
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
+
+from pydantic import BaseModel
 
 from missions.files.errors import (
     OVERRIDE,
@@ -14,16 +17,18 @@ from missions.files.errors import (
     KeyPath,
     Problem,
     dotted,
+    file_error,
     printable,
     shortened,
     shown,
 )
-from missions.files.yaml import Document, Marks, plain_data
-from missions.files.yaml_nodes import NOT_YAML, compose
+from missions.files.validation import validate
+from missions.files.yaml import Document, parse_value, set_absolute_paths
 
-__all__ = ["Overrides", "with_overrides"]
+__all__ = ["Overrides", "with_overrides", "with_values"]
 
 T = TypeVar("T")
+R = TypeVar("R", bound=BaseModel)
 
 # By dotted key, or texts ``dotted.key=value`` whose values follow the rules of the files.
 Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
@@ -31,6 +36,8 @@ Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
 
 def with_overrides(document: Document, overrides: Overrides, *, prefix: str = "") -> Document:
     """Return a new document with values replaced or added.
+
+    Files that a value names by a relative path are looked for in the working folder.
 
     Parameters
     ----------
@@ -43,6 +50,11 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     prefix : str
         What the user wrote before each key, for the problems that name it.
 
+    Returns
+    -------
+    Document
+        With the data changed, and its places without those of what was replaced.
+
     Raises
     ------
     InputError
@@ -50,96 +62,131 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     """
     result = dataclasses.replace(document, data=copy.deepcopy(document.data))
     problems: list[Problem] = []
-    given = overrides.items() if isinstance(overrides, Mapping) else map(_parsed, overrides)
-    for key, value in given:
+    values = overrides if isinstance(overrides, Mapping) else None
+    for given in overrides:
+        key, equals, text = given.partition("=") if values is None else (given, "=", "")
+        parts = key.strip().split(".")
+        named = bool(equals) and all(part.strip() for part in parts)
+        name = prefix + (dotted(parts) if named else shortened(printable(given.strip())))
         try:
-            result = _with_override(result, key, value, prefix)
+            if not named:
+                raise file_error(name, "write an override as KEY=VALUE, for example a.b=2.5")
+            if not key.isprintable():
+                raise file_error(name, "the key holds a character that is not allowed")
+            value = parse_value(text) if values is None else copy.deepcopy(values[given])
+            result = _with_override(result, parts, value, name)
         except InputError as error:
-            problems.extend(error.problems)
+            message = "; ".join(problem.message for problem in error.problems)
+            problems.append(Problem(OVERRIDE + name, None, None, name, message))
     if problems:
         raise InputError(problems)
     return result
 
 
-@dataclasses.dataclass(frozen=True)
-class _Text:
-    """Value of an override as it was written; None where there was no equals sign."""
-
-    text: str | None
-
-
-def _parsed(override: str) -> tuple[str, _Text]:
-    key, equals, value = override.partition("=")
-    return (key, _Text(value)) if equals else (override, _Text(None))
-
-
-def _with_override(document: Document, key: str, given: Any, prefix: str) -> Document:
+def _with_override(document: Document, parts: Sequence[str], value: Any, name: str) -> Document:
     """Put one value into the data, in place, and return the document with its new places."""
-    key = key.strip()
-    parts = key.split(".")
-    name = prefix + dotted(parts)
-    if given == _Text(None) or not all(part.strip() for part in parts):
-        text = f"{key}={given.text}" if isinstance(given, _Text) and given.text else key
-        name = prefix + shortened(printable(text))
-        raise _error(name, "write an override as KEY=VALUE, for example a.b=2.5")
-    if NOT_YAML.search(key):
-        raise _error(name, "the key holds a character that is not allowed")
-    value = _value(name, given.text or "") if isinstance(given, _Text) else copy.deepcopy(given)
-    path, made = _set(document.data, parts, value, name)
-    marks = Marks(_without(document.marks.keys, path), _without(document.marks.values, path))
-    overridden = _without(document.overridden, path) | dict.fromkeys([*made, path], name)
-    return dataclasses.replace(document, marks=marks, overridden=overridden)
+    around = {parts[-1]: value}
+    set_absolute_paths(around, Path.cwd())
+    path, made = _put(document.data, parts, around[parts[-1]])
+    return dataclasses.replace(
+        document,
+        key_marks=_without(document.key_marks, path),
+        value_marks=_without(document.value_marks, path),
+        overridden=_without(document.overridden, path) | dict.fromkeys([*made, path], name),
+    )
 
 
 def _without(places: Mapping[KeyPath, T], path: KeyPath) -> dict[KeyPath, T]:
     return {key: value for key, value in places.items() if key[: len(path)] != path}
 
 
-def _error(name: str, message: str) -> InputError:
-    return InputError([Problem(OVERRIDE + name, None, None, name, message)])
+def with_values(record: R, values: Mapping[str, Any]) -> R:
+    """Return a checked copy of a record with some values replaced.
+
+    Unlike ``model_copy``, which takes whatever it is given, every validator of the record and of
+    the records inside it that change is run.
+
+    Parameters
+    ----------
+    record : Record
+        Aircraft, mission or a part of one; it is not changed.
+    values : mapping
+        New values by their dotted key as in a file, ``{"payload.mass_kg": 0.5}``: records, or
+        plain data. Items of tuples are named by their index from 0.
+
+    Returns
+    -------
+    Record
+        Of the same class.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or the record would not be valid; its source is the record's class.
+    """
+    source = type(record).__name__
+    data = _as_data(record)
+    problems: list[Problem] = []
+    for key, value in values.items():
+        try:
+            _put(data, key.split("."), value)
+        except InputError as error:
+            problems.extend(Problem(source, None, None, key, p.message) for p in error.problems)
+    if problems:
+        raise InputError(problems)
+    return validate(Document(source, data), type(record))
 
 
-def _value(name: str, text: str) -> Any:
-    try:
-        node = compose(text.strip(), "")
-    except InputError as error:
-        message = "; ".join(problem.message for problem in error.problems)
-        raise _error(name, f"the value {message}") from error
-    if node is None or node.empty:
-        raise _error(name, "no value after the = sign (write null for no value)")
-    if node.block:
-        raise _error(
-            name, "write one value, or a list in brackets such as [1, 2]; quote text with colons"
-        )
-    return plain_data(node)[0]
-
-
-def _set(holder: Any, parts: Sequence[str], value: Any, name: str) -> tuple[KeyPath, list[KeyPath]]:
-    """Put the value into nested data.
+def _put(holder: Any, parts: Sequence[str], value: Any) -> tuple[KeyPath, list[KeyPath]]:
+    """Put a value into nested data, opening the records on the way to it.
 
     Return its path and the paths of the mappings made only to hold it.
     """
     path: KeyPath = ()
     made: list[KeyPath] = []
     for part in parts[:-1]:
-        key = _step(holder, path, part, name)
+        key = _step(holder, path, part)
         path = (*path, key)
-        if isinstance(holder, dict) and holder.get(part) is None:
-            holder[part] = {}
+        inner = holder.get(key) if isinstance(holder, dict) else holder[key]
+        if inner is None:
             made.append(path)
+        holder[key] = _opened(inner)
         holder = holder[key]
-    key = _step(holder, path, parts[-1], name)
+    key = _step(holder, path, parts[-1])
     holder[key] = value
     return (*path, key), made
 
 
-def _step(holder: Any, path: KeyPath, part: str, name: str) -> str | int:
-    """Return the key or index that `part` means in `holder`."""
+def _opened(value: Any) -> Any:
+    """Return what a value holds as a new dict or list; a scalar as it is."""
+    if value is None:
+        return {}
+    if isinstance(value, BaseModel):
+        return _as_data(value)
+    if isinstance(value, dict):
+        return dict(value)
+    return list(value) if isinstance(value, list | tuple) else value
+
+
+def _as_data(record: BaseModel) -> dict[str, Any]:
+    """Return the keys of a record as in a file; the records inside it stay records."""
+    return {
+        info.alias or name: getattr(record, name)
+        for name, info in type(record).model_fields.items()
+        # Only what was given, and what tells one kind of record from another.
+        if name in record.model_fields_set or typing.get_origin(info.annotation) is typing.Literal
+    }
+
+
+def _step(holder: Any, path: KeyPath, part: str) -> str | int:
+    """Return the key or index that a part of a dotted key means."""
     if isinstance(holder, dict):
         return part
     if not isinstance(holder, list):
-        raise _error(name, f"{dotted(path)} is the single value {shown(holder)} and has no keys")
-    if re.fullmatch(r"[0-9]{1,6}", part) and int(part) < len(holder):
+        message = f"{dotted(path)} is the single value {shown(holder)} and has no keys"
+    elif part.isascii() and part.isdecimal() and len(part) < 7 and int(part) < len(holder):
         return int(part)
-    allowed = f"an index from 0 to {len(holder) - 1}" if holder else "no index: it is empty"
-    raise _error(name, f"{dotted(path)} is a list and takes {allowed} (got {shown(part)})")
+    else:
+        allowed = f"an index from 0 to {len(holder) - 1}" if holder else "no index: it is empty"
+        message = f"{dotted(path)} is a list and takes {allowed} (got {shown(part)})"
+    raise file_error("", message)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib import resources
 from pathlib import Path
 from typing import Literal
 
-from missions.files.errors import InputError, Problem
+from missions.files.errors import file_error
 from missions.files.yaml import Document, parse_yaml, read_yaml
 
 Kind = Literal["aircraft", "mission"]
@@ -28,19 +27,39 @@ def shipped_names(kind: Kind) -> list[str]:
 def find_document(kind: Kind, name_or_path: str) -> Document:
     """Read an aircraft or mission by path, or by the name of a shipped one.
 
+    Parameters
+    ----------
+    kind : {"aircraft", "mission"}
+        What is looked for.
+    name_or_path : str
+        A file comes before a shipped one of the same name.
+
+    Returns
+    -------
+    Document
+        Data of the file and their places.
+
     Raises
     ------
     InputError
         If there is neither such a file nor a shipped one of that name.
     """
-    if not name_or_path.strip() or not name_or_path.isprintable() or len(name_or_path) > 1000:
-        raise InputError([_not_a_name(kind, name_or_path)])
+    name = name_or_path
+    if not name.strip() or not name.isprintable() or len(name) > 1000:
+        shown = ascii(name if len(name) <= 40 else name[:40] + "...")
+        raise file_error(kind, f"is neither the name nor the file of one (got {shown})")
     names = shipped_names(kind)
-    if name_or_path in names and not Path(name_or_path).is_file():
-        return parse_yaml(_text(kind, name_or_path), f"{name_or_path} (shipped)")
-    if not Path(name_or_path).exists():
-        raise InputError([_unknown(kind, name_or_path, names)])
-    return read_yaml(name_or_path)
+    if name in names and not Path(name).is_file():
+        return parse_yaml(_text(kind, name), f"{name} (shipped)")
+    if Path(name).exists():
+        return read_yaml(name)
+    other: Kind = "mission" if kind == "aircraft" else "aircraft"
+    close = get_close_matches(name, names, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    if name in shipped_names(other):
+        hint = f": {name!r} is one of the {other if other == 'aircraft' else 'missions'}"
+    message = f"there is no such file and no shipped {kind} of that name{hint}"
+    raise file_error(name, f"{message} (shipped: {', '.join(names)})")
 
 
 def shipped_text(name: str) -> str:
@@ -51,16 +70,15 @@ def shipped_text(name: str) -> str:
     InputError
         If none of that name is shipped.
     """
-    for kind in _PACKAGES:
-        if name in shipped_names(kind):
-            return _text(kind, name)
-    shipped = ", ".join(name for kind in _PACKAGES for name in shipped_names(kind))
-    message = f"no shipped aircraft or mission of that name (shipped: {shipped})"
-    raise InputError([Problem(source=name, line=None, column=None, key="", message=message)])
+    shipped: dict[str, Kind] = {name: kind for kind in _PACKAGES for name in shipped_names(kind)}
+    if name not in shipped:
+        message = "no shipped aircraft or mission of that name"
+        raise file_error(name, f"{message} (shipped: {', '.join(shipped)})")
+    return _text(shipped[name], name)
 
 
 def document_kind(document: Document) -> Kind:
-    """Whether a document describes an aircraft or a mission, judged by its keys."""
+    """Whether a document describes an aircraft or a mission, by its keys."""
     keys = set(document.data)
     aircraft = len(keys & {"airframe", "battery", "modules", "power", "design_space"})
     mission = len(keys & {"latitude_deg", "dates", "altitude_m", "air", "payload", "launch"})
@@ -70,22 +88,3 @@ def document_kind(document: Document) -> Kind:
 def _text(kind: Kind, name: str) -> str:
     source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name}.yaml")
     return source.read_text(encoding="utf-8")
-
-
-def _not_a_name(kind: Kind, name: str) -> Problem:
-    shown = ascii(name if len(name) <= 40 else name[:40] + "...")
-    message = f"is neither the name nor the file of one (got {shown})"
-    return Problem(source=kind, line=None, column=None, key="", message=message)
-
-
-def _unknown(kind: Kind, name: str, names: Sequence[str]) -> Problem:
-    other: Kind = "mission" if kind == "aircraft" else "aircraft"
-    close = get_close_matches(name, names, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
-    if name in shipped_names(other):
-        hint = f": {name!r} is one of the {other if other == 'aircraft' else 'missions'}"
-    message = (
-        f"there is no such file and no shipped {kind} of that name{hint} "
-        f"(shipped: {', '.join(names)})"
-    )
-    return Problem(source=name, line=None, column=None, key="", message=message)

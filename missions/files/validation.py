@@ -1,18 +1,21 @@
-"""Strict reader of aircraft and mission files that points at the line of every mistake.
+"""Check of aircraft and mission files against their models, with the line of every mistake.
 
 A file is read in three steps: the text is parsed into plain data and the place of each key
 (`missions.files.yaml`), values given on the command line replace or add keys
-(`missions.files.overrides`), and a pydantic model checks the result (`validate`). `load` does all
-three. Every mistake of the user ends as an `InputError`, whose problems name file, line and
-column.
+(`missions.files.overrides`), and a pydantic model checks the result (`validate`). Every mistake of
+the user ends as an `InputError`, whose problems name file, line and column.
+
+A record whose keys had other names in earlier versions lists them, old to new, in a class variable
+``renamed_keys``: an old one is refused with its new name.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import os
+import difflib
+import re
 import typing
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -20,29 +23,30 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from missions.files.errors import OVERRIDE, InputError, KeyPath, Problem, dotted, shown
-from missions.files.field_types import Place, follow, value_at
-from missions.files.messages import one_line, unknown_key, worded
-from missions.files.overrides import with_overrides
-from missions.files.yaml import Document, read_yaml
+from missions.files.yaml import Document
 
-__all__ = ["load", "located_error", "validate"]
+__all__ = ["located_error", "unknown_key", "validate"]
 
 M = TypeVar("M", bound=BaseModel)
 
-
-def load(path: str | os.PathLike[str], model: type[M], overrides: Sequence[str] = ()) -> M:
-    """Read a YAML file, apply overrides ``dotted.key=value`` and validate the result.
-
-    Raises
-    ------
-    InputError
-        If anything is wrong with the file or an override.
-    """
-    return validate(with_overrides(read_yaml(path), overrides), model)
+# Keys that tell one kind of record from another (the discriminators of unions).
+_KIND_KEYS = ("kind", "model")
 
 
 def validate(document: Document, model: type[M]) -> M:
     """Return the content of a document as described by a model.
+
+    Parameters
+    ----------
+    document : Document
+        Data and places.
+    model : type
+        Class of the record.
+
+    Returns
+    -------
+    Record
+        Of that class.
 
     Raises
     ------
@@ -72,6 +76,11 @@ def located_error(document: Document, path: Sequence[str | int], message: str) -
         nearest mapping around it.
     message : str
         What is wrong with the value.
+
+    Returns
+    -------
+    InputError
+        With one problem.
     """
     return InputError([_located(document, tuple(path), message)])
 
@@ -84,8 +93,8 @@ def _located(document: Document, path: KeyPath, message: str, *, at_key: bool = 
         if prefix in document.overridden:
             return Problem(OVERRIDE + document.overridden[prefix], None, None, key, message)
         # A block mapping starts on the line below its key; its key says better what is meant.
-        whole = at_key or isinstance(value_at(document.data, prefix), dict | list)
-        keys, values = document.marks.keys.get(prefix), document.marks.values.get(prefix)
+        whole = at_key or isinstance(_value_at(document.data, prefix), dict | list)
+        keys, values = document.key_marks.get(prefix), document.value_marks.get(prefix)
         if mark := (keys or values) if whole else (values or keys):
             return Problem(document.source, *mark, key, message)
     return Problem(document.source, None, None, key, message)
@@ -132,50 +141,199 @@ def _joined(first: _Complaint, other: _Complaint) -> _Complaint:
 
 
 def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Complaint:
-    loc = detail["loc"]
-    place = follow(data, model, loc)
-    kind = detail["type"]
-    context = detail.get("ctx", {})
-    if kind == "extra_forbidden":
-        around = follow(data, model, loc[:-1])
-        message = unknown_key(str(loc[-1]), list(around.keys()))
-        path = (*around.path, loc[-1])
-        return _Complaint(path, message, in_union=around.in_union, firm=True, at_key=True)
-    if kind == "missing":
-        return _missing(follow(data, model, loc[:-1]).path, loc[-1], in_union=place.in_union)
+    loc, kind, context = detail["loc"], detail["type"], detail.get("ctx", {})
+    path, in_union = _followed(data, loc)
+    if kind in ("extra_forbidden", "missing"):
+        (path, in_union), last = _followed(data, loc[:-1]), loc[-1]
+        if kind == "extra_forbidden":
+            message = unknown_key(str(last), *_keys_at(model, loc[:-1], _value_at(data, path)))
+            return _Complaint((*path, last), message, in_union=in_union, firm=True, at_key=True)
+        if isinstance(last, int):
+            return _Complaint(path, f"the list is too short: item {last + 1} is missing")
+        return _Complaint((*path, last), "required key is missing", in_union=in_union)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _untagged(data, place, context)
+        return _untagged(data, model, loc, str(context["discriminator"]).strip("'"))
     if kind in ("value_error", "assertion_error"):
-        message = one_line(str(context.get("error") or detail["msg"]))
-        return _Complaint(place.path, message, in_union=place.in_union, firm=True)
+        message = _one_line(str(context.get("error") or detail["msg"]))
+        return _Complaint(path, message, in_union=in_union, firm=True)
     if isinstance(context.get("key"), str):
-        path = _relative(data, place.path, context["key"])
-        return _Complaint(path, one_line(detail["msg"]), in_union=place.in_union, firm=True)
-    at_key = loc[-1:] == ("[key]",)
-    return _Complaint(place.path, *worded(detail), in_union=place.in_union, at_key=at_key)
+        path = (*path, *(int(k) if k.isdecimal() else k for k in context["key"].split(".")))
+        return _Complaint(path, _one_line(detail["msg"]), in_union=in_union, firm=True)
+    return _Complaint(path, *_worded(detail), in_union=in_union, at_key=loc[-1:] == ("[key]",))
 
 
-def _missing(parent: KeyPath, part: str | int, *, in_union: bool) -> _Complaint:
-    if isinstance(part, int):
-        return _Complaint(parent, f"the list is too short: item {part + 1} is missing")
-    return _Complaint((*parent, part), "required key is missing", in_union=in_union)
-
-
-def _untagged(data: Any, place: Place, context: Mapping[str, Any]) -> _Complaint:
+def _untagged(data: Any, model: type[BaseModel], loc: KeyPath, key: str) -> _Complaint:
     """Say which kinds a discriminated union knows."""
-    key = str(context.get("discriminator", "")).strip("'")
-    tags = [tag for hint in place.keys().get(key, []) for tag in typing.get_args(hint)]
-    allowed = ", ".join(f"'{tag}'" for tag in dict.fromkeys(map(str, tags)))
-    path = (*place.path, key)
-    value = value_at(data, path)
-    if value is None:
-        return _Complaint(path, f"required key is missing; it must be one of {allowed}")
-    return _Complaint(path, f"must be one of {allowed} (got {shown(value)})")
+    tags = dict.fromkeys(repr(kind) for one in _models_at(model, loc) for kind in _kinds(one))
+    path = (*_followed(data, loc)[0], key)
+    if (value := _value_at(data, path)) is None:
+        return _Complaint(path, f"required key is missing; it must be one of {', '.join(tags)}")
+    return _Complaint(path, f"must be one of {', '.join(tags)} (got {shown(value)})")
 
 
-def _relative(data: Any, path: KeyPath, key: str) -> KeyPath:
-    """Return the path of a dotted key seen from a model."""
-    for part in key.split("."):
-        in_list = isinstance(value_at(data, path), list) and part.isdecimal()
-        path = (*path, int(part) if in_list else part)
-    return path
+# ---- pydantic's locations, in the data and in the models ----
+
+
+def _has(holder: object, part: str | int) -> bool:
+    if isinstance(holder, dict):
+        return part in holder
+    return isinstance(holder, list) and isinstance(part, int) and 0 <= part < len(holder)
+
+
+def _value_at(data: Any, path: KeyPath) -> Any:
+    """Return the value at a path, None where there is none."""
+    for part in path:
+        if not _has(data, part):
+            return None
+        data = data[part]
+    return data
+
+
+def _followed(data: Any, loc: KeyPath) -> tuple[KeyPath, bool]:
+    """Return the path of a location, and whether it leads through a union.
+
+    A location holds keys and list indices, but also names of the choices of unions, which are no
+    part of the path. Of a discriminated union that is the value of its discriminator.
+    """
+    path: KeyPath = ()
+    in_union = named = False
+    for part in loc:
+        kinds = [data.get(key) for key in _KIND_KEYS] if isinstance(data, dict) else []
+        if (part in kinds and not named) or not _has(data, part):
+            in_union = named = True
+        else:
+            data, path, named = data[part], (*path, part), False
+    return path, in_union
+
+
+def _models_at(model: type[BaseModel], loc: KeyPath) -> list[type[BaseModel]]:
+    """Return the models that may describe the value at a location."""
+    models: list[type[BaseModel]] = [model]
+    for part in loc:
+        hints = [hint for one in models for key, hint in _hints(one).items() if key == part]
+        inner = [found for hint in hints for found in _models_in(hint)]
+        models = inner or [one for one in models if part in _kinds(one)] or models
+    return models
+
+
+def _keys_at(
+    model: type[BaseModel], loc: KeyPath, found: Mapping[str, Any]
+) -> tuple[list[str], dict[str, str]]:
+    """Return the keys that the mapping found at a location may have, and new names of old ones."""
+    models = _models_at(model, loc)
+    best = max(models, key=lambda one: len(_hints(one).keys() & found.keys()))
+    return list(_hints(best)), getattr(best, "renamed_keys", {})
+
+
+def _hints(model: type[BaseModel]) -> dict[str, Any]:
+    """Return the keys of a model as they stand in a file, with their types."""
+    return {info.alias or name: info.annotation for name, info in model.model_fields.items()}
+
+
+def _kinds(model: type[BaseModel]) -> list[Any]:
+    """Return the values by which a discriminator names this model."""
+    return [kind for key in _KIND_KEYS for kind in typing.get_args(_hints(model).get(key))]
+
+
+def _models_in(kind: Any) -> Iterator[type[BaseModel]]:
+    """Yield the models that a type is made of."""
+    if isinstance(kind, typing.NewType):
+        kind = kind.__supertype__
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        root = kind.model_fields.get("root")
+        yield from _models_in(root.annotation) if root else [kind]
+    for argument in typing.get_args(kind):
+        yield from _models_in(argument)
+
+
+# ---- the words ----
+
+# Pydantic's words, and those of a file's reader.
+_WORDS = [
+    (re.compile(expression), words)
+    for expression, words in (
+        (r"^\w+ should ", "must "),
+        (r"greater than or equal to", "at least"),
+        (r"less than or equal to", "at most"),
+        (r"a valid number", "a number"),
+        (r"a valid integer.*", "a whole number"),
+        (r"a valid boolean", "true or false"),
+        (r"a valid string", "text"),
+        (r"a valid (list|tuple)", "a list"),
+        (r"a valid dictionary.*", "a mapping of keys and values"),
+        (r" after validation.*", ""),
+        (r"have at least 1 \w+$", "not be empty"),
+    )
+]
+
+
+def _worded(detail: ErrorDetails) -> tuple[str, str]:
+    """Return what is wrong with a value, and after it the value itself with a hint."""
+    kind, value, text = detail["type"], detail["input"], _one_line(detail["msg"])
+    if " should " not in text:
+        return text, ""
+    if kind == "float_type" and type(value) is int:
+        text = "must be a finite number"  # beyond the largest float
+    for expression, words in _WORDS:
+        text = expression.sub(words, text)
+    return text, f" (got {shown(value)}){_hint(kind, value)}"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.splitlines())
+
+
+def _hint(kind: str, value: object) -> str:
+    if kind == "string_type" and isinstance(value, bool | int | float):
+        return "; put it in quotes"
+    if not kind.startswith(("float_", "int_")) or not isinstance(value, str):
+        return ""
+    if re.fullmatch(r"\s*[-+]?[0-9]+,[0-9]+\s*", value):
+        return "; write a point before the decimals, not a comma"
+    number = re.match(r"\s*[-+]?\.?[0-9]", value)
+    return "; write the plain number; the unit is in the key" if number else ""
+
+
+_UNIT = re.compile(
+    r"[mk]?g|t|lbs?|oz|grams|[mckd]?m[23]?|ft2?|in|inch|n?mi|met(?:er|re)s|l"
+    r"|m?s|sec|min|h|hr|d|(?:second|minute|hour|day)s?|[km]?wh?|[km]?j|[mk]?v|m?ah?|n|nm|kn"
+    r"|[hkmg]?pa|m?bar|psi|deg|degrees?|rad|c|k|f|deg[ckf]|kelvin|celsius|k?hz|rpm"
+    r"|pct|percent|fraction|ratio|per|mps|km?h|kmh|kph|mph|kts?|knots"
+)
+
+
+def unknown_key(key: str, allowed: Sequence[str], renamed: Mapping[str, str] | None = None) -> str:
+    """Say that a key does not exist, and which one may be meant.
+
+    Parameters
+    ----------
+    key : str
+        The key that was found.
+    allowed : sequence of str
+        Keys that there are.
+    renamed : mapping, optional
+        New names of keys that had another one in earlier versions.
+
+    Returns
+    -------
+    str
+        The message.
+    """
+    if renamed and key in renamed:
+        return f"this key is called '{renamed[key]}' now"
+    wanted = key.lower()
+    # The same quantity in another unit comes first.
+    same = [name for name in allowed if _quantity(name) == _quantity(wanted)]
+    for names, cutoff in ((same, 0.0), (allowed, 0.6)):
+        by_lower = {name.lower(): name for name in names}
+        if found := difflib.get_close_matches(wanted, by_lower, n=1, cutoff=cutoff):
+            return f"unknown key; did you mean '{by_lower[found[0]]}'?"
+    return f"unknown key; allowed keys: {', '.join(allowed)}" if allowed else "unknown key"
+
+
+def _quantity(key: str) -> str:
+    """Return a key without its unit: `energy_wh_per_kg` gives `energy`."""
+    words = key.lower().split("_")
+    while len(words) > 1 and _UNIT.fullmatch(words[-1]):
+        words.pop()
+    return "_".join(words)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-import re
 import stat
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-from missions.files.errors import printable, shortened, shown
+import yaml
+
+from missions.files.errors import printable
+from missions.files.yaml import add_resolvers
 
 __all__ = [
     "OutputError",
@@ -23,15 +25,41 @@ __all__ = [
     "write_text_atomically",
 ]
 
-_BARE_TEXT = re.compile(r"[A-Za-z_](?:[A-Za-z0-9_./+ -]*[A-Za-z0-9_./+-])?")
-# Readers of YAML 1.1 take these for booleans.
-_AMBIGUOUS = re.compile(r"y|n|yes|no|on|off|true|false|null", re.IGNORECASE)
-_ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
-_ESCAPED = re.compile('[\\\\"\x00-\x1f\x7f-\xa0\u2028\u2029\ufeff\ufffe\uffff]')
-
 
 class OutputError(OSError):
     """A file could not be written; the text says which one and why."""
+
+
+_REPRESENTERS: Any = yaml.SafeDumper.yaml_representers
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes what would not read back as text by the rules of YAML 1.1 or by ours."""
+
+    # The key None is of whatever else there is: it is refused.
+    yaml_representers: ClassVar[Any] = {
+        kind: _REPRESENTERS[kind] for kind in (type(None), bool, list, tuple, dict, None)
+    }
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+    def text(self, text: str) -> yaml.Node:
+        style = None if text.isprintable() else '"'
+        return self.represent_scalar("tag:yaml.org,2002:str", str.__str__(text), style)
+
+    def integer(self, value: int) -> yaml.Node:
+        return self.represent_int(int(value))
+
+    def real(self, value: float) -> yaml.Node:
+        return self.represent_float(float(value))
+
+
+# With their subclasses, as numpy's and enumerations are.
+_Dumper.add_multi_representer(str, _Dumper.text)
+_Dumper.add_multi_representer(int, _Dumper.integer)
+_Dumper.add_multi_representer(float, _Dumper.real)
+add_resolvers(_Dumper)
 
 
 def to_yaml(data: Mapping[str, Any]) -> str:
@@ -45,75 +73,23 @@ def to_yaml(data: Mapping[str, Any]) -> str:
 
     Raises
     ------
-    TypeError
-        If a key is not text or a value is of another type.
-    ValueError
-        If a text holds a lone surrogate or a key is too long for YAML.
+    yaml.YAMLError
+        If a value is of another type.
     """
-    return "\n".join(_lines(data)) + "\n"
-
-
-def _lines(value: Mapping[str, Any] | Sequence[Any]) -> list[str]:
-    """Return the lines of a collection, without indentation."""
-    if not value:
-        return ["{}" if isinstance(value, Mapping) else "[]"]
-    if isinstance(value, Mapping):
-        return [line for key, item in value.items() for line in _entry(_key_text(key), item)]
-    return [line for item in value for line in _item(item)]
-
-
-def _is_collection(value: object) -> bool:
-    return isinstance(value, Mapping | list | tuple)
-
-
-def _entry(key: str, value: Any) -> list[str]:
-    if _is_collection(value) and value:
-        return [f"{key}:", *(f"  {line}" for line in _lines(value))]
-    return [f"{key}: {_inline(value)}"]
-
-
-def _item(value: Any) -> list[str]:
-    if _is_collection(value) and value:
-        first, *rest = _lines(value)
-        return [f"- {first}", *(f"  {line}" for line in rest)]
-    return [f"- {_inline(value)}"]
-
-
-def _inline(value: Any) -> str:
-    """Return a scalar or an empty collection."""
-    if _is_collection(value):
-        return _lines(value)[0]
-    if value is None or isinstance(value, bool | float):
-        return shown(value)
-    if isinstance(value, int):
-        return int.__repr__(value)
-    if isinstance(value, str):
-        return _text(str.__str__(value))
-    raise TypeError(f"cannot write a value of type {type(value).__name__} as YAML")
-
-
-def _key_text(key: object) -> str:
-    if not isinstance(key, str):
-        raise TypeError(f"a key must be text, not {type(key).__name__}")
-    text = _text(str.__str__(key))
-    if len(text) > 1000:
-        raise ValueError(f"the key {shortened(key)} is too long for YAML")
-    return text
-
-
-def _text(text: str) -> str:
-    if _BARE_TEXT.fullmatch(text) and not _AMBIGUOUS.fullmatch(text):
-        return text
-    text.encode("utf-8")  # a lone surrogate has no spelling in YAML
-    return '"' + _ESCAPED.sub(_escape, text) + '"'
-
-
-def _escape(match: re.Match[str]) -> str:
-    return _ESCAPES.get(match.group()) or f"\\u{ord(match.group()):04x}"
+    return yaml.dump(
+        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=float("inf"), indent=2
+    )
 
 
 def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
     """Write a UTF-8 text file completely or not at all; line breaks are written as they are.
+
+    Parameters
+    ----------
+    path : str or path
+        File to write; a symbolic link is followed, a device or pipe is written to.
+    text : str
+        What to write, as UTF-8.
 
     Raises
     ------
@@ -125,6 +101,13 @@ def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
 
 def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file completely or not at all.
+
+    Parameters
+    ----------
+    path : str or path
+        File to write; a symbolic link is followed, a device or pipe is written to.
+    data : bytes
+        What to write.
 
     Raises
     ------
@@ -162,6 +145,13 @@ def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> 
 
 def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     """Write files into a folder, made if need be: all of them, or none.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder to write into.
+    contents : mapping
+        What to write, by file name.
 
     Raises
     ------

@@ -1,33 +1,88 @@
-"""YAML files as plain data that remembers the line and column of each key and value."""
+"""YAML files as plain data that remembers the line and column of each key and value.
+
+The subset of YAML 1.2 that is read has no tags, no merge keys, no octal numbers, and only text
+for keys; an unquoted date, time, ``yes`` or ``on`` is text. Limits keep hostile files harmless.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
-from missions.files.errors import InputError, KeyPath, Problem, file_error, printable, shown
-from missions.files.yaml_nodes import MAX_BYTES, TOO_LARGE, Mark, Node, compose, place_of
+import yaml
 
-__all__ = ["Document", "Marks", "parse_yaml", "plain_data", "read_yaml"]
+from missions.files.errors import (
+    InputError,
+    KeyPath,
+    Problem,
+    dotted,
+    file_error,
+    printable,
+    shortened,
+    shown,
+)
+
+__all__ = [
+    "PATH_KEYS",
+    "Document",
+    "add_resolvers",
+    "parse_value",
+    "parse_yaml",
+    "read_yaml",
+    "set_absolute_paths",
+]
+
+Mark: TypeAlias = tuple[int, int]
+
+# Keys that may name a file, whatever record they are in; the suffix tells a file from a name.
+PATH_KEYS = frozenset({"airfoil"})
+_PATH_SUFFIX = ".csv"
+
+_MAX_BYTES = 1_000_000
+_MAX_DEPTH = 40
+_MAX_EVENTS = 50_000
+_MAX_ALIASES = 50
+_MAX_VALUES = 50_000
+
+_TOO_DEEP = f"nested too deeply (at most {_MAX_DEPTH} levels)"
+_TOO_LARGE = f"is too large (at most {_MAX_BYTES // 1_000_000} MB)"
+_NOT_YAML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+# Unquoted scalars that are no text. Python refuses to convert integers of thousands of digits; as
+# floats they are infinite.
+_RESOLVERS = {
+    "null": "~|null|Null|NULL|",
+    "bool": "true|True|TRUE|false|False|FALSE",
+    "int": r"[-+]?(?:0|[1-9][0-9]{0,3999})",
+    "float": r"[-+]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+    r"|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)",
+}
+_SPECIAL_FLOATS = re.compile(r"\.(?=[in])", re.IGNORECASE)
+_VALUES: dict[str, Callable[[str], bool | int | float | None]] = {
+    "null": lambda _: None,
+    "bool": lambda text: text.lower() == "true",
+    "int": int,
+    "float": lambda text: float(_SPECIAL_FLOATS.sub("", text)),
+}
 
 
-@dataclass(frozen=True)
-class Marks:
-    """Places of a document, (line, column) counted from 1.
+def add_resolvers(kind: Any) -> Any:
+    """Make a loader or dumper know our unquoted scalars; returns it."""
+    for tag, expression in _RESOLVERS.items():
+        kind.add_implicit_resolver(tag, re.compile(rf"(?:{expression})\Z"), None)
+    return kind
 
-    Parameters
-    ----------
-    keys : mapping
-        Place of each key, by the path of the key.
-    values : mapping
-        Place of each value, by its path; the empty path is the whole document.
-    """
 
-    keys: Mapping[KeyPath, Mark] = field(default_factory=dict)
-    values: Mapping[KeyPath, Mark] = field(default_factory=dict)
+def _loader(base: Any) -> Any:
+    """Return a class that parses like another one and resolves by our rules alone."""
+    return add_resolvers(type("Loader", (base,), {"yaml_implicit_resolvers": {}}))
+
+
+_Loader = _loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
 @dataclass(frozen=True)
@@ -40,20 +95,25 @@ class Document:
         File name used in messages.
     data : dict
         Content of the file after overrides.
-    marks : Marks
-        Places of keys and values.
+    key_marks, value_marks : mapping
+        Line and column, counted from 1, of each key and each value, by its path; the empty path is
+        the whole document.
     overridden : mapping
         Paths set by an override and the dotted key the user wrote.
     """
 
     source: str
     data: dict[str, Any]
-    marks: Marks = field(default_factory=Marks)
+    key_marks: Mapping[KeyPath, Mark] = field(default_factory=dict)
+    value_marks: Mapping[KeyPath, Mark] = field(default_factory=dict)
     overridden: Mapping[KeyPath, str] = field(default_factory=dict)
 
 
 def read_yaml(path: str | os.PathLike[str]) -> Document:
     """Read a YAML file of at most 1 MB of UTF-8 text.
+
+    Files that it names by a relative path are looked for in its own folder: the data hold their
+    absolute paths.
 
     Raises
     ------
@@ -63,54 +123,218 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
     source = printable(os.fspath(path))
     try:
         with Path(path).open("rb") as file:
-            raw = file.read(MAX_BYTES + 1)
+            raw = file.read(_MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         raise file_error(source, _reading_trouble(error)) from error
-    if len(raw) > MAX_BYTES:
-        raise file_error(source, TOO_LARGE)
+    if len(raw) > _MAX_BYTES:
+        raise file_error(source, _TOO_LARGE)
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError as error:
-        place = place_of(raw[: error.start].decode("utf-8"), error.start)
+        place = _place_of(raw[: error.start].decode("utf-8"), error.start)
         message = f"is not UTF-8 text (byte 0x{raw[error.start]:02x})"
         raise InputError([Problem(source, *place, "", message)]) from error
-    return parse_yaml(text, source)
+    document = parse_yaml(text, source)
+    set_absolute_paths(document.data, Path(path).parent)
+    return document
 
 
 def parse_yaml(text: str, source: str) -> Document:
-    """Parse YAML text, one mapping; ``source`` is the file name used in messages.
+    """Parse YAML text, one mapping.
+
+    Parameters
+    ----------
+    text : str
+        The text.
+    source : str
+        File name used in messages.
+
+    Returns
+    -------
+    Document
+        Data and their places.
 
     Raises
     ------
     InputError
         If the text is not a plain YAML mapping.
     """
-    root = compose(text, source)
-    if root is None or root.empty:
+    root = _composed(text, source)
+    if root is None:
         raise file_error(source, "the file is empty; it must hold a mapping (key: value)")
-    data, marks = plain_data(root)
-    if not isinstance(data, dict):
-        kind = "a list" if isinstance(data, list) else f"the single value {shown(data)}"
+    read = _Reader(root, source)
+    if not isinstance(read.data, dict):
+        kind = "a list" if isinstance(read.data, list) else f"the single value {shown(read.data)}"
         message = f"the top level must be a mapping (key: value), not {kind}"
-        raise InputError([Problem(source, *root.mark, "", message)])
-    return Document(source, data, marks)
+        raise InputError([Problem(source, *_mark(root), "", message)])
+    return Document(source, read.data, read.keys, read.values)
 
 
-def plain_data(root: Node) -> tuple[Any, Marks]:
-    """Return the data of a tree, a fresh copy for each alias, and its places."""
-    keys: dict[KeyPath, Mark] = {}
-    values: dict[KeyPath, Mark] = {}
+def parse_value(text: str) -> Any:
+    """Parse one value on a line: a scalar, or a list or mapping in brackets.
 
-    def plain(node: Node, path: KeyPath) -> Any:
-        values[path] = node.mark
-        if isinstance(node.value, list):
-            return [plain(item, (*path, index)) for index, item in enumerate(node.value)]
-        if not isinstance(node.value, dict):
-            return node.value
-        keys.update({(*path, key): mark for key, (mark, _) in node.value.items()})
-        return {key: plain(child, (*path, key)) for key, (_, child) in node.value.items()}
+    Raises
+    ------
+    InputError
+        If the text is no such value.
+    """
+    try:
+        root = _composed(text.strip(), "")
+        value = None if root is None else _Reader(root, "").data
+    except InputError as error:
+        message = "; ".join(problem.message for problem in error.problems)
+        raise file_error("", f"the value {message}") from error
+    if root is None:
+        raise file_error("", "no value after the = sign (write null for no value)")
+    if not isinstance(root, yaml.ScalarNode) and not root.flow_style:
+        message = "write one value, or a list in brackets such as [1, 2]; quote text with colons"
+        raise file_error("", message)
+    return value
 
-    return plain(root, ()), Marks(keys, values)
+
+def set_absolute_paths(data: Any, folder: Path) -> None:
+    """Replace the relative paths of files in plain data, in place.
+
+    Parameters
+    ----------
+    data : dict, list or scalar
+        Plain data; text under one of `PATH_KEYS` that ends in ``.csv`` is a path.
+    folder : Path
+        Folder that the paths start from.
+    """
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        if isinstance(value, dict | list):
+            set_absolute_paths(value, folder)
+        elif key in PATH_KEYS and isinstance(value, str) and value.endswith(_PATH_SUFFIX):
+            data[key] = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
+
+
+def _composed(text: str, source: str) -> Any:
+    """Return the root node of the only document, None when it is empty."""
+    if len(text.encode("utf-8", "replace")) > _MAX_BYTES:
+        raise file_error(source, _TOO_LARGE)
+    text = text.removeprefix("\ufeff")
+    if odd := _NOT_YAML.search(text):
+        message = f"character U+{ord(odd.group()):04X} is not allowed"
+        raise InputError([Problem(source, *_place_of(text, odd.start()), "", message)])
+    try:
+        # Checked first: the composer of libyaml recurses in C and would crash on deep nesting.
+        _check_events(text, source)
+        root: Any = yaml.compose(text, Loader=_Loader)
+    except yaml.YAMLError as error:
+        raise _syntax_error(error, text, source) from error
+    empty = isinstance(root, yaml.ScalarNode) and not (root.value or root.style)
+    return None if empty else root
+
+
+def _check_events(text: str, source: str) -> None:
+    """Refuse explicit tags, and what exceeds a limit."""
+    depth = aliases = documents = 0
+    for count, event in enumerate(yaml.parse(text, Loader=_Loader)):
+        documents += isinstance(event, yaml.DocumentStartEvent)
+        aliases += isinstance(event, yaml.AliasEvent)
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if tag := getattr(event, "tag", None):
+            tag = shortened(printable(tag.replace("tag:yaml.org,2002:", "!!")))
+            message = f"explicit tags ({tag}) are not allowed"
+        elif documents > 1:
+            message = "only one document (---) is allowed per file"
+        elif depth > _MAX_DEPTH:
+            message = _TOO_DEEP
+        elif count >= _MAX_EVENTS:
+            message = "too many values in one file"
+        elif aliases > _MAX_ALIASES:
+            message = f"too many aliases (at most {_MAX_ALIASES})"
+        else:
+            continue
+        raise InputError([Problem(source, *_mark(event), "", message)])
+
+
+def _syntax_error(error: yaml.YAMLError, text: str, source: str) -> InputError:
+    start = getattr(error, "context_mark", None)
+    mark = getattr(error, "problem_mark", None) or start
+    what = [getattr(error, name, None) for name in ("context", "problem")]
+    words = " ".join(" ".join(part for part in what if part).split()) or "unreadable"
+    line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
+    if start and start.line + 1 != line:
+        words += f" (it starts at line {start.line + 1})"
+    if mark and text[mark.index : mark.index + 1] == "\t":
+        words += "; indent with spaces, not tabs"
+    return InputError([Problem(source, line, column, "", f"is not valid YAML: {words}")])
+
+
+def _place_of(text: str, offset: int) -> Mark:
+    """Return line and column of an offset, counted from 1."""
+    before = text[:offset]
+    return before.count("\n") + 1, len(before) - before.rfind("\n")
+
+
+def _mark(item: Any) -> Mark:
+    return item.start_mark.line + 1, item.start_mark.column + 1
+
+
+class _Reader:
+    """Turns nodes into plain data, a fresh copy for each alias, and notes places and problems."""
+
+    def __init__(self, root: Any, source: str) -> None:
+        self.keys: dict[KeyPath, Mark] = {}
+        self.values: dict[KeyPath, Mark] = {}
+        self._problems: list[Problem] = []
+        self._source = source
+        self.data = self._plain(root, (), ())
+        if self._problems:
+            raise InputError(self._problems)
+
+    def _note(self, node: Any, path: KeyPath, message: str) -> None:
+        self._problems.append(Problem(self._source, *_mark(node), dotted(path), message))
+
+    def _plain(self, node: Any, path: KeyPath, around: tuple[Any, ...]) -> Any:
+        """Return the data of a node at a path within the nodes around it."""
+        self.values[path] = _mark(node)
+        if isinstance(node, yaml.ScalarNode):
+            return _VALUES.get(node.tag, str)(node.value)
+        for holds, message in (
+            (node in around, "an alias refers to a value that contains it"),
+            (len(around) >= _MAX_DEPTH, _TOO_DEEP),
+            (len(self.values) > _MAX_VALUES, "too many values after the expansion of aliases"),
+        ):
+            if holds:
+                self._note(node, path[:1], message)
+                raise InputError(self._problems)
+        around = (*around, node)
+        if isinstance(node, yaml.SequenceNode):
+            return [self._plain(item, (*path, i), around) for i, item in enumerate(node.value)]
+        return self._mapping(node, path, around)
+
+    def _mapping(self, node: Any, path: KeyPath, around: tuple[Any, ...]) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            key = self._key(key_node, path)
+            below = path if key is None else (*path, key)
+            value = self._plain(value_node, below, around)
+            if key in data:
+                line = self.keys[below][0]
+                self._note(key_node, below, f"duplicate key (first at line {line})")
+            elif key is not None:
+                self.keys[below] = _mark(key_node)
+                data[key] = value
+        return data
+
+    def _key(self, node: Any, path: KeyPath) -> str | None:
+        """Return the text of a key; None, with a problem noted, when it is not plain text."""
+        if isinstance(node, yaml.CollectionNode):
+            kind = "a list" if isinstance(node, yaml.SequenceNode) else "a mapping"
+            message = f"a key must be text (got {kind})"
+        elif node.tag in _VALUES:
+            value = shown(_VALUES[node.tag](node.value))
+            message = f"a key must be text (got {value}); put it in quotes"
+        elif node.value == "<<" and not node.style:
+            message = "merge keys (<<) are not allowed; write the keys out"
+        else:
+            return str(node.value)
+        self._note(node, path, message)
+        return None
 
 
 def _reading_trouble(error: OSError | ValueError) -> str:

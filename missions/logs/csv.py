@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
-from missions.files.messages import unknown_key
+from missions.files.validation import unknown_key
 from missions.logs.px4_ulog import read_ulog
 from missions.logs.table import (
     ATTITUDE,

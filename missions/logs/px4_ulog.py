@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.files.errors import file_error, printable
-from missions.logs.table import ATTITUDE, EPOCH, BoolArray, FlightLog, log_from_table
-from solar.sun import FloatArray
+from missions.logs.table import ATTITUDE, EPOCH, FlightLog, log_from_table
+from solar.types import BoolArray, FloatArray
 
 # A sample of a topic stands for a time no further from it than this [s].
 _ATTITUDE_AGE_S, _POSITION_AGE_S, _BATTERY_AGE_S = 0.5, 2.0, 5.0
@@ -36,7 +36,7 @@ class _Topic(NamedTuple):
 def read_ulog(path: str | os.PathLike[str]) -> FlightLog:
     """Read a PX4 ULog; needs the package pyulog.
 
-    Power and tracker voltage come from ``sensor_mppt``, whose times are the log's; of the other
+    Power and MPPT voltage come from ``sensor_mppt``, whose times are the log's; of the other
     topics the nearest sample is taken, none if that is too old. Boot time becomes universal time by
     the median difference to the time of the satellites.
 
@@ -53,7 +53,7 @@ def read_ulog(path: str | os.PathLike[str]) -> FlightLog:
     attitude = _topic(topics, ("vehicle_attitude",), source, "needed for the attitude")
     position = _topic(topics, _POSITION_TOPICS, source, "needed for position and universal time")
     time_s = power.time_s
-    volts, watts = _tracker(power, source)
+    volts, watts = _mppt(power, source)
     columns = {
         EPOCH: time_s + _boot_s(position, source),
         "solar_power_w": watts,
@@ -107,8 +107,8 @@ def _field(topic: _Topic, source: str, *names: str) -> NDArray[Any]:
     raise file_error(source, f"topic {topic.name} has no field {' or '.join(names)}")
 
 
-def _tracker(power: _Topic, source: str) -> tuple[FloatArray, FloatArray]:
-    """Mean voltage [V] of the trackers in use, and power of all [W]."""
+def _mppt(power: _Topic, source: str) -> tuple[FloatArray, FloatArray]:
+    """Mean voltage [V] of the MPPTs in use, and power of all [W]."""
     _field(power, source, "mppt_volt[0]")
     _field(power, source, "mppt_amp[0]")
     count = sum(name.startswith("mppt_volt[") for name in power.fields)

@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     import pandas as pd
 
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int_]
 
 TIME, EPOCH = "time_utc", "time_utc_s"
 ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
@@ -85,7 +83,7 @@ class FlightLog:
     latitude_deg, longitude_deg, altitude_m : ndarray
         Position; altitude above mean sea level.
     solar_power_w : ndarray
-        Power behind the power trackers [W].
+        Power behind the MPPTs [W].
     attitude : EulerAngles or None
         Attitude, none if the log has none.
     ambient_temperature_c, mppt_voltage_v, load_w, state_of_charge : ndarray or None
@@ -156,6 +154,11 @@ def log_from_table(
         Line of each row; without, rows are counted from 2 like those below a header.
     notes : iterable of str
         Notes to keep with the log.
+
+    Returns
+    -------
+    FlightLog
+        Samples in SI units, angles in radians.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from numpy.polynomial import chebyshev
 from missions.files.errors import file_error
 from sizing.aerodynamics.polar_table import PolarTable, parse_polar_table, shipped_table
 from sizing.smooth import Value
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 # The branch ends where the slope of lift falls to a tenth of a thin airfoil's, 2 pi/rad [1/deg].
 _LEAST_SLOPE_PER_DEG = 0.1 * 2.0 * pi * pi / 180.0

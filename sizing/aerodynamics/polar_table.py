@@ -12,7 +12,7 @@ from importlib import resources
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
 

@@ -17,8 +17,9 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError
-from sizing.energy.march import FloatArray
-from sizing.performance import UNCORRECTED_CAM, SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from solar.types import FloatArray
 
 DEFAULT_HIGHEST_M = 20000.0
 DEFAULT_STEP_M = 250.0
@@ -165,8 +166,8 @@ def flight_at_altitude(
         excess_time_h=float(cycle.excess_time_h[worst]),
         minimum_state_of_charge=float(cycle.minimum_state_of_charge[worst]),
         propulsion_power_w=float(design.propulsion_power_w),
-        solar_energy_wh=float(cycle.account.solar_wh[worst]),
-        load_energy_wh=float(cycle.account.load_wh[worst]),
+        solar_energy_wh=float(cycle.energy_budget.solar_wh[worst]),
+        load_energy_wh=float(cycle.energy_budget.load_wh[worst]),
         airspeed_m_per_s=nan if airspeed is None else float(airspeed),
         density_kg_per_m3=density_kg_per_m3,
         module_temperature_c=there.module_temperature_c(),

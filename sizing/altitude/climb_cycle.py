@@ -1,14 +1,14 @@
-"""Height as a second store: climb with surplus power by day, sink back in the evening.
+"""Potential-energy storage: climb with surplus power by day, sink back in the evening.
 
-The state is the stored electric energy ``E`` and the stored height ``W = m g h_e``, with the
+The state is the energy of the battery ``E`` and the potential energy ``W = m g h_e``, with the
 energy height ``h_e = h + V^2 / 2g`` above that of level flight at the lowest altitude. With the
 solar power ``S``, the constant load ``C`` and the propulsion power of level flight ``R``, all at
-the height of the moment, and ``eta`` the efficiency of the propulsion:
+the altitude of the moment, and ``eta`` the efficiency of the propulsion:
 
 * Surplus, ``S > C + R``: the battery is charged as fast as it can be. What is left over climbs,
   ``dW/dt = eta P_climb``, up to the propulsion's largest power and the ceiling: once the battery is
   full, or at any time (:class:`missions.mission.Climb`). The rest is not used.
-* Deficit, ``S < C + R``, while there is height: the motor gets ``S - C`` or nothing, and the
+* Deficit, ``S < C + R``, above the lowest altitude: the motor gets ``S - C`` or nothing, and the
   aircraft sinks, ``dW/dt = -eta (R - P_motor)``. The battery gives what the avionics lack.
 * Deficit at the lowest altitude: the battery gives it all.
 
@@ -17,8 +17,9 @@ Performance Problem, J. Aeronaut. Sci. 21 (3). Drag is that of level flight, whi
 keep to (1 - cos of 3 degrees is 0.1 %); efficiencies do not depend on the load.
 
 Solar power and load are piecewise linear in time between the nodes of the day and linear in the
-stored height between levels. A step takes both at the height extrapolated to its middle, so that
-the error is of second order; without height it is the step of :mod:`sizing.energy.march`.
+potential energy between levels. A step takes both at the altitude extrapolated to its middle, so
+that the error is of second order; at the lowest altitude it is the step of
+:mod:`sizing.energy.march`.
 """
 
 from __future__ import annotations
@@ -26,25 +27,26 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import ClimbLimits, FlightLevels, flight_levels
-from sizing.altitude.climb_march import Balance, Flows, March, Strategy, periodic_state
-from sizing.energy.cycle import Cycle, EnergyAccount, equal_power, excess_and_status
-from sizing.energy.march import BoolArray, FloatArray, Store
-from sizing.performance import UNCORRECTED_CAM, Performance, SolarModel, performance, solar_day
+from sizing.altitude.climb_march import Flows, March, Strategy, periodic_state
+from sizing.energy.battery import Store
+from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
+from sizing.performance import Performance, performance
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 
 @dataclass(frozen=True)
-class ClimbAccount:
+class ClimbEnergyBudget:
     """Where the energy of one cycle goes [Wh]; arrays of the scenarios.
 
-    ``solar + unserved = constant_load + level_flight + propulsion_loss + stored + stored_height
-    + charge_loss + discharge_loss + curtailed``. ``level_flight`` is the aerodynamic work of
-    staying up (drag times airspeed), whether motor or height does it; ``climb_electric`` and
-    ``glide_height`` are parts of the flows: electric energy spent on climbing, height given back.
+    ``solar + unserved = constant_load + level_flight + propulsion_loss + stored + stored_potential
+    + charge_loss + discharge_loss + curtailed``. ``level_flight`` is drag times airspeed, whether
+    the motor or a descent provides it; ``climb_electric`` and ``glide_potential`` are parts of the
+    flows: electric energy spent on climbing, potential energy given back.
     """
 
     solar_wh: FloatArray
@@ -53,46 +55,45 @@ class ClimbAccount:
     level_flight_wh: FloatArray
     propulsion_loss_wh: FloatArray
     stored_wh: FloatArray
-    stored_height_wh: FloatArray
+    stored_potential_wh: FloatArray
     charge_loss_wh: FloatArray
     discharge_loss_wh: FloatArray
     curtailed_wh: FloatArray
     climb_electric_wh: FloatArray
-    glide_height_wh: FloatArray
-
-    @property
-    def imbalance_wh(self) -> FloatArray:
-        """What the account leaves unexplained [Wh]: rounding."""
-        sources = self.solar_wh + self.unserved_wh
-        uses = self.constant_load_wh + self.level_flight_wh + self.propulsion_loss_wh
-        stores = self.stored_wh + self.stored_height_wh
-        losses = self.charge_loss_wh + self.discharge_loss_wh
-        return sources - uses - stores - losses - self.curtailed_wh
+    glide_potential_wh: FloatArray
 
 
 @dataclass(frozen=True)
 class ClimbCycle:
-    """Converged cycles with height as a second store.
+    """Converged cycles with potential-energy storage.
 
     ``cycle`` has the metrics of :mod:`sizing.energy.cycle`, on the nodes of the day, with two
-    extensions:
-    excess time counts the glide from whatever height is left at the morning's equal power before
-    the battery takes over, and the load is what motor and avionics draw in fact. Arrays of the
-    trajectory have the shape ``(scenario, step)`` with the nodes ``time_h``; power is the mean of
-    the step that begins there. ``gliding_h`` is the time of sinking after the last climb of the
-    day.
+    extensions: excess time counts the glide from whatever altitude is left at the morning's equal
+    power before the battery takes over, and the load is what motor and avionics draw in fact.
+    Arrays of the trajectory have the shape ``(scenario, step)`` with the nodes ``time_h``; power is
+    the mean of the step that begins there. ``gliding_h`` is the time of sinking after the last
+    climb of the day.
     """
 
     cycle: Cycle
-    account: ClimbAccount
+    energy_budget: ClimbEnergyBudget
     time_h: FloatArray
     altitude_m: FloatArray
     energy_wh: FloatArray
+    potential_energy_wh: FloatArray
     solar_power_w: FloatArray
     load_w: FloatArray
-    maximum_altitude_m: FloatArray
-    maximum_height_wh: FloatArray
     gliding_h: FloatArray
+
+    @property
+    def maximum_altitude_m(self) -> FloatArray:
+        """Highest altitude of the day [m]."""
+        return np.asarray(self.altitude_m.max(axis=-1))
+
+    @property
+    def maximum_potential_energy_wh(self) -> FloatArray:
+        """Largest potential energy of the day [Wh]."""
+        return np.asarray(self.potential_energy_wh.max(axis=-1))
 
     @property
     def nodes(self) -> slice:
@@ -116,8 +117,8 @@ class ClimbPerformance:
     def gain_h(self) -> FloatArray:
         """Excess time that climbing adds [h]; 0 where both are infinite."""
         ours, theirs = self.performance.cycle.excess_time_h, self.constant.cycle.excess_time_h
-        endless = np.isinf(ours) & np.isinf(theirs)
-        return np.where(endless, 0.0, ours - np.where(endless, 0.0, theirs))
+        unlimited = np.isinf(ours) & np.isinf(theirs)
+        return np.where(unlimited, 0.0, ours - np.where(unlimited, 0.0, theirs))
 
 
 def climb_performance(
@@ -163,16 +164,16 @@ def climb_performance(
 def simulate_climb(
     time_h: FloatArray, levels: FlightLevels, store: Store, strategy: Strategy
 ) -> ClimbCycle:
-    """Converge the cycle with height as a second store and measure it.
+    """Converge the cycle with potential-energy storage and measure it.
 
     Parameters
     ----------
     time_h : ndarray, shape (time,)
         Nodes over one day, 0 to 24 [h], both ends included.
     levels : FlightLevels
-        Solar power, propulsion power and stored height over altitude.
+        Solar power, propulsion power and potential energy over altitude.
     store : Store
-        Batteries; ``energy_max_wh`` broadcasts with the scenarios.
+        Batteries; their energy broadcasts with the scenarios.
     strategy : {"battery_full", "surplus"}
         When surplus power may be spent on climbing.
 
@@ -181,100 +182,80 @@ def simulate_climb(
     ClimbCycle
         Arrays of the scenarios.
     """
-    scenarios = levels.solar_power_w.shape[1]
-    energy_max = np.broadcast_to(store.energy_max_wh, (scenarios,)).astype(float)
-    march = March(time_h, levels, replace(store, energy_max_wh=energy_max), strategy)
-    energy, height = periodic_state(march)
-    record = _Record(march)
-    record.close(*march.fly(energy, height, record.note))
-    return record.result()
+    march = March(time_h, levels, store.flat((levels.solar_power_w.shape[1],)), strategy)
+    return _Day(march).result()
 
 
-class _Record:
-    """Collects trajectory, flows and metrics of one day."""
+class _Day:
+    """Trajectory, flows and metrics of the day that repeats itself; time is the first axis."""
 
     def __init__(self, march: March) -> None:
         self.march = march
         self.time_h = march.time_h
         shape = (len(self.time_h), len(march.places))
-        self.energy, self.height = np.empty(shape), np.empty(shape)
+        self.energy, self.potential = np.empty(shape), np.empty(shape)
         self.solar_w, self.load_w = np.empty(shape), np.empty(shape)
-        self.lowest = np.full(shape[1], np.inf)
         self.sums = Flows(*(np.zeros(shape[1]) for _ in Flows._fields))
-
-    def note(
-        self,
-        number: int,
-        energy: FloatArray,
-        height: FloatArray,
-        balance: Balance,
-        flows: Flows,
-    ) -> None:
-        """Take down one step."""
-        self.energy[number], self.height[number] = energy, height
-        hours = self.time_h[number + 1] - self.time_h[number]
-        self.solar_w[number] = balance.solar_left
-        motor_wh = flows.level_electric_wh + flows.climb_wh - flows.glide_wh
-        self.load_w[number] = motor_wh / hours + self.march.levels.constant_power_w
-        self.sums = Flows(*(a + b for a, b in zip(self.sums, flows, strict=True)))
-
-    def close(self, energy: FloatArray, height: FloatArray) -> None:
-        """Take down the end of the day; its power is that of the beginning."""
-        self.energy[-1], self.height[-1] = energy, height
+        end = periodic_state(march)
+        for k, step in enumerate(march.steps(end)):
+            self.energy[k], self.potential[k] = step.start
+            hours = self.time_h[k + 1] - self.time_h[k]
+            self.solar_w[k] = step.power.solar_left_w
+            self.load_w[k] = step.flows.motor_wh / hours + march.levels.constant_power_w
+            self.sums = Flows(*(a + b for a, b in zip(self.sums, step.flows, strict=True)))
+            end = step.end
+        self.energy[-1], self.potential[-1] = end
+        # The power of the end is that of the beginning.
         self.solar_w[-1], self.load_w[-1] = self.solar_w[0], self.load_w[0]
 
     def result(self) -> ClimbCycle:
         """Metrics of the whole day."""
-        levels = self.march.levels
+        budget = self._energy_budget()
         return ClimbCycle(
-            cycle=self._cycle(),
-            account=self._account(),
+            cycle=self._cycle(budget),
+            energy_budget=budget,
             time_h=self.time_h,
-            altitude_m=levels.altitude_at(self.height.T),
+            altitude_m=self.march.levels.altitude_at(self.potential.T),
             energy_wh=self.energy.T.copy(),
+            potential_energy_wh=self.potential.T.copy(),
             solar_power_w=self.solar_w.T.copy(),
             load_w=self.load_w.T.copy(),
-            maximum_altitude_m=levels.altitude_at(self.height.max(axis=0)),
-            maximum_height_wh=self.height.max(axis=0),
-            gliding_h=_gliding_h(self.time_h, self.height),
+            gliding_h=_gliding_h(self.time_h, self.potential),
         )
 
-    def _account(self) -> ClimbAccount:
+    def _energy_budget(self) -> ClimbEnergyBudget:
         sums, march = self.sums, self.march
         eta = march.levels.limits.efficiency
-        electric = sums.level_electric_wh + sums.climb_wh - sums.glide_wh
-        return ClimbAccount(
+        return ClimbEnergyBudget(
             solar_wh=sums.solar_wh,
             unserved_wh=sums.unserved_wh,
             constant_load_wh=np.full_like(sums.solar_wh, 24.0 * march.levels.constant_power_w),
             level_flight_wh=eta * sums.level_electric_wh,
-            propulsion_loss_wh=(1.0 - eta) * electric,
+            propulsion_loss_wh=(1.0 - eta) * sums.motor_wh,
             stored_wh=self.energy[-1] - self.energy[0],
-            stored_height_wh=self.height[-1] - self.height[0],
+            stored_potential_wh=self.potential[-1] - self.potential[0],
             charge_loss_wh=sums.charged_wh * (1.0 / march.store.charge_efficiency - 1.0),
             discharge_loss_wh=sums.drawn_wh * (1.0 - march.store.discharge_efficiency),
             curtailed_wh=sums.curtailed_wh,
             climb_electric_wh=sums.climb_wh,
-            glide_height_wh=eta * sums.glide_wh,
+            glide_potential_wh=eta * sums.glide_wh,
         )
 
-    def _cycle(self) -> Cycle:
-        """Metrics of :mod:`sizing.energy.cycle`, with the height that is left at dawn."""
-        march, sums = self.march, self.sums
-        capacity, levels = march.store.energy_max_wh, march.levels
+    def _cycle(self, budget: ClimbEnergyBudget) -> Cycle:
+        """Metrics of :mod:`sizing.energy.cycle`, with the altitude that is left at dawn."""
+        march, levels, sums = self.march, self.march.levels, self.sums
+        battery_energy_wh = march.store.battery_energy_wh
         floor_w = levels.solar_power_w[0].T
         equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
         excess, status = excess_and_status(
             equal,
-            starved=sums.unserved_wh > 1e-9 * capacity,
+            runs_empty=sums.unserved_wh > 1e-9 * battery_energy_wh,
             sunlit=np.any(floor_w > 0.0, axis=0),
             missing_h=sums.missing_h,
             reserve_h=self._reserve_h(equal.morning_h),
         )
-        lowest = self.energy.min(axis=0) / capacity
+        lowest = self.energy.min(axis=0) / battery_energy_wh
         first_full, last_full = self._full_h()
-        account = self._account()
-        motor_wh = sums.level_electric_wh + sums.climb_wh - sums.glide_wh
         return Cycle(
             status=status,
             excess_time_h=excess,
@@ -284,28 +265,28 @@ class _Record:
             equal_power_evening_h=equal.evening_h,
             full_charge_h=first_full,
             missing_h=sums.missing_h,
-            account=EnergyAccount(
-                solar_wh=sums.solar_wh,
-                load_wh=account.constant_load_wh + motor_wh,
-                unserved_wh=sums.unserved_wh,
-                stored_wh=account.stored_wh,
-                charge_loss_wh=account.charge_loss_wh,
-                discharge_loss_wh=account.discharge_loss_wh,
-                curtailed_wh=sums.curtailed_wh,
+            energy_budget=EnergyBudget(
+                solar_wh=budget.solar_wh,
+                load_wh=budget.constant_load_wh + sums.motor_wh,
+                unserved_wh=budget.unserved_wh,
+                stored_wh=budget.stored_wh,
+                charge_loss_wh=budget.charge_loss_wh,
+                discharge_loss_wh=budget.discharge_loss_wh,
+                curtailed_wh=budget.curtailed_wh,
             ),
             time_h=march.node_h,
             energy_wh=self.energy[:: march.steps_per_node].T.copy(),
         )
 
     def _reserve_h(self, dawn_h: FloatArray) -> FloatArray:
-        """Hours that height and battery left at dawn would last without any sun.
+        """Hours that altitude and battery left at dawn would last without any sun.
 
         The aircraft glides first, while the battery feeds the avionics alone.
         """
         levels, eta = self.march.levels, self.march.store.discharge_efficiency
         at = np.where(np.isnan(dawn_h), 0.0, dawn_h)
         energy = _at_times(self.time_h, self.energy, at) * eta
-        glide_h = levels.glide_h(_at_times(self.time_h, self.height, at))
+        glide_h = levels.glide_h(_at_times(self.time_h, self.potential, at))
         for_avionics = levels.constant_power_w * glide_h
         with np.errstate(divide="ignore", invalid="ignore"):
             level_h = np.maximum(energy - for_avionics, 0.0) / levels.nominal_load_w
@@ -314,7 +295,7 @@ class _Record:
 
     def _full_h(self) -> tuple[FloatArray, FloatArray]:
         """First and last instant of full charge [h], NaN without one."""
-        full = self.energy >= self.march.full_wh
+        full = self.energy >= self.march.counts_as_full_wh
         ever = full.any(axis=0)
         first = self.time_h[np.argmax(full, axis=0)]
         last = self.time_h[len(full) - 1 - np.argmax(full[::-1], axis=0)]
@@ -327,21 +308,12 @@ def _at_times(time_h: FloatArray, values: FloatArray, at_h: FloatArray) -> Float
     return np.array([np.interp(hour, time_h, column) for column, hour in pairs])
 
 
-def _gliding_h(time_h: FloatArray, height_wh: FloatArray) -> FloatArray:
+def _gliding_h(time_h: FloatArray, potential_wh: FloatArray) -> FloatArray:
     """Hours of sinking between the last climb of the day and the next one."""
-    hours = np.diff(time_h)
-    change = np.diff(height_wh, axis=0)
-    result = np.zeros(height_wh.shape[1])
-    for place in range(len(result)):
-        climbs: NDArray[np.intp] = np.flatnonzero(change[:, place] > 0.0)
-        if not len(climbs):
-            continue
-        sinks: BoolArray = change[:, place] < 0.0
-        # The glide may last beyond midnight, to the first climb of the next day.
-        result[place] = hours[sinks & _outside(len(sinks), climbs[0], climbs[-1])].sum()
-    return result
-
-
-def _outside(count: int, first: np.intp, last: np.intp) -> BoolArray:
-    place = np.arange(count)
-    return np.asarray((place < first) | (place > last))
+    change = np.diff(potential_wh, axis=0)
+    climbs = change > 0.0
+    begun = np.logical_or.accumulate(climbs, axis=0)
+    to_come = np.logical_or.accumulate(climbs[::-1], axis=0)[::-1]
+    # The glide may last beyond midnight, to the first climb of the next day.
+    gliding = (change < 0.0) & ~(begun & to_come) & climbs.any(axis=0)
+    return np.asarray(np.diff(time_h) @ gliding)

@@ -1,4 +1,4 @@
-"""One aircraft between the lowest altitude and the ceiling: power, sunlight and stored height."""
+"""One aircraft between its lowest altitude and its ceiling: power, sunlight, potential energy."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, measured_design, parametric_design
-from sizing.energy.march import FloatArray
-from sizing.performance import Performance, SolarDay, SolarModel, solar_day
+from sizing.performance import Performance
+from sizing.sunlight import SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 # Between levels everything is linear: the pressure's curvature over 500 m is 0.05 %.
 _LEVEL_SPACING_M = 500.0
@@ -39,14 +40,23 @@ class ClimbLimits(NamedTuple):
 class FlightLevels:
     """One aircraft, of one mass, between the lowest altitude and the ceiling.
 
-    ``altitude_m``, ``height_wh`` (stored height above the lowest level) and ``propulsion_power_w``
-    (electric, level flight in calm air) have one entry per level, ``solar_power_w`` the shape
-    ``(level, scenario, time)``; ``turbulence_factor`` on the propulsion power has the shape
-    ``(scenario, time)``. ``nominal_factor`` is the factor without thermals.
+    Attributes
+    ----------
+    altitude_m, potential_energy_wh, propulsion_power_w : ndarray, shape (level,)
+        Altitude [m], energy of altitude and speed above that of the lowest level [Wh], and electric
+        propulsion power of level flight in calm air [W].
+    solar_power_w : ndarray, shape (level, scenario, time)
+        Power of the solar modules [W].
+    turbulence_factor : ndarray, shape (scenario, time)
+        Factor on the propulsion power [-]; ``nominal_factor`` is that without thermals.
+    constant_power_w : float
+        Power of avionics and payload [W].
+    limits : ClimbLimits
+        What the propulsion can do.
     """
 
     altitude_m: FloatArray
-    height_wh: FloatArray
+    potential_energy_wh: FloatArray
     propulsion_power_w: FloatArray
     solar_power_w: FloatArray
     turbulence_factor: FloatArray
@@ -54,24 +64,24 @@ class FlightLevels:
     constant_power_w: float
     limits: ClimbLimits
 
-    def altitude_at(self, height_wh: FloatArray) -> FloatArray:
-        """Altitude [m] of a stored height [Wh]."""
-        return np.asarray(np.interp(height_wh, self.height_wh, self.altitude_m))
+    def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
+        """Altitude [m] of a potential energy [Wh]."""
+        return np.asarray(np.interp(potential_energy_wh, self.potential_energy_wh, self.altitude_m))
 
     @property
     def nominal_load_w(self) -> float:
         """Load at the lowest altitude without thermals [W]."""
         return float(self.propulsion_power_w[0]) * self.nominal_factor + self.constant_power_w
 
-    def glide_h(self, height_wh: FloatArray) -> FloatArray:
-        """Hours of gliding from a stored height with the motor off [h]."""
-        heights = np.linspace(0.0, self.height_wh[-1], _GLIDE_POINTS)
-        power = np.interp(heights, self.height_wh, self.propulsion_power_w) * self.nominal_factor
-        slowness = 1.0 / (self.limits.efficiency * power)
+    def glide_h(self, potential_energy_wh: FloatArray) -> FloatArray:
+        """Hours of gliding from a potential energy [Wh] with the motor off [h]."""
+        energies = np.linspace(0.0, self.potential_energy_wh[-1], _GLIDE_POINTS)
+        level_w = np.interp(energies, self.potential_energy_wh, self.propulsion_power_w)
+        slowness = 1.0 / (self.limits.efficiency * (level_w * self.nominal_factor))
         hours = np.concatenate(
-            ([0.0], np.cumsum(np.diff(heights) * (slowness[1:] + slowness[:-1]) / 2.0))
+            ([0.0], np.cumsum(np.diff(energies) * (slowness[1:] + slowness[:-1]) / 2.0))
         )
-        return np.asarray(np.interp(height_wh, heights, hours))
+        return np.asarray(np.interp(potential_energy_wh, energies, hours))
 
 
 def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
@@ -79,6 +89,13 @@ def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
 
     Parametric: the rated power of the propulsion, sized at the mission's altitude. Measured: as
     the file says.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        With its propulsion.
+    design : Design
+        Its mass and the power of its level flight at the mission's altitude.
 
     Raises
     ------
@@ -119,7 +136,22 @@ def flight_levels(
     constant: Performance,
     solar_factor: float = 1.0,
 ) -> FlightLevels:
-    """Power and sunlight between a mission's altitude and its ceiling, for the mass built."""
+    """Power and sunlight between a mission's altitude and its ceiling, for the mass built.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`sizing.performance.performance`; the mission has ``climb``.
+    constant : Performance
+        Flight at the mission's altitude.
+    solar_factor : float
+        Factor on all solar power [-].
+
+    Raises
+    ------
+    ClimbLimitError
+        If the aircraft has no power to climb with.
+    """
     assert mission.climb is not None
     design, day = constant.design, constant.day
     floor_m, ceiling_m = mission.altitude_m, mission.climb.ceiling_m
@@ -132,7 +164,7 @@ def flight_levels(
     area_m2 = float(design.variables.module_area_m2)
     return FlightLevels(
         altitude_m=altitudes,
-        height_wh=weight_n * (energy_height_m - energy_height_m[0]) / 3600.0,
+        potential_energy_wh=weight_n * (energy_height_m - energy_height_m[0]) / 3600.0,
         propulsion_power_w=np.array([float(d.propulsion_power_w) for d in flown]),
         solar_power_w=area_m2
         * np.stack(

@@ -1,1 +1,7 @@
-"""Part of the package."""
+"""Battery over day and night.
+
+* ``battery``: capacity, efficiencies, limit of the charging power
+* ``march``: the battery integrated over time, a batch of designs and scenarios at once
+* ``cycle``: metrics of one day repeated; ``endurance``: the longest flight
+* ``power_balance`` and ``bracketing``: exact integrals and roots that both use
+"""

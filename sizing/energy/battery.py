@@ -1,17 +1,17 @@
-"""The battery: capacity, efficiencies, and how fast it may be charged."""
+"""The battery: energy at full charge, efficiencies, and how fast it may be charged."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
 from solar.schema import Fraction, PositiveReal, Record, UnitInterval
-
-FloatArray = NDArray[np.float64]
+from solar.types import BoolArray, FloatArray, IntArray
 
 # Fine enough that integrating 1/rate over it by the trapezoidal rule errs by less than 1e-6 h.
 _TABLE_POINTS = 4001
@@ -69,7 +69,14 @@ def constant_up_to(limit: ChargeLimit) -> float:
 
 
 def charge_rate_per_h(limit: ChargeLimit, state_of_charge: ArrayLike) -> FloatArray:
-    """Largest stored power relative to the capacity [1/h] at a state of charge.
+    """Largest stored power relative to the energy at full charge [1/h].
+
+    Parameters
+    ----------
+    limit : ChargeLimit
+        Rule or table; a table is held constant outside its range.
+    state_of_charge : array_like
+        State of charge, 0 to 1 [-].
 
     Raises
     ------
@@ -117,7 +124,15 @@ class ChargeClock:
         return cls(soc, hours, constant_up_to(limit), float(charge_rate_per_h(limit, 0.0)))
 
     def after(self, state_of_charge: FloatArray, duration_h: ArrayLike) -> FloatArray:
-        """State of charge after following the limit for ``duration_h`` hours, at most 1."""
+        """State of charge after following the limit for a while, at most 1 [-].
+
+        Parameters
+        ----------
+        state_of_charge : ndarray
+            State of charge at the start [-].
+        duration_h : array_like
+            How long the limit is followed [h].
+        """
         start_h = np.interp(state_of_charge, self.state_of_charge, self.hours)
         end_h = np.asarray(start_h + np.asarray(duration_h, float))
         return np.asarray(np.interp(end_h, self.hours, self.state_of_charge))
@@ -139,6 +154,103 @@ class Battery(Record):
     charge_limit: ChargeLimit = NoChargeLimit()
 
     @property
-    def energy_wh(self) -> float:
+    def battery_energy_wh(self) -> float:
         """Energy at full charge [Wh]."""
         return self.mass_kg * self.specific_energy_wh_per_kg
+
+
+@dataclass(frozen=True)
+class Store:
+    """What the time marching needs of the batteries of a batch, which differ in size alone.
+
+    Attributes
+    ----------
+    battery_energy_wh : ndarray
+        Energy at full charge of every element [Wh].
+    charge_efficiency, discharge_efficiency : float
+        Stored over surplus, and delivered over drawn energy [-].
+    clock : ChargeClock or None
+        Charge limit; none where charging is not limited.
+    """
+
+    battery_energy_wh: FloatArray
+    charge_efficiency: float
+    discharge_efficiency: float
+    clock: ChargeClock | None
+
+    @classmethod
+    def of(cls, battery: Battery, battery_energy_wh: ArrayLike | None = None) -> Store:
+        """Store of a battery, or of a batch that differs from it in size alone.
+
+        Parameters
+        ----------
+        battery : Battery
+            Battery as its file describes it.
+        battery_energy_wh : array_like, optional
+            Energy at full charge of every element [Wh]; by default that of the battery.
+        """
+        energy = battery.battery_energy_wh if battery_energy_wh is None else battery_energy_wh
+        return cls(
+            battery_energy_wh=np.asarray(energy, float),
+            charge_efficiency=battery.charge_efficiency,
+            discharge_efficiency=battery.discharge_efficiency,
+            clock=ChargeClock.of(battery.charge_limit),
+        )
+
+    def flat(self, shape: tuple[int, ...]) -> Store:
+        """Store of every element of a batch of some shape, as a batch of one dimension."""
+        energy = np.broadcast_to(self.battery_energy_wh, shape).reshape(-1)
+        return replace(self, battery_energy_wh=energy)
+
+    def select(self, cells: IntArray | BoolArray | slice) -> Store:
+        """Store of a part of a one-dimensional batch."""
+        return replace(self, battery_energy_wh=self.battery_energy_wh[cells])
+
+    def charged(
+        self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
+    ) -> FloatArray:
+        """Stored energy after charging from a surplus for some hours [Wh].
+
+        Parameters
+        ----------
+        energy_wh, surplus_wh : ndarray
+            Stored energy at the start, and surplus over these hours [Wh].
+        hours : array_like
+            How long the surplus lasts [h].
+        """
+        target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
+        if self.clock is None:
+            return np.asarray(target)
+        # While the limit is constant it adds a constant power; beyond, the clock gives the time.
+        allowed = energy_wh + self._constant_limit_w * np.asarray(hours, float)
+        charged = np.asarray(np.minimum(target, allowed))
+        tapered = charged > np.maximum(energy_wh, self._constant_up_to_wh)
+        at = np.flatnonzero(tapered)
+        if len(at):
+            full, start, goal, duration = (
+                _pick(v, tapered, at) for v in (self.battery_energy_wh, energy_wh, target, hours)
+            )
+            limited = self.clock.after(np.minimum(start / full, 1.0), duration) * full
+            # A round trip through the clock's table must not lose the last digits of a full one.
+            charged.reshape(-1)[at] = np.maximum(np.minimum(goal, limited), start)
+        return charged
+
+    @cached_property
+    def _constant_limit_w(self) -> FloatArray:
+        """Charge limit of an empty battery [W], counted in stored power."""
+        return self.battery_energy_wh * (
+            np.inf if self.clock is None else self.clock.constant_rate_per_h
+        )
+
+    @cached_property
+    def _constant_up_to_wh(self) -> FloatArray:
+        """Energy up to which the charge limit is constant [Wh]."""
+        return self.battery_energy_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
+
+
+def _pick(values: ArrayLike, like: BoolArray, at: IntArray) -> FloatArray:
+    """Values of an array, seen in the shape of another, at some of its places."""
+    array = np.asarray(values, float)
+    if array.ndim and array.shape != like.shape:
+        array = np.broadcast_to(array, like.shape)
+    return array.reshape(-1).take(at) if array.ndim else array

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from sizing.energy.power_balance import BoolArray, FloatArray, IntArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 _MAXIMUM_ROUNDS = 100
 _SECANT_ROUNDS = 8

@@ -1,13 +1,13 @@
-"""Metrics of one day of the year repeated for ever: the cycle.
+"""Metrics of one day of the year that repeats itself: the cycle.
 
 Definitions (times in solar hours):
 
 * ``equal_power_morning_h``, ``equal_power_evening_h``: first and last instant at which solar power
   equals the nominal load (the load without the extra power of thermals by day).
 * ``excess_time_h``: the energy left at the morning's equal power, once the cycle repeats itself,
-  would keep the aircraft up for so many more hours without any sun. Where the battery runs empty,
-  it is minus the hours of the cycle in which the load cannot be met. Infinite where solar power
-  never falls below the load.
+  would keep the aircraft airborne for so many more hours without any sun. Where the battery runs
+  empty, it is minus the hours of the cycle in which the load cannot be met. Infinite where solar
+  power never falls below the load.
 * ``minimum_state_of_charge``: of the converged cycle; 0 where the battery runs empty.
 * ``charge_margin_h``: from the first full charge to the last instant of full charge; 0 where full
   charge is not reached.
@@ -15,34 +15,37 @@ Definitions (times in solar hours):
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 from enum import IntEnum
+from functools import cached_property
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from sizing.energy.battery import Store
 from sizing.energy.march import (
-    BoolArray,
     ChargingDay,
     DayRun,
-    FloatArray,
-    IntArray,
-    PowerBalance,
-    Step,
-    Store,
-    crossing_fraction,
     first_repetition,
     full_after_h,
-    interval_reaching,
     repeated_day,
+    unserved_h,
+)
+from sizing.energy.power_balance import (
+    PowerBalance,
+    blocks,
+    crossing_fraction,
+    interval_reaching,
     running_sum,
     sum_over_time,
     surplus_phase_h,
-    unserved_h,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
-_FULL = 1.0 - 1e-9  # of the capacity: what the clock's table resolves
+FULL = 1.0 - 1e-9  # state of charge that counts as full: what the clock's table resolves
 # Elements of a batch simulated at once: a day of each array stays near the processor.
 CELLS_AT_ONCE = 1024
 
@@ -57,7 +60,7 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True)
-class EnergyAccount:
+class EnergyBudget:
     """Where the energy of one cycle goes [Wh]; arrays of the batch.
 
     ``solar + unserved = load + stored + charge_loss + discharge_loss + curtailed``.
@@ -84,13 +87,13 @@ class Cycle:
     equal_power_evening_h: FloatArray
     full_charge_h: FloatArray
     missing_h: FloatArray
-    account: EnergyAccount
+    energy_budget: EnergyBudget
     time_h: FloatArray
     energy_wh: FloatArray
 
     @property
     def perpetual(self) -> BoolArray:
-        """Mark the cycles that repeat for ever."""
+        """Mark the cycles of perpetual flight."""
         return np.isin(self.status, (Status.perpetual, Status.always_lit))
 
 
@@ -106,9 +109,19 @@ class EqualPower:
 
 
 def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
-    """First rise and last fall of the net power through zero; time is the first axis.
+    """First rise and last fall of a net power through zero.
 
-    Where there is no such instant the time is NaN: the power is then always, or never, enough.
+    Parameters
+    ----------
+    time_h : ndarray, shape (time,)
+        Nodes [h].
+    net_w : ndarray, shape (time, ...)
+        Solar power less the nominal load at the nodes [W].
+
+    Returns
+    -------
+    EqualPower
+        NaN where there is no such instant: the power is then always, or never, enough.
     """
     shape = net_w.shape[1:]
     net = net_w.reshape(len(net_w), -1)
@@ -135,19 +148,18 @@ class _Marked(NamedTuple):
 
 def _first(marks: BoolArray) -> _Marked:
     """First marked row of every column; fast where marks are rare."""
-    row, column = np.divmod(np.flatnonzero(marks), marks.shape[1])
-    return _marked(row[::-1], column[::-1], marks.shape[1])
+    return _marked(marks, slice(None, None, -1))
 
 
 def _last(marks: BoolArray) -> _Marked:
     """Last marked row of every column; fast where marks are rare."""
+    return _marked(marks, slice(None))
+
+
+def _marked(marks: BoolArray, order: slice) -> _Marked:
     row, column = np.divmod(np.flatnonzero(marks), marks.shape[1])
-    return _marked(row, column, marks.shape[1])
-
-
-def _marked(row: IntArray, column: IntArray, columns: int) -> _Marked:
-    found = np.full(columns, -1, np.intp)
-    found[column] = row  # of equal columns the last one stays
+    found = np.full(marks.shape[1], -1, np.intp)
+    found[column[order]] = row[order]  # of equal columns the last one stays
     return _Marked(np.maximum(found, 0), found >= 0)
 
 
@@ -182,7 +194,7 @@ def simulate_cycle(
     load_w : array_like
         Power that the aircraft draws [W], broadcasting with ``solar_power_w``.
     store : Store
-        Batteries; ``energy_max_wh`` broadcasts with the batch ``...``.
+        Batteries; ``battery_energy_wh`` broadcasts with the batch ``...``.
     nominal_load_w : array_like, shape (...), optional
         Load that defines equal power and excess time [W]; the smallest load of the day if omitted.
     keep_trajectory : bool
@@ -196,11 +208,16 @@ def simulate_cycle(
     time = np.asarray(time_h, float)
     solar, load = np.broadcast_arrays(np.asarray(solar_power_w, float), np.asarray(load_w, float))
     nominal = np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
-    batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, np.shape(store.energy_max_wh))
+    batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, store.battery_energy_wh.shape)
     solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
-    nominal, full = (np.broadcast_to(v, batch).reshape(-1) for v in (nominal, store.energy_max_wh))
-    cells = _Cells(time, solar, load, nominal, replace(store, energy_max_wh=full))
-    return _reshaped(_simulated(cells, keep_trajectory), batch)
+    cells = _Cells(
+        time,
+        solar,
+        load,
+        np.broadcast_to(nominal, batch).reshape(-1),
+        store.flat(batch),
+    )
+    return _simulated(cells, batch, keep_trajectory=keep_trajectory)
 
 
 def _time_first(values: FloatArray) -> FloatArray:
@@ -227,84 +244,72 @@ class _Cells:
             self.store.select(some),
         )
 
-    def above_nominal_w(self, balance: PowerBalance) -> FloatArray:
+    @cached_property
+    def balance(self) -> PowerBalance:
+        return PowerBalance.of(self.time_h, self.solar_w.T, self.load_w.T)
+
+    @property
+    def day(self) -> ChargingDay:
+        return ChargingDay.of(self.balance)
+
+    def above_nominal_w(self) -> FloatArray:
         """Solar power less the nominal load."""
         if np.array_equal(self.load_w, np.broadcast_to(self.nominal_w, self.load_w.shape)):
-            return balance.net_w
+            return self.balance.net_w
         return self.solar_w - self.nominal_w
 
 
-def _simulated(cells: _Cells, keep_trajectory: bool) -> Cycle:
-    """Cycle of a one-dimensional batch, in blocks; what does not settle at once comes last."""
-    count = len(cells.nominal_w)
-    parts, late = [], [np.empty(0, np.intp)]
-    for start in range(0, max(count, 1), CELLS_AT_ONCE):
-        some = cells.select(slice(start, start + CELLS_AT_ONCE))
-        balance = PowerBalance.of(some.time_h, some.solar_w.T, some.load_w.T)
-        run, unsettled = first_repetition(ChargingDay.of(balance), some.store)
-        parts.append(_measured(some, balance, run, keep_trajectory))
-        late.append(start + unsettled)
-    cycle, places = _joined(parts), np.concatenate(late)
-    for start in range(0, len(places), CELLS_AT_ONCE):
-        place = places[start : start + CELLS_AT_ONCE]
-        some = cells.select(place)
-        balance = PowerBalance.of(some.time_h, some.solar_w.T, some.load_w.T)
-        run = repeated_day(ChargingDay.of(balance), some.store)
-        _overwrite(cycle, place, _measured(some, balance, run, keep_trajectory))
-    return cycle
+def _simulated(cells: _Cells, batch: tuple[int, ...], *, keep_trajectory: bool) -> Cycle:
+    """Cycle of a batch, in blocks; elements that do not settle at once come last, together."""
+    parts, unsettled = [], []
+    for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
+        block = cells.select(some)
+        run, left = first_repetition(block.day, block.store)
+        parts.append(_measured(block, run, keep_trajectory))
+        unsettled.append(some.start + left)
+    places = np.concatenate(unsettled)
+    late = []
+    for some in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
+        block = cells.select(places[some])
+        run = repeated_day(block.day, block.store)
+        late.append((places[some], _measured(block, run, keep_trajectory)))
+
+    def column(pick: Callable[[Cycle], Any]) -> Any:
+        values = np.concatenate([pick(part) for part in parts])
+        for place, part in late:
+            values[place] = pick(part)
+        return values.reshape(batch + values.shape[1:])
+
+    budget = {f.name: column(attrgetter(f"energy_budget.{f.name}")) for f in fields(EnergyBudget)}
+    rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
+    return Cycle(
+        time_h=cells.time_h,
+        energy_budget=EnergyBudget(**budget),
+        **{name: column(attrgetter(name)) for name in rest},
+    )
 
 
-def _columns(kind: type) -> list[str]:
-    """Names of the fields that have an element for every element of the batch."""
-    return [f.name for f in fields(kind) if f.name not in ("time_h", "account")]
-
-
-def _joined(parts: list[Cycle]) -> Cycle:
-    account = {
-        name: np.concatenate([getattr(p.account, name) for p in parts])
-        for name in _columns(EnergyAccount)
-    }
-    columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in _columns(Cycle)}
-    return Cycle(**columns, account=EnergyAccount(**account), time_h=parts[0].time_h)
-
-
-def _overwrite(cycle: Cycle, places: IntArray, part: Cycle) -> None:
-    for name in _columns(Cycle):
-        getattr(cycle, name)[places] = getattr(part, name)
-    for name in _columns(EnergyAccount):
-        getattr(cycle.account, name)[places] = getattr(part.account, name)
-
-
-def _reshaped(cycle: Cycle, batch: tuple[int, ...]) -> Cycle:
-    def shaped(part: Any, kind: type) -> dict[str, Any]:
-        columns = {name: getattr(part, name) for name in _columns(kind)}
-        return {name: v.reshape(batch + v.shape[1:]) for name, v in columns.items()}
-
-    account = EnergyAccount(**shaped(cycle.account, EnergyAccount))
-    return replace(cycle, **shaped(cycle, Cycle), account=account)
-
-
-def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory: bool) -> Cycle:
+def _measured(cells: _Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
     """Cycle of a one-dimensional batch from the run of its day."""
-    store, nominal = run.store, cells.nominal_w
-    equal = equal_power(cells.time_h, cells.above_nominal_w(balance))
+    balance, store, nominal = cells.balance, run.store, cells.nominal_w
+    equal = equal_power(cells.time_h, cells.above_nominal_w())
     missing_h, unserved = _missing(balance, run)
-    account = _account(cells, run, unserved)
+    budget = _energy_budget(cells, run, unserved)
     first_full, last_full = _full_charge_h(balance, run)
     # A last digit of unserved energy may be left by the fixed point's tolerance.
-    starved = unserved > 1e-9 * store.energy_max_wh
+    runs_empty = unserved > 1e-9 * store.battery_energy_wh
     with np.errstate(divide="ignore", invalid="ignore"):
         left_over = _dawn_wh(balance, run, equal) * store.discharge_efficiency
         surplus_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
     excess, status = excess_and_status(
         equal,
-        starved=starved,
-        sunlit=account.solar_wh > 0.0,
+        runs_empty=runs_empty,
+        sunlit=budget.solar_wh > 0.0,
         missing_h=missing_h,
         reserve_h=surplus_h,
     )
     lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
-    state = np.maximum(lowest, 0.0) / store.energy_max_wh
+    state = np.maximum(lowest, 0.0) / store.battery_energy_wh
     nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     return Cycle(
         status=status,
@@ -315,7 +320,7 @@ def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory
         equal_power_evening_h=equal.evening_h,
         full_charge_h=first_full,
         missing_h=missing_h,
-        account=account,
+        energy_budget=budget,
         time_h=cells.time_h,
         energy_wh=nodes.T,
     )
@@ -324,7 +329,7 @@ def _measured(cells: _Cells, balance: PowerBalance, run: DayRun, keep_trajectory
 def excess_and_status(
     equal: EqualPower,
     *,
-    starved: BoolArray,
+    runs_empty: BoolArray,
     sunlit: BoolArray,
     missing_h: FloatArray,
     reserve_h: FloatArray,
@@ -335,17 +340,18 @@ def excess_and_status(
     ----------
     equal : EqualPower
         When solar power equals the nominal load.
-    starved, sunlit : ndarray of bool
-        Whether energy is missing, and whether there is any solar power.
+    runs_empty, sunlit : ndarray of bool
+        Whether the battery runs empty, and whether there is any solar power.
     missing_h, reserve_h : ndarray
-        Time without energy, and how long the stores would last from the morning's equal power [h].
+        Time without energy, and how long what is stored would last from the morning's equal power
+        [h].
     """
     lit = equal.always_above
     dark = np.isnan(equal.morning_h) & ~lit
-    excess_h = np.where(starved | dark, -missing_h, reserve_h)
-    excess_h = np.where(lit & ~starved, np.inf, excess_h)
+    excess_h = np.where(runs_empty | dark, -missing_h, reserve_h)
+    excess_h = np.where(lit & ~runs_empty, np.inf, excess_h)
     status = np.where(excess_h > 0.0, Status.perpetual, Status.limited)
-    status = np.where(lit & ~starved, Status.always_lit, status)
+    status = np.where(lit & ~runs_empty, Status.always_lit, status)
     return excess_h, np.where(sunlit, status, Status.never_lit)
 
 
@@ -379,14 +385,12 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     )
     lacking = -eta * np.concatenate((run.drained_wh[row, cells], midnight[dark]))
     cells = np.concatenate((cells, dark))
-    level = np.maximum(day.cumulative_wh[until, cells] - lacking, 0.0)
-    number = np.minimum(interval_reaching(day.cumulative_wh, level, cells), until - 1)
+    level = np.maximum(day.cumulative_deficit_wh[until, cells] - lacking, 0.0)
+    number = np.minimum(interval_reaching(day.cumulative_deficit_wh, level, cells), until - 1)
     interval = balance.interval_of(number, cells)
-    rest = np.clip(day.cumulative_wh[number + 1, cells] - level, 0.0, None)
-    none = np.zeros_like(rest)
+    rest = np.clip(day.cumulative_deficit_wh[number + 1, cells] - level, 0.0, None)
     hours = running_sum(balance.deficit_h())
-    missing = unserved_h(Step(interval, none, none, none, none, rest))
-    missing = missing + hours[until, cells] - hours[number + 1, cells]
+    missing = unserved_h(interval, rest) + hours[until, cells] - hours[number + 1, cells]
     return (
         np.bincount(cells, missing, minlength=count).astype(float),
         np.bincount(cells, lacking, minlength=count).astype(float),
@@ -395,7 +399,7 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
 
 def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
     """First and last instant of full charge by the clock [h], NaN where there is none."""
-    full = (run.after_charge_wh >= _FULL * run.store.energy_max_wh) & (run.day.surplus_wh > 0.0)
+    full = (run.after_charge_wh >= FULL * run.store.battery_energy_wh) & (run.day.surplus_wh > 0.0)
     if not len(full):
         none = np.full(len(run.start_wh), np.nan)
         return none, none
@@ -406,22 +410,20 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
     columns = np.arange(len(begin.row))
     interval = balance.interval_of(begin.row + run.day.first, columns)
     before = np.maximum(run.drained_wh[begin.row, columns], 0.0)
-    after = run.after_charge_wh[begin.row, columns]
-    step = Step(interval, before, before, after, after, np.zeros_like(after))
-    first = interval.start_h + full_after_h(step, run.store)
+    first = interval.start_h + full_after_h(interval, run.store, before)
     interval = balance.interval_of(end.row + run.day.first, columns)
     last = interval.start_h + surplus_phase_h(interval)[1]
     return np.where(begin.any, first, np.nan), np.where(end.any, last, np.nan)
 
 
-def _account(cells: _Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyAccount:
+def _energy_budget(cells: _Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
     store = run.store
     into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
     surplus = sum_over_time(run.day.surplus_wh)
     stored = run.end_wh - run.start_wh
     drawn = into_store - stored
     taken = into_store / store.charge_efficiency
-    return EnergyAccount(
+    return EnergyBudget(
         solar_wh=_integral_wh(cells.time_h, cells.solar_w),
         load_wh=_integral_wh(cells.time_h, cells.load_w),
         unserved_wh=unserved_wh,

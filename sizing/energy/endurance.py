@@ -15,20 +15,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.energy.march import (
-    BoolArray,
-    ChargingDay,
-    FloatArray,
-    IntArray,
+from sizing.energy.battery import Store
+from sizing.energy.march import ChargingDay, empty_after_h
+from sizing.energy.power_balance import (
     PowerBalance,
-    Step,
-    Store,
+    blocks,
     deficit_phase_h,
-    empty_after_h,
     interval_reaching,
     positive_part_wh,
     running_sum,
 )
+from solar.types import BoolArray, FloatArray, IntArray
 
 HOURS_PER_DAY = 24.0
 MAXIMUM_DAYS = 366
@@ -40,7 +37,7 @@ _CLOSER = np.array([-0.75, -0.5, -0.25, 0.25, 0.5, 0.75])
 _FLIGHTS_AT_ONCE = 16384
 # The day of the launch and the next: from then on a flight has midnights like any other.
 _DAYS_OF_LAUNCH = 2
-_SHORT = 1e-12  # of the capacity: what counts as an empty battery
+_SHORT = 1e-12  # state of charge below zero that counts as an empty battery
 
 
 @dataclass(frozen=True)
@@ -116,7 +113,7 @@ class _Search:
 
     def hours(self, level_h: FloatArray) -> FloatArray:
         """Flight time from launches [h]."""
-        # Launches of an element side by side: many of them become twins.
+        # Launches of an element side by side: many of them become equal.
         launch = self.launch_h(level_h).T.reshape(-1)
         hours = self.flights.hours(self.cells.T.reshape(-1), launch)
         return hours.reshape(level_h.shape[::-1]).T
@@ -148,10 +145,21 @@ def _launch_h(
 
 
 def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> FloatArray:
-    """Flight time [h] until the battery is empty, from launches with a full battery.
+    """Flight time until the battery is empty, from launches with a full battery.
 
-    ``launch_h`` is the solar time of the launches on the first day, launches on the first axis and
-    the batch on the others.
+    Parameters
+    ----------
+    balance : PowerBalance
+        One day of the batch ``...``, repeated.
+    store : Store
+        Batteries.
+    launch_h : ndarray, shape (launch, ...)
+        Solar time of the launches on the first day [h].
+
+    Returns
+    -------
+    ndarray, shape (launch, ...)
+        Hours of flight, infinite beyond 366 days [h].
     """
     shape = balance.batch_shape
     flights = _Flights.of(balance.flat(), store, shape)
@@ -160,25 +168,25 @@ def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> 
     return flights.hours(places, launch_h.reshape(-1)).reshape(launch_h.shape)
 
 
-class _Aloft(NamedTuple):
-    """Batteries that are aloft at midnight, and what past days have shown of them."""
+class _Flying(NamedTuple):
+    """Batteries in flight at midnight, and what past days have shown of them."""
 
     cell: IntArray
     energy_wh: FloatArray
-    paid_wh: FloatArray
+    settled_deficit_wh: FloatArray
     loss_wh: FloatArray
     skipped_h: FloatArray
 
-    def select(self, some: IntArray | BoolArray) -> _Aloft:
-        return _Aloft(
+    def select(self, some: IntArray | BoolArray) -> _Flying:
+        return _Flying(
             self.cell[some],
             self.energy_wh[some],
-            self.paid_wh[some],
+            self.settled_deficit_wh[some],
             self.loss_wh[some],
             self.skipped_h[some],
         )
 
-    def without_twins(self) -> tuple[_Aloft, IntArray]:
+    def without_duplicates(self) -> tuple[_Flying, IntArray]:
         """One of each equal battery, and where each is found: what comes is the same for all."""
         order = np.lexsort((self.energy_wh, self.cell))
         cell, energy = self.cell[order], self.energy_wh[order]
@@ -204,49 +212,47 @@ class _Flights:
     balance: PowerBalance
     day: ChargingDay
     store: Store
-    last_owed_wh: FloatArray
+    deficit_at_nightfall_wh: FloatArray
 
     @classmethod
     def of(cls, balance: PowerBalance, store: Store, shape: tuple[int, ...]) -> _Flights:
-        energy = np.broadcast_to(store.energy_max_wh, shape).reshape(-1)
         day = ChargingDay.of(balance)
-        last_owed = np.maximum.reduce(day.owed_wh, axis=0, initial=-np.inf)
-        return cls(balance, day, replace(store, energy_max_wh=energy), last_owed)
+        at_nightfall = np.maximum.reduce(day.deficit_before_surplus_wh, axis=0, initial=-np.inf)
+        return cls(balance, day, store.flat(shape), at_nightfall)
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Flight time [h] in some elements of the batch from launches with a full battery."""
         result = np.empty(len(cells))
-        for start in range(0, len(cells), _FLIGHTS_AT_ONCE):
-            part = slice(start, start + _FLIGHTS_AT_ONCE)
+        for part in blocks(len(cells), _FLIGHTS_AT_ONCE):
             result[part] = self._hours(cells[part], launch_h[part])
         return result
 
     def _hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         flown = np.full(len(cells), np.inf)
         battery = np.arange(len(cells))  # of every flight, -1 when it is over
-        aloft = _Aloft(
+        flying = _Flying(
             cell=cells,
-            energy_wh=self.store.energy_max_wh[cells],
-            # A full battery that owes nothing for the hours before the launch.
-            paid_wh=self._deficit_until_wh(launch_h, cells),
+            energy_wh=self.store.battery_energy_wh[cells],
+            # The deficit before the launch takes nothing from a full battery.
+            settled_deficit_wh=self._deficit_until_wh(launch_h, cells),
             loss_wh=np.full(len(cells), np.nan),
             skipped_h=np.zeros(len(cells)),
         )
         for number in range(MAXIMUM_DAYS + 1):
-            if not len(aloft.cell):
+            if not len(flying.cell):
                 break
-            day = self._flown_day(aloft)
+            day = self._flown_day(flying)
             ended = ~np.isnan(day.end_level_wh)
-            end_h = number * HOURS_PER_DAY + aloft.skipped_h
-            end_h[ended] += self._hour_of(day.end_level_wh[ended], aloft.cell[ended])
+            end_h = number * HOURS_PER_DAY + flying.skipped_h
+            end_h[ended] += self._hour_of(day.end_level_wh[ended], flying.cell[ended])
             over = (battery >= 0) & ended[battery]
             flown[over] = end_h[battery[over]] - launch_h[over]
-            goes_on = ~ended & ~self._endless(number, aloft, day)
+            goes_on = ~ended & ~self._perpetual(number, flying, day)
             place = np.where(goes_on, np.cumsum(goes_on) - 1, -1)
-            aloft = self._next_day(number, aloft, day).select(goes_on)
+            flying = self._next_day(number, flying, day).select(goes_on)
             if number < _DAYS_OF_LAUNCH:
-                aloft, twin = aloft.without_twins()
-                place[goes_on] = twin
+                flying, duplicate = flying.without_duplicates()
+                place[goes_on] = duplicate
             battery = np.where(battery >= 0, place[battery], -1)
         return np.where(flown > MAXIMUM_DAYS * HOURS_PER_DAY, np.inf, flown)
 
@@ -258,65 +264,65 @@ class _Flights:
         elapsed = np.minimum(clock_h - interval.start_h, interval.hours)
         here = interval.left_w + (interval.right_w - interval.left_w) * elapsed / interval.hours
         return np.asarray(
-            self.day.cumulative_wh[number, cells]
+            self.day.cumulative_deficit_wh[number, cells]
             + positive_part_wh(-interval.left_w, -here, elapsed)
         )
 
-    def _flown_day(self, aloft: _Aloft) -> _FlownDay:
-        level = np.full(len(aloft.cell), np.nan)
-        energy, paid, lowest = aloft.energy_wh.copy(), aloft.paid_wh.copy(), aloft.energy_wh.copy()
+    def _flown_day(self, flying: _Flying) -> _FlownDay:
+        level = np.full(len(flying.cell), np.nan)
+        energy, settled = flying.energy_wh.copy(), flying.settled_deficit_wh.copy()
+        lowest = energy.copy()
         # After the last surplus of the day nothing but the deficit is left.
-        lit = np.flatnonzero(self.last_owed_wh[aloft.cell] > aloft.paid_wh)
-        level[lit], energy[lit], paid[lit], lowest[lit] = self._lit_day(aloft.select(lit))
-        store = self.store.select(aloft.cell)
-        deficit = self.day.cumulative_wh[-1][aloft.cell]
-        midnight = energy - (deficit - paid) / store.discharge_efficiency
-        last = (midnight < -_SHORT * store.energy_max_wh) & np.isnan(level)
+        lit = np.flatnonzero(self.deficit_at_nightfall_wh[flying.cell] > flying.settled_deficit_wh)
+        level[lit], energy[lit], settled[lit], lowest[lit] = self._lit_day(flying.select(lit))
+        store = self.store.select(flying.cell)
+        deficit = self.day.cumulative_deficit_wh[-1][flying.cell]
+        midnight = energy - (deficit - settled) / store.discharge_efficiency
+        last = (midnight < -_SHORT * store.battery_energy_wh) & np.isnan(level)
         level[last] = (deficit + store.discharge_efficiency * midnight)[last]
         midnight = np.maximum(midnight, 0.0)
         return _FlownDay(level, midnight, np.maximum(np.minimum(lowest, midnight), 0.0))
 
-    def _lit_day(self, aloft: _Aloft) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Level of the deficit at the end of flights, energy, deficit paid, and lowest energy."""
-        day, store = self.day.without_nodes().select(aloft.cell), self.store.select(aloft.cell)
-        least = -_SHORT * store.energy_max_wh
-        level = np.full(len(aloft.cell), np.nan)
-        energy, paid, lowest = aloft.energy_wh, aloft.paid_wh, aloft.energy_wh
-        for step in day.charge(store, energy, paid):
-            energy, paid = step.after_charge_wh, step.paid_wh
+    def _lit_day(self, flying: _Flying) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Deficit at the end of flights, then energy, settled deficit and lowest energy [Wh]."""
+        day, store = self.day.without_nodes().select(flying.cell), self.store.select(flying.cell)
+        least = -_SHORT * store.battery_energy_wh
+        level = np.full(len(flying.cell), np.nan)
+        energy, settled, lowest = flying.energy_wh, flying.settled_deficit_wh, flying.energy_wh
+        for step in day.charge(store, energy, settled):
+            energy, settled = step.after_charge_wh, step.settled_deficit_wh
             lowest = np.minimum(lowest, step.drained_wh)
             short = step.drained_wh < least
             if short.any():
                 first = short & np.isnan(level)
-                level[first] = (paid + store.discharge_efficiency * step.drained_wh)[first]
-        return level, energy, paid, lowest
+                level[first] = (settled + store.discharge_efficiency * step.drained_wh)[first]
+        return level, energy, settled, lowest
 
     def _hour_of(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Solar time at which the deficit since midnight reaches a level [h]."""
-        sums = self.day.cumulative_wh
+        sums = self.day.cumulative_deficit_wh
         level = np.maximum(level_wh, 0.0)
         interval = self.balance.interval_of(interval_reaching(sums, level, cells), cells)
         rest = np.maximum(sums[interval.number + 1, cells] - level, 0.0)
-        none = np.zeros_like(rest)
-        return np.asarray(interval.start_h + empty_after_h(Step(interval, *(none,) * 4, rest)))
+        return np.asarray(interval.start_h + empty_after_h(interval, rest))
 
-    def _endless(self, number: int, aloft: _Aloft, day: _FlownDay) -> BoolArray:
-        """From the second day on, a day that gives back what it takes repeats for ever."""
-        full = self.store.energy_max_wh[aloft.cell]
-        endless = aloft.energy_wh - day.midnight_wh <= 1e-11 * full
-        return endless & (number >= _DAYS_OF_LAUNCH)
+    def _perpetual(self, number: int, flying: _Flying, day: _FlownDay) -> BoolArray:
+        """From the second day on, a day that gives back what it takes is perpetual flight."""
+        full = self.store.battery_energy_wh[flying.cell]
+        perpetual = flying.energy_wh - day.midnight_wh <= 1e-11 * full
+        return perpetual & (number >= _DAYS_OF_LAUNCH)
 
-    def _next_day(self, number: int, aloft: _Aloft, day: _FlownDay) -> _Aloft:
+    def _next_day(self, number: int, flying: _Flying, day: _FlownDay) -> _Flying:
         """Flights at the next midnight; whole days that lose the same energy are skipped."""
-        full = self.store.energy_max_wh[aloft.cell]
-        loss = aloft.energy_wh - day.midnight_wh
-        alike = (np.abs(loss - aloft.loss_wh) <= 1e-9 * full) & (loss > 1e-9 * full)
+        full = self.store.battery_energy_wh[flying.cell]
+        loss = flying.energy_wh - day.midnight_wh
+        alike = (np.abs(loss - flying.loss_wh) <= 1e-9 * full) & (loss > 1e-9 * full)
         days = np.floor(day.lowest_wh / np.where(alike, loss, 1.0)) - 1.0
         days = np.where(alike, np.clip(days, 0.0, MAXIMUM_DAYS), 0.0)
-        return aloft._replace(
+        return flying._replace(
             energy_wh=day.midnight_wh - days * loss,
-            paid_wh=np.zeros(len(full)),
-            # The days of the launch are no measure, whatever flights have become twins.
+            settled_deficit_wh=np.zeros(len(full)),
+            # The days of the launch are no measure, whatever flights have become equal.
             loss_wh=loss if number >= _DAYS_OF_LAUNCH else np.full(len(loss), np.nan),
-            skipped_h=aloft.skipped_h + days * HOURS_PER_DAY,
+            skipped_h=flying.skipped_h + days * HOURS_PER_DAY,
         )

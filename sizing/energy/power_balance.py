@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.intp]
+from solar.types import FloatArray, IntArray
 
 _POINTS_AT_ONCE = 16384
 
@@ -25,6 +23,13 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
 
     One expression for all four combinations of signs: with ``a, b`` the positive parts at the
     ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour.
+
+    Parameters
+    ----------
+    left_w, right_w : ndarray
+        Power at the ends of the interval [W].
+    hours : array_like
+        Length of the interval [h].
     """
     positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
     return _part_wh(positive, np.abs(left_w) + np.abs(right_w), hours)
@@ -37,16 +42,32 @@ def _part_wh(part_w: FloatArray, total_w: FloatArray, hours: ArrayLike) -> Float
 
 
 def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Where a linear function from ``left`` to ``right`` is zero, as a fraction of the interval."""
+    """Where a linear function is zero, as a fraction of the interval [-].
+
+    Parameters
+    ----------
+    left, right : ndarray
+        Values at the ends; of equal signs, the nearer end is returned.
+    """
     drop = left - right
     safe = np.where(drop == 0.0, 1.0, drop)
     return np.clip(left / safe, 0.0, 1.0)
 
 
 def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> FloatArray:
-    """Where the integral of a linear, non-negative power reaches a share of its interval's whole.
+    """Where the integral of a linear, non-negative power reaches a share of the whole.
 
-    ``left`` and ``right`` are the power at the ends; the result is a fraction of the interval.
+    Parameters
+    ----------
+    left, right : ndarray
+        Power at the ends of the interval, not negative [W].
+    share : ndarray
+        Share of the integral over the interval, clipped to 0 to 1 [-].
+
+    Returns
+    -------
+    ndarray
+        Fraction of the interval [-].
     """
     total = left + right
     goal = np.clip(share, 0.0, 1.0) * total / 2.0
@@ -101,7 +122,14 @@ class PowerBalance:
 
     @classmethod
     def of(cls, time_h: FloatArray, solar_power_w: FloatArray, load_w: FloatArray) -> PowerBalance:
-        """Balance of solar power and load, arrays of shape ``(..., time)``.
+        """Balance of solar power and load.
+
+        Parameters
+        ----------
+        time_h : ndarray, shape (time,)
+            Nodes [h].
+        solar_power_w, load_w : ndarray, shape (..., time)
+            Power at the nodes [W].
 
         Raises
         ------
@@ -118,11 +146,9 @@ class PowerBalance:
         net = np.ascontiguousarray(np.moveaxis(net, -1, 0))
         surplus, deficit = np.empty((2, len(hours), *net.shape[1:]))
         column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
-        # Some rows at a time: intermediate results stay near the processor.
         rows = max(1, _POINTS_AT_ONCE * len(net) // max(net.size, 1))
-        for start in range(0, len(hours), rows):
-            part = slice(start, start + rows)
-            some = net[start : start + rows + 1]
+        for part in blocks(len(hours), rows):
+            some = net[part.start : part.stop + 1]
             above = np.maximum(some, 0.0)
             below = above - some
             above, below = above[:-1] + above[1:], below[:-1] + below[1:]
@@ -130,16 +156,6 @@ class PowerBalance:
             surplus[part] = _part_wh(above, total, column[part])
             deficit[part] = _part_wh(below, total, column[part])
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
-
-    @property
-    def early_deficit_wh(self) -> FloatArray:
-        """Deficit at the start of every interval [Wh], before its surplus; time first."""
-        return np.where(self.net_w[:-1] < 0.0, self.deficit_wh, 0.0)
-
-    @property
-    def late_deficit_wh(self) -> FloatArray:
-        """Deficit at the end of every interval [Wh], after its surplus; time first."""
-        return np.where(self.net_w[:-1] < 0.0, 0.0, self.deficit_wh)
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -155,17 +171,14 @@ class PowerBalance:
             self.deficit_wh.reshape(len(self.time_h) - 1, -1),
         )
 
-    def select(self, cells: IntArray | BoolArray) -> PowerBalance:
-        """Balance of a part of a one-dimensional batch."""
-        return PowerBalance(
-            self.time_h,
-            self.net_w[:, cells],
-            self.surplus_wh[:, cells],
-            self.deficit_wh[:, cells],
-        )
-
     def interval_of(self, number: IntArray, cells: IntArray) -> Interval:
-        """Some intervals of some elements of a one-dimensional batch, by their numbers."""
+        """Some intervals of some elements of a one-dimensional batch.
+
+        Parameters
+        ----------
+        number, cells : ndarray of int
+            Numbers of the intervals, and indices of the elements they are taken from.
+        """
         left, right = self.net_w[number, cells], self.net_w[number + 1, cells]
         deficit = self.deficit_wh[number, cells]
         early = np.where(left < 0.0, deficit, 0.0)
@@ -190,7 +203,9 @@ class PowerBalance:
     def intervals(self) -> Iterator[Interval]:
         """Walk the time axis interval by interval."""
         hours = np.diff(self.time_h)
-        early, late = self.early_deficit_wh, self.late_deficit_wh
+        falls_first = self.net_w[:-1] < 0.0
+        early = np.where(falls_first, self.deficit_wh, 0.0)
+        late = np.where(falls_first, 0.0, self.deficit_wh)
         for k in range(len(hours)):
             yield Interval(
                 number=k,
@@ -202,6 +217,18 @@ class PowerBalance:
                 early_deficit_wh=early[k],
                 late_deficit_wh=late[k],
             )
+
+
+def blocks(count: int, size: int) -> Iterator[slice]:
+    """Slices that cut a batch into blocks, so that intermediate results stay near the processor.
+
+    Parameters
+    ----------
+    count, size : int
+        Elements of the batch, and of a block at most. An empty batch is one empty block.
+    """
+    for start in range(0, max(count, 1), size):
+        yield slice(start, start + size)
 
 
 def sum_over_time(values: FloatArray) -> FloatArray:
@@ -225,7 +252,17 @@ def running_sum(values: FloatArray) -> FloatArray:
 
 
 def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> IntArray:
-    """Intervals in which running sums of some columns reach some levels, by bisection."""
+    """Intervals in which running sums of some columns reach some levels, by bisection.
+
+    Parameters
+    ----------
+    sums : ndarray, shape (node, column)
+        Sums that do not fall from node to node (:func:`running_sum`).
+    level : ndarray
+        Levels to reach.
+    cells : ndarray of int
+        Column of each level.
+    """
     low = np.zeros(level.shape, np.intp)
     high = np.full(level.shape, len(sums) - 1)
     for _ in range(len(sums).bit_length()):

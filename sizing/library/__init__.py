@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import os
+from pathlib import Path
 
 from missions.files.overrides import Overrides, with_overrides
 from missions.files.shipped import find_document
 from missions.files.validation import validate
+from missions.files.yaml import Document
 from sizing.aircraft import Aircraft
 
 
@@ -16,10 +20,11 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
     Parameters
     ----------
     name_or_path : str or path
-        Name of a shipped aircraft, or path of a YAML file.
+        Name of a shipped aircraft, or path of a YAML file. Files that it names by a relative path
+        are looked for beside it.
     overrides : mapping or sequence of str
         Values that replace or add keys of the file: ``{"power.avionics_w": 8}`` or
-        ``["power.avionics_w=8"]``.
+        ``["power.avionics_w=8"]``. Relative paths among them start from the working folder.
 
     Returns
     -------
@@ -30,5 +35,23 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
     InputError
         With file, line, column and allowed values of every mistake.
     """
-    document = find_document("aircraft", os.fspath(name_or_path))
+    document = with_resolved_airfoil(find_document("aircraft", os.fspath(name_or_path)))
     return validate(with_overrides(document, overrides), Aircraft)
+
+
+def with_resolved_airfoil(document: Document) -> Document:
+    """Document of an aircraft whose airfoil's table is found from the working folder.
+
+    A relative path of a table is tried beside the aircraft's file first.
+    """
+    airframe = document.data.get("airframe")
+    aerodynamics = airframe.get("aerodynamics") if isinstance(airframe, dict) else None
+    airfoil = aerodynamics.get("airfoil") if isinstance(aerodynamics, dict) else None
+    if not (isinstance(airfoil, str) and airfoil.endswith(".csv")):
+        return document
+    beside = Path(document.source).parent / airfoil
+    if not beside.is_file():
+        return document
+    data = copy.deepcopy(document.data)
+    data["airframe"]["aerodynamics"]["airfoil"] = str(beside)
+    return dataclasses.replace(document, data=data)

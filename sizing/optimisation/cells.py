@@ -24,7 +24,6 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, Masses, variables_of
-from sizing.energy.march import FloatArray
 from sizing.limits import meets_requirements
 from sizing.optimisation.energy_constraints import never_dark
 from sizing.optimisation.objectives import Objective
@@ -45,14 +44,10 @@ from sizing.optimisation.search import (
     run,
 )
 from sizing.optimisation.solver import ProblemInstance, ProgramSolver, Solution
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_pairs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_pairs
 from sizing.smooth import Value
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 # Costs of missed requirements in units of the cost; see the module's docstring.
 _PENALTIES = (10.0, PENALTY)

@@ -18,18 +18,14 @@ from numpy.typing import NDArray
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
-from sizing.energy.march import FloatArray
 from sizing.optimisation.infeasibility import violations
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 IntArray = NDArray[np.intp]
 

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, variables_of
-from sizing.energy.march import FloatArray
 from sizing.limits import meets_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
@@ -27,14 +26,9 @@ from sizing.optimisation.result import (
     objective_value,
 )
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 _PAYLOAD_TOLERANCE = 0.001  # of the total mass or load
 _FINE_STEP_H = 1.0 / 60.0

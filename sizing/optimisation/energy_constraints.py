@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from missions.mission import Mission
 from sizing.design import thermal_shape
 from sizing.energy.battery import Battery, ChargeLimit, RuleChargeLimit, TableChargeLimit
-from sizing.energy.march import FloatArray
-from sizing.performance import SolarDay
+from sizing.sunlight import SolarDay
+from solar.types import FloatArray
 
 # 10 min apart on a day of 16 h.
 NODES = 97

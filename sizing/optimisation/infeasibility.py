@@ -20,7 +20,8 @@ from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.parameters import with_parameter
-from sizing.performance import Performance, SolarDay, SolarModel, performance_of_designs, solar_day
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import SolarDay, SolarModel, solar_day
 
 _GRID_POINTS = 9
 _GRID_STEP_H = 0.5

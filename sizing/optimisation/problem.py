@@ -36,10 +36,10 @@ import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe, Range
 from sizing.design import DesignVariables, FlightConditions, parametric_design
-from sizing.energy.march import FloatArray
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
 from sizing.parameters import catalogue, parameter_value, replaced, unit
+from solar.types import FloatArray
 
 Effort = Literal["quick", "steady", "patient", "next"]
 

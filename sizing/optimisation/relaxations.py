@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
 from sizing.design import DesignVariables
-from sizing.energy.march import FloatArray
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
@@ -40,13 +39,9 @@ from sizing.optimisation.solver import (
     Solution,
 )
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
-from sizing.performance import (
-    UNCORRECTED_CAM,
-    Performance,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 Direction = Literal["at least", "at most"]
 

@@ -8,10 +8,10 @@ from enum import IntEnum
 import numpy as np
 
 from sizing.design import Design
-from sizing.energy.march import FloatArray
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.solver import Solution, SolverReport
 from sizing.performance import Performance
+from solar.types import FloatArray
 
 # A design that is better than an optimum by less than this is within what the time steps and
 # tolerances allow; relative, and for excess times in hours.
@@ -35,6 +35,11 @@ class SizingStatus(IntEnum):
     not_converged = 2
     invalid = 3
     cross_checked = 4
+
+    @property
+    def label(self) -> str:
+        """Name in words."""
+        return self.name.replace("_", " ")
 
     @property
     def sized(self) -> bool:

@@ -41,15 +41,8 @@ from sizing.optimisation.solver import (
     ProgramSolver,
     Solution,
 )
-from sizing.performance import (
-    DEFAULT_STEP_H,
-    UNCORRECTED_CAM,
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
 __all__ = ["Search", "SizingResult", "run", "size_aircraft"]
 
@@ -224,7 +217,7 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
         How many at most.
     """
     cycle = perf.cycle
-    short_of_sun = int(np.argmin(cycle.account.solar_wh / cycle.account.load_wh))
+    short_of_sun = int(np.argmin(cycle.energy_budget.solar_wh / cycle.energy_budget.load_wh))
     by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
     dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
     return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]

@@ -20,14 +20,15 @@ import numpy as np
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions
-from sizing.energy.march import FloatArray
 from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Role, SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.solver import Solution
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
-from sizing.performance import UNCORRECTED_CAM, Performance, SolarModel, solar_day
+from sizing.performance import Performance
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
 
 # Charge limited by the sun turns into charge limited by the charger within a relative change of
 # some 1e-5, and optima like to sit at such a turn: a longer step would average over both sides.

@@ -13,7 +13,6 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, closed_design
-from sizing.energy.march import FloatArray
 from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
 from sizing.optimisation.objectives import Objective, without_battery
 from sizing.optimisation.problem import (
@@ -25,7 +24,8 @@ from sizing.optimisation.problem import (
     SizingProblems,
     Variable,
 )
-from sizing.performance import SolarDay
+from sizing.sunlight import SolarDay
+from solar.types import FloatArray
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5

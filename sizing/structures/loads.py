@@ -1,4 +1,6 @@
-"""Load factors that size the structure, in the forms of CS-23 (EASA, formerly FAR 23).
+"""What a structure is sized from: wing, masses and flight, load factors and root bending moment.
+
+Load factors have the forms of CS-23 (EASA, formerly FAR 23).
 
 Airworthiness codes for light aeroplanes are not binding for aircraft of this class; they are what
 AtlantikSolar was designed with. Airspeeds are equivalent airspeeds: a wing feels the same load at
@@ -8,11 +10,35 @@ every altitude for the same equivalent airspeed. Arithmetic only, for floats, ar
 from __future__ import annotations
 
 from math import pi
+from typing import NamedTuple
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.smooth import Value
+from sizing.smooth import Value, smooth_absolute
 
 SEA_LEVEL_DENSITY_KG_PER_M3 = 1.225  # [kg/m3], standard day
+
+
+class StructureInputs(NamedTuple):
+    """Wing, masses and flight that a structure is sized from.
+
+    Attributes
+    ----------
+    wingspan_m, aspect_ratio
+        Span [m] and aspect ratio [-] of the wing.
+    total_mass_kg
+        Take-off mass [kg].
+    span_load_kg
+        Mass spread evenly along the span, battery and modules, which relieves the spar [kg].
+    airspeed_m_per_s, density_kg_per_m3
+        True airspeed of level flight [m/s], taken as cruise, and density of the air [kg/m3].
+    """
+
+    wingspan_m: Value
+    aspect_ratio: Value
+    total_mass_kg: Value
+    span_load_kg: Value
+    airspeed_m_per_s: Value
+    density_kg_per_m3: Value
 
 
 def limit_load_factor(total_mass_kg: Value) -> Value:
@@ -36,7 +62,15 @@ def gust_alleviation_factor(mass_ratio: Value) -> Value:
 def gust_mass_ratio(
     *, total_mass_kg: Value, wing_area_m2: Value, aspect_ratio: Value, density_kg_per_m3: Value
 ) -> Value:
-    """Aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)``, with the mean chord c = b/AR."""
+    """Aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)``, with the mean chord c = b/AR [-].
+
+    Parameters
+    ----------
+    total_mass_kg, wing_area_m2, aspect_ratio
+        Mass [kg], wing area [m2] and aspect ratio [-].
+    density_kg_per_m3
+        Of the air [kg/m3].
+    """
     chord_m = (wing_area_m2 / aspect_ratio) ** 0.5
     slope = lift_curve_slope(aspect_ratio)
     return 2.0 * total_mass_kg / (density_kg_per_m3 * wing_area_m2 * chord_m * slope)
@@ -72,3 +106,29 @@ def gust_load_increment(
     pressure = total_mass_kg * GRAVITY_M_PER_S2 / wing_area_m2
     rate = SEA_LEVEL_DENSITY_KG_PER_M3 * lift_curve_slope(aspect_ratio) * gust_times_airspeed
     return gust_alleviation_factor(ratio) * rate / (2.0 * pressure)
+
+
+def root_bending_moment_nm(
+    wingspan_m: Value, total_mass_kg: Value, span_load_kg: Value, minimum_fraction: float
+) -> Value:
+    """Root bending moment at limit load [N m], relieved by the mass along the span.
+
+    An elliptic lift of one half-wing acts at 4/(3 pi) of the half-span, an even mass at 1/2 of it.
+    The larger of the relieved moment and the floor is taken by a smooth maximum, which lies above
+    both by at most 2 % of the unrelieved moment.
+
+    Parameters
+    ----------
+    wingspan_m
+        Span [m].
+    total_mass_kg, span_load_kg
+        Take-off mass, and mass spread evenly along the span [kg].
+    minimum_fraction : float
+        Floor, as a fraction of the unrelieved moment [-].
+    """
+    newton = limit_load_factor(total_mass_kg) * GRAVITY_M_PER_S2
+    unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * pi)
+    relieved = unrelieved - newton * span_load_kg * wingspan_m / 8.0
+    floor = minimum_fraction * unrelieved
+    gap = relieved - floor
+    return floor + (gap + smooth_absolute(gap, unrelieved, 0.04)) / 2.0

@@ -5,30 +5,14 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 
 from __future__ import annotations
 
-from math import pi
 from typing import Annotated, Literal, Protocol
 
 from pydantic import Field
 
-from missions.air import GRAVITY_M_PER_S2
-from sizing.smooth import Value, smooth_absolute
-from sizing.structures.inputs import StructureInputs
-from sizing.structures.loads import limit_load_factor
+from sizing.smooth import Value
+from sizing.structures.loads import StructureInputs, root_bending_moment_nm
 from sizing.structures.rib_wing import RibWingStructure
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
-
-__all__ = [
-    "AllPowerLawStructure",
-    "PowerLawStructure",
-    "RibWingStructure",
-    "SparStructure",
-    "Structure",
-    "StructureInputs",
-    "StructureModel",
-    "Value",
-    "limit_load_factor",
-    "root_bending_moment_nm",
-]
 
 
 class StructureModel(Protocol):
@@ -148,20 +132,3 @@ Structure = Annotated[
     PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure,
     Field(discriminator="model"),
 ]
-
-
-def root_bending_moment_nm(
-    wingspan_m: Value, total_mass_kg: Value, span_load_kg: Value, minimum_fraction: float
-) -> Value:
-    """Root bending moment at limit load [N m], relieved by the mass along the span.
-
-    An elliptic lift of one half-wing acts at 4/(3 pi) of the half-span, an even mass at 1/2 of it.
-    The larger of the relieved moment and the floor is taken by a smooth maximum, which lies above
-    both by at most 2 % of the unrelieved moment.
-    """
-    newton = limit_load_factor(total_mass_kg) * GRAVITY_M_PER_S2
-    unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * pi)
-    relieved = unrelieved - newton * span_load_kg * wingspan_m / 8.0
-    floor = minimum_fraction * unrelieved
-    gap = relieved - floor
-    return floor + (gap + smooth_absolute(gap, unrelieved, 0.04)) / 2.0

@@ -17,9 +17,9 @@ from pydantic import Field, Strict
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value, smooth_absolute, smooth_maximum, smooth_minimum
-from sizing.structures.inputs import StructureInputs
 from sizing.structures.loads import (
     SEA_LEVEL_DENSITY_KG_PER_M3,
+    StructureInputs,
     gust_load_increment,
     limit_load_factor,
 )
@@ -84,13 +84,12 @@ class Station(NamedTuple):
 def stations(count: int) -> tuple[Station, ...]:
     """Stations of a Gauss-Legendre rule from root (0) to tip (1)."""
     nodes, weights = np.polynomial.legendre.leggauss(count)
-    return tuple(
-        _station(float(x), float(w))
-        for x, w in zip((nodes + 1.0) / 2.0, weights / 2.0, strict=True)
-    )
+    return tuple(_station(float(x), float(w)) for x, w in zip(nodes, weights / 2.0, strict=True))
 
 
-def _station(x: float, weight: float) -> Station:
+def _station(node: float, weight: float) -> Station:
+    """Station at a node of the rule, which goes from -1 to 1."""
+    x = (node + 1.0) / 2.0
     circle = (1.0 - x * x) ** 0.5
     outboard = (float(np.arccos(x)) - x * circle) / 2.0  # area of the ellipse outboard of x
     return Station(
@@ -258,6 +257,15 @@ class RibWingStructure(Record):
         """Limit load factors: the larger of manoeuvre and gust, upwards and downwards.
 
         Gust times airspeed is larger either at cruise or at dive speed, whatever the design.
+
+        Parameters
+        ----------
+        total_mass_kg, wing_area_m2, aspect_ratio
+            Mass [kg], wing area [m2] and aspect ratio [-].
+        equivalent_airspeed_m_per_s
+            Equivalent airspeed of level flight, taken as cruise [m/s].
+        density_kg_per_m3
+            Of the air [kg/m3].
         """
         gust = max(self.cruise_gust_m_per_s, self.dive_gust_m_per_s * self.dive_speed_ratio)
         increment = gust_load_increment(

@@ -1,1 +1,1 @@
-"""Part of the package."""
+"""The command ``solar-uav``: options, checks and one module per group of commands."""

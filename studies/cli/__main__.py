@@ -1,83 +1,154 @@
-"""The command ``solar-uav``.
-
-Each command has a module of its own or with its like. Heavy packages are imported inside the
-commands that use them, so that help texts appear at once.
-"""
+"""The command ``solar-uav``."""
 
 from __future__ import annotations
 
+import importlib
 import io
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import NamedTuple
 
 import click
 
 from solar._version import __version__
-from studies.cli.commands.analyse import analyse
-from studies.cli.commands.ceiling import ceiling
-from studies.cli.commands.compare import compare
-from studies.cli.commands.files import init, list_, validate
-from studies.cli.commands.map import map_
-from studies.cli.commands.show import show
-from studies.cli.commands.size import size
-from studies.cli.commands.sweep import sweep
-from studies.cli.commands.validation import (
-    efficiencies,
-    loiter_correction,
-    published,
-    reproduce_report,
-)
-from studies.cli.commands.verify import verify
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+class _Lazy(NamedTuple):
+    """A command that is imported when it is called: its module, its name there, its summary."""
+
+    module: str
+    name: str
+    summary: str
+
+
+_COMMANDS = {
+    "analyse": _Lazy("analyse", "analyse", "How long it flies, there and then."),
+    "ceiling": _Lazy("ceiling", "ceiling", "How high it flies perpetually."),
+    "compare": _Lazy("compare", "compare", "All solar power models side by side."),
+    "efficiencies": _Lazy("validation", "efficiencies", "What drives the power of the Full Model."),
+    "init": _Lazy("files", "init", "Commented files to start your own aircraft from."),
+    "list": _Lazy("files", "list_", "Shipped aircraft and missions."),
+    "loiter-correction": _Lazy(
+        "validation", "loiter_correction", "Errors of CDM and CAM by latitude, season and wind."
+    ),
+    "map": _Lazy("map", "map_", "Where and when it flies perpetually."),
+    "published": _Lazy("validation", "published", "Published beside computed numbers."),
+    "reproduce-report": _Lazy(
+        "validation", "reproduce_report", "The four models on the morning they were published with."
+    ),
+    "show": _Lazy("files", "show", "The file of a shipped aircraft or mission."),
+    "size": _Lazy("size", "size", "The best design for a mission."),
+    "sweep": _Lazy("sweep", "sweep", "Trade study: vary keys, judge or size."),
+    "validate": _Lazy("files", "validate", "Everything that is wrong with files."),
+    "verify": _Lazy("verify", "verify", "The solar power models against a flight log."),
+}
+
+
+class _LazyGroup(click.Group):
+    """Group whose commands are imported when they are called.
+
+    The pattern is that of click's documentation, "Lazily Loading Subcommands"; the list of commands
+    needs no import at all.
+    """
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of all commands."""
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Command of a name, None where there is none."""
+        lazy = _COMMANDS.get(cmd_name)
+        if lazy is None:
+            return None
+        module = importlib.import_module(f"studies.cli.commands.{lazy.module}")
+        command: click.Command = getattr(module, lazy.name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, lazy.summary) for name, lazy in _COMMANDS.items()])
+
+
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="solar-uav")
 def cli() -> None:
-    """Size solar-electric aircraft and predict how long they stay up.
+    """Size solar-electric aircraft and predict how long they remain airborne.
 
-    AIRCRAFT and missions are shipped names (see list) or paths of YAML files (see init).
+    AIRCRAFT and missions are shipped names (see list) or paths of YAML files (see init). AIRCRAFT
+    may also be a folder that --out wrote.
     """
 
 
-cli.add_command(analyse)
-cli.add_command(size)
-cli.add_command(map_)
-cli.add_command(sweep)
-cli.add_command(compare)
-cli.add_command(ceiling)
-cli.add_command(verify)
-cli.add_command(list_)
-cli.add_command(show)
-cli.add_command(init)
-cli.add_command(validate)
-cli.add_command(published)
-cli.add_command(loiter_correction)
-cli.add_command(efficiencies)
-cli.add_command(reproduce_report)
-
-
 def main() -> None:
-    """Run the command; a user's mistake ends as one clear message and exit code 2."""
+    """Run the command; a user's mistake or a signal ends as one message and an exit code."""
     for stream in (sys.stdout, sys.stderr):
         # A terminal that cannot show a character shows a stand-in; it is no reason to fail.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    try:
-        cli.main(prog_name="solar-uav", standalone_mode=True)
-    except ValueError as error:
-        from missions.files.errors import InputError
-        from sizing.design import ImpossibleDesignError
-
-        if isinstance(error, InputError):
-            click.echo(str(error), err=True)
-            sys.exit(EXIT_BAD_INPUT)
-        if isinstance(error, ImpossibleDesignError):
+    with _interruptible() as signals:
+        try:
+            code = cli.main(prog_name="solar-uav", standalone_mode=False)
+        except click.ClickException as error:
+            error.show()
+            code = error.exit_code
+        except (click.Abort, KeyboardInterrupt):
+            code = 128 + signal.SIGINT
+        except OSError as error:
             click.echo(f"solar-uav: {error}", err=True)
-            sys.exit(EXIT_FAILED)
-        raise
-    except OSError as error:
+            code = EXIT_FAILED
+        except ValueError as error:
+            code = _tell_mistake(error)
+        if signals:  # even if a library swallowed the interrupt
+            code = 128 + signals[0]
+    sys.exit(code)
+
+
+def _tell_mistake(error: ValueError) -> int:
+    """Print a mistake in the input, or an impossible design; other errors are ours."""
+    from missions.files.errors import InputError
+    from sizing.design import ImpossibleDesignError
+
+    if isinstance(error, InputError):
+        click.echo(str(error), err=True)
+        return EXIT_BAD_INPUT
+    if isinstance(error, ImpossibleDesignError):
         click.echo(f"solar-uav: {error}", err=True)
-        sys.exit(EXIT_FAILED)
+        return EXIT_FAILED
+    raise error
+
+
+@contextmanager
+def _interruptible() -> Iterator[list[int]]:
+    """Turn Ctrl-C and SIGTERM into KeyboardInterrupt; the list holds the signals that came.
+
+    What is being written is then discarded. A second signal ends the process at once.
+    """
+    came: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield came
+        return
+
+    def interrupt(signum: int, frame: FrameType | None) -> None:
+        came.append(signum)
+        for number in caught:
+            signal.signal(number, signal.SIG_DFL)
+        raise KeyboardInterrupt
+
+    # A job in the background is started with Ctrl-C ignored, and remains so.
+    both = (signal.SIGINT, signal.SIGTERM)
+    caught = [number for number in both if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, interrupt) for number in caught}
+    try:
+        yield came
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 if __name__ == "__main__":

@@ -1,33 +1,41 @@
-"""What a mission with climbs asks of an aircraft and of a command, told in terms of the files."""
+"""What a command needs of aircraft, mission and files, told in terms of the files."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import os
 
-if TYPE_CHECKING:
-    from studies.cli.library import LoadedAircraft, LoadedMission
+import click
+
+from missions.files.validation import located_error
+from missions.flight_path import orbit
+from sizing.aircraft import MeasuredAirframe
+from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
+from sizing.design import design_of
+from solar.names import ATTITUDE_MODELS
+from studies.cli.files import Case
+from studies.engine.chunk_store import check_target
 
 
-def refuse_climb(where: LoadedMission, command: str) -> None:
+def refuse_climb(case: Case, command: str) -> None:
     """Refuse a mission with climbs where flight at constant altitude is meant.
+
+    Parameters
+    ----------
+    case : Case
+    command : str
+        Name of the command, for the message.
 
     Raises
     ------
     InputError
         If the mission has ``climb``.
     """
-    if where.mission.climb is None:
-        return
-    from missions.files.validation import located_error
-
-    raise located_error(
-        where.document,
-        ("climb",),
-        f"{command} flies at constant altitude; remove climb (solar-uav analyse uses it)",
-    )
+    if case.mission.climb is not None:
+        message = f"{command} flies at constant altitude; remove climb (solar-uav analyse uses it)"
+        raise located_error(case.where.document, ("climb",), message)
 
 
-def require_climber(craft: LoadedAircraft, where: LoadedMission) -> None:
+def require_climber(case: Case) -> None:
     """Refuse an aircraft that cannot climb on a mission that has climbs.
 
     Raises
@@ -35,13 +43,101 @@ def require_climber(craft: LoadedAircraft, where: LoadedMission) -> None:
     InputError
         If a key of the aircraft is missing, or leaves no power to climb with.
     """
-    if where.mission.climb is None:
+    if case.mission.climb is None:
         return
-    from missions.files.validation import located_error
-    from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
-    from sizing.design import design_of
-
     try:
-        climb_limits(craft.aircraft, design_of(craft.aircraft, where.mission))
+        climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
     except ClimbLimitError as error:
-        raise located_error(craft.document, error.key, error.message) from None
+        raise located_error(case.craft.document, error.key, error.message) from None
+
+
+def require_path(case: Case, asked: str | None = None) -> None:
+    """Refuse an aircraft without module surfaces and a mission without a path it can fly.
+
+    Parameters
+    ----------
+    case : Case
+    asked : str, optional
+        What needs both, for the message; if left out, VM, FM and the loiter correction do.
+
+    Raises
+    ------
+    InputError
+        If surfaces or path are missing, or the wind does not let the path be flown.
+    """
+    solar = case.solar
+    if asked is None:
+        if solar.model not in ATTITUDE_MODELS and solar.correction != "loiter":
+            return
+        attitude = solar.model in ATTITUDE_MODELS
+        asked = f"--model {solar.model}" if attitude else "--correction loiter"
+    if case.aircraft.modules.geometry is None:
+        message = f"{asked} needs the module surfaces: add geometry with its surfaces"
+        raise located_error(case.craft.document, ("modules",), message)
+    if case.mission.flight_path is None:
+        message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
+        raise located_error(case.where.document, ("name",), message)
+    try:
+        orbit(case.mission.flight_path, case.mission.wind, samples=4)
+    except ValueError as error:
+        raise located_error(case.where.document, ("flight_path",), str(error)) from None
+
+
+def refuse_polar_night(case: Case) -> None:
+    """Refuse scenarios in which the sun never rises: no design could fly through them.
+
+    Raises
+    ------
+    InputError
+        If there is such a scenario; the message names the first.
+    """
+    scenarios = case.mission.scenarios()
+    dark = scenarios.in_polar_night()
+    if dark.any():
+        label = scenarios.label(int(dark.argmax()))
+        message = (
+            f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
+        )
+        raise located_error(case.where.document, ("latitude_deg",), message)
+
+
+def require_parametric(case: Case, message: str) -> None:
+    """Refuse a measured aircraft where masses and power must follow from the design.
+
+    Parameters
+    ----------
+    case : Case
+    message : str
+        What needs a parametric aircraft.
+
+    Raises
+    ------
+    InputError
+        If the aircraft is measured.
+    """
+    if isinstance(case.aircraft.airframe, MeasuredAirframe):
+        raise located_error(case.craft.document, ("airframe", "kind"), message)
+
+
+def check_outputs(**options: str | None) -> None:
+    """Refuse files that cannot be written, or all be written, before any work is done for them.
+
+    Parameters
+    ----------
+    **options
+        Path given with each option, by the name of the option.
+    """
+    taken: dict[str, str] = {}
+    for name, path in options.items():
+        if path is None:
+            continue
+        option = f"--{name}"
+        if not path:
+            raise click.BadParameter("needs the name of a file", param_hint=option)
+        check_target(path)
+        place = os.path.realpath(path)
+        if os.path.exists(place) and not os.path.isfile(place):  # noqa: PTH110, PTH113
+            continue  # a device or a pipe takes one after the other
+        if place in taken:
+            raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
+        taken[place] = option

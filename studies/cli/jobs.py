@@ -1,4 +1,4 @@
-"""Commands that may take long: their common options, kept parts, and how they are stopped."""
+"""Commands that may take long: where they compute, kept parts, and how they are stopped."""
 
 from __future__ import annotations
 
@@ -6,56 +6,21 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from missions.files.writing import OutputError
 from studies.cli.options import EXIT_FAILED
+from studies.cli.progress import progress_of
+from studies.engine.chunk_store import ChunkStore, parts_folder
+from studies.engine.run import Job, Outcome, Stopped, run
+from studies.engine.workers import crew_of
 
-if TYPE_CHECKING:
-    from studies.engine.chunk_store import ChunkStore
-    from studies.engine.run import Job, Outcome
-
-__all__ = ["WorkOptions", "completed", "work_options"]
-
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-_MAXIMUM_WORKERS = 1000
-
-
-def work_options(command: Command) -> Command:
-    """Options of commands that compute in chunks."""
-    for option in (
-        click.option(
-            "--keep-parts",
-            is_flag=True,
-            help="Keep the finished chunks when the result is written.",
-        ),
-        click.option(
-            "--work",
-            "work_dir",
-            type=click.Path(),
-            help="Folder for finished chunks.  [default: the name of --out with .parts]",
-        ),
-        click.option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
-            "machine.",
-        ),
-        click.option(
-            "--workers",
-            type=click.IntRange(1, _MAXIMUM_WORKERS),
-            help="Processes that compute; 1 starts none.  [default: as many as there are cores, "
-            "where the work is worth their start]",
-        ),
-    ):
-        command = option(command)
-    return command
+__all__ = ["WorkOptions", "completed"]
 
 
 @dataclass(frozen=True)
@@ -87,8 +52,6 @@ class WorkOptions:
 
     def folder(self, target: str | os.PathLike[str] | None) -> Path | None:
         """Folder for parts; none without a result file or a folder."""
-        from studies.engine.chunk_store import parts_folder
-
         if self.work_dir is not None:
             return Path(self.work_dir)
         return None if target is None else parts_folder(target)
@@ -104,12 +67,6 @@ def completed(
     fills up, as an error. Cells that failed are told on standard error, and where all of them did
     there is no result.
     """
-    from missions.files.writing import OutputError
-    from studies.cli.progress import progress_of
-    from studies.engine.chunk_store import ChunkStore
-    from studies.engine.run import Stopped, run
-    from studies.engine.workers import crew_of
-
     folder = options.folder(target)
     with ExitStack() as stack:
         store = None

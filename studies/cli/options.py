@@ -1,32 +1,47 @@
-"""Options and steps that several commands of ``solar-uav`` share."""
+"""Options that several commands of ``solar-uav`` share; light, for help texts import this alone."""
 
 from __future__ import annotations
 
 import json
 import math
-import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, TypeVar
 
 import click
 
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES
-from studies.output import formats
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.figure import Figure
-
-    from missions.mission import Mission
-    from sizing.performance import SolarModel
-    from studies.cli.library import LoadedAircraft, LoadedMission
+from solar.names import CORRECTION_NAMES, MODEL_NAMES
+from studies.output.formats import IMAGE_FORMATS, image_format
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 _MAXIMUM_GRID = 2000
+_MAXIMUM_WORKERS = 1000
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Parsed(click.ParamType[Any]):
+    """Values that a function of a study reads; it is imported when there is a value.
+
+    Parameters
+    ----------
+    name : str
+        Form of the value, for messages.
+    reader : str
+        Module and function, ``package.module:function``; it takes text, and raises ValueError.
+    """
+
+    def __init__(self, name: str, reader: str) -> None:
+        self.name, self._reader = name, reader
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the value."""
+        module, _, function = self._reader.partition(":")
+        try:
+            return getattr(import_module(module), function)(str(value))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
 
 
 class Grid(click.ParamType["list[float]"]):
@@ -78,10 +93,10 @@ class RealRange(click.FloatRange):
 
 
 def mission_option(default: str | None = "rafz-july") -> Callable[[Command], Command]:
-    """Option ``--mission``, required without a default."""
-    if default is None:
-        return click.option("--mission", "-m", required=True, help="Name or file.")
-    return click.option("--mission", "-m", default=default, show_default=True, help="Name or file.")
+    """Option ``--mission``; without a default only a folder of results may stand in for it."""
+    needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
+    help_text = f"Name or file.{needed}"
+    return click.option("--mission", "-m", default=default, show_default=True, help=help_text)
 
 
 set_option = click.option(
@@ -128,176 +143,48 @@ def solar_options(command: Command) -> Command:
     return command
 
 
-def load(
-    aircraft: str, mission: str, overrides: tuple[str, ...]
-) -> tuple[LoadedAircraft, LoadedMission]:
-    """Load both files and report what is wrong with either of them together."""
-    from missions.files.errors import InputError
-    from studies.cli.library import open_aircraft, open_mission, split_overrides
-
-    of_aircraft, of_mission = split_overrides(overrides)
-    try:
-        craft = open_aircraft(aircraft, of_aircraft)
-    except InputError as error:
-        try:
-            open_mission(mission, of_mission)
-        except InputError as second:
-            raise InputError([*error.problems, *second.problems]) from None
-        raise
-    return craft, open_mission(mission, of_mission)
-
-
-def require_path(model: str, correction: str, craft: LoadedAircraft, where: LoadedMission) -> None:
-    """Refuse VM, FM and the loiter correction without module surfaces and a flight path."""
-    if model not in ATTITUDE_MODELS and correction != "loiter":
-        return
-    asked = f"--model {model}" if model in ATTITUDE_MODELS else "--correction loiter"
-    require_path_for(asked, craft, where)
-
-
-def require_path_for(asked: str, craft: LoadedAircraft, where: LoadedMission) -> None:
-    """Refuse an aircraft without module surfaces and a mission without a flight path it can fly."""
-    from missions.files.validation import located_error
-    from missions.flight_path import orbit
-
-    if craft.aircraft.modules.geometry is None:
-        message = f"{asked} needs the module surfaces: add geometry with its surfaces"
-        raise located_error(craft.document, ("modules",), message)
-    if where.mission.flight_path is None:
-        message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
-        raise located_error(where.document, ("name",), message)
-    try:
-        orbit(where.mission.flight_path, where.mission.wind, samples=4)
-    except ValueError as error:
-        raise located_error(where.document, ("flight_path",), str(error)) from None
+def work_options(command: Command) -> Command:
+    """Options of commands that compute in chunks."""
+    for option in (
+        click.option(
+            "--keep-parts",
+            is_flag=True,
+            help="Keep the finished chunks when the result is written.",
+        ),
+        click.option(
+            "--work",
+            "work_dir",
+            type=click.Path(),
+            help="Folder for finished chunks.  [default: the name of --out with .parts]",
+        ),
+        click.option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
+            "machine.",
+        ),
+        click.option(
+            "--workers",
+            type=click.IntRange(1, _MAXIMUM_WORKERS),
+            help="Processes that compute; 1 starts none.  [default: as many as there are cores, "
+            "where the work is worth their start]",
+        ),
+    ):
+        command = option(command)
+    return command
 
 
-def refuse_polar_night(mission: Mission, where: LoadedMission, *, options: bool) -> None:
-    """Refuse scenarios in which the sun never rises: there is nothing to analyse or to size."""
-    from missions.files.validation import located_error
-
-    scenarios = mission.scenarios()
-    dark = scenarios.in_polar_night()
-    if not dark.any():
-        return
-    label = scenarios.label(int(dark.argmax()))
-    message = f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
-    if options:
-        raise click.UsageError(f"--latitude/--date: {message}")
-    raise located_error(where.document, ("latitude_deg",), message)
-
-
-@contextmanager
-def progress_bar(unit: str) -> Iterator[Callable[[int, int], None]]:
-    """Progress bar on a terminal's standard error, nothing elsewhere."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(unit)
-
-        def update(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
-        yield update
-
-
-def solar_model(model: str, correction: str) -> SolarModel:
-    """Solar model that the options name."""
-    from sizing.performance import SolarModel
-
-    return SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-
-
-def check_outputs(**options: str | None) -> None:
-    """Refuse files that cannot be written, or all be written, before any work is done for them.
-
-    Parameters
-    ----------
-    **options
-        Path given with each option, by the name of the option.
-    """
-    from studies.engine.chunk_store import check_target
-
-    taken: dict[str, str] = {}
-    for name, path in options.items():
-        if path is None:
-            continue
-        option = f"--{name}"
-        if not path:
-            raise click.BadParameter("needs the name of a file", param_hint=option)
-        check_target(path)
-        place = os.path.realpath(path)
-        if os.path.exists(place) and not os.path.isfile(place):  # noqa: PTH110, PTH113
-            continue  # a device or a pipe takes one after the other
-        if place in taken:
-            raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
-        taken[place] = option
-
-
-def write_results(
-    data_file: str | None,
-    data: Callable[[], bytes],
-    plot_file: str | None,
-    draw: Callable[[], Figure],
-) -> None:
-    """Make and write those of both files that were asked for; if one cannot be, neither is."""
-    from missions.files.writing import write_files_atomically
-
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    if data_file is not None:
-        contents[data_file] = data()
-    if plot_file is not None:
-        contents[plot_file] = figure_bytes(draw(), plot_file)
-    write_files_atomically(contents)
-
-
-def csv_bytes(table: pd.DataFrame) -> bytes:
-    """Table as CSV without its index."""
-    return str(table.to_csv(index=False)).encode()
-
-
-def figure_bytes(figure: Figure, path: str) -> bytes:
-    """Figure in the format that its file name asks for."""
-    from studies.output.plots import to_bytes
-
-    return to_bytes(figure, image_format(path))
-
-
-def require_parametric(craft: LoadedAircraft, asked: str) -> None:
-    """Refuse a measured aircraft where masses and power must follow from the design."""
-    from sizing.aircraft import MeasuredAirframe
-
-    if not isinstance(craft.aircraft.airframe, MeasuredAirframe):
-        return
-    from missions.files.validation import located_error
-
-    message = f"{asked} needs a parametric aircraft, this one is measured"
-    raise located_error(craft.document, ("airframe", "kind"), message)
+def out_option(contents: str) -> Callable[[Command], Command]:
+    """Option ``--out`` of commands that write a folder."""
+    text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
+    return click.option("--out", "out_dir", type=click.Path(), help=text)
 
 
 def check_image(path: str | None) -> None:
     """Refuse a figure's file name before any work if it asks for a format that is not drawn."""
-    if path is not None:
-        image_format(path)
-
-
-def image_format(path: str) -> str:
-    """Format that a figure's file name asks for; others are refused."""
-    found = formats.image_format(path)
-    if found is None:
-        allowed = ", ".join(f".{name}" for name in formats.IMAGE_FORMATS)
+    if path is not None and image_format(path) is None:
+        allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
         raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
-    return found
-
-
-def console() -> Any:
-    """Console for tables."""
-    from rich.console import Console
-
-    # Names from files are text, never markup.
-    return Console(highlight=False, markup=False, emoji=False)
 
 
 def print_json(record: Any) -> None:

@@ -18,13 +18,21 @@ _EVERY_S = 15.0
 
 
 @contextmanager
-def progress_of(unit: str) -> Iterator[Callable[[int, int], None]]:
-    """Show progress; the function taken is told what is done and what there is in all."""
+def progress_of(unit: str, *, lines: bool = True) -> Iterator[Callable[[int, int], None]]:
+    """Show progress; the function taken is told what is done and what there is in all.
+
+    Parameters
+    ----------
+    unit : str
+        What is counted, in the plural.
+    lines : bool
+        Whether there are lines where there is no terminal.
+    """
     from rich.console import Console
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _Lines(unit)
+        yield _Lines(unit) if lines else _silent
         return
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
@@ -46,6 +54,10 @@ def progress_of(unit: str) -> Iterator[Callable[[int, int], None]]:
             bar.update(task, completed=done, total=total, rate=text)
 
         yield update
+
+
+def _silent(done: int, total: int) -> None:
+    """Say nothing of a short computation."""
 
 
 class _Pace:

@@ -9,17 +9,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from missions.logs.table import BoolArray, FlightLog, Gap
-from solar.almanac import sun_position
-from solar.sun import FloatArray
+from missions.logs.table import FlightLog, Gap
+from solar.sun import sun_position
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.log_view import (
     BRIGHT,
     LOW_LIGHT_W_PER_M2,
     MERGE_S,
     Anomaly,
+    LogView,
     Period,
-    Scene,
-    anomaly_in,
     clusters,
     mask_of,
     severity_of,
@@ -45,33 +44,33 @@ _NEAR_S = 5.0
 _SIGMA_OF_MAD = 1.4826
 
 
-def other_anomalies(scene: Scene, limited: BoolArray) -> list[Anomaly]:
+def other_anomalies(view: LogView, limited: BoolArray) -> list[Anomaly]:
     """All but limited charging; those that compare with the Full Model need it."""
-    found = _missing(scene)
-    if scene.samples.detail is None:
+    found = _missing(view)
+    if view.samples.detail is None:
         return found
-    tracking, dark = _not_tracking(scene, limited)
-    return [*found, *tracking, *_shading(scene, limited), *_side_bias(scene, limited | dark)]
+    tracking, dark = _not_tracking(view, limited)
+    return [*found, *tracking, *_shading(view, limited), *_side_bias(view, limited | dark)]
 
 
-def _not_tracking(scene: Scene, limited: BoolArray) -> tuple[list[Anomaly], BoolArray]:
-    """Periods in which trackers lose the maximum power point at low light."""
-    detail = scene.samples.detail
+def _not_tracking(view: LogView, limited: BoolArray) -> tuple[list[Anomaly], BoolArray]:
+    """Periods in which the MPPT loses the maximum power point at low light."""
+    detail = view.samples.detail
     assert detail is not None  # the caller checked
     low = (detail.irradiance_w_per_m2 < LOW_LIGHT_W_PER_M2) & ~limited
-    low &= scene.reference_w >= LOW_LIGHT_DEFICIT_RATED * scene.rated_w
+    low &= view.reference_w >= LOW_LIGHT_DEFICIT_RATED * view.rated_w
     if detail.shaded_m2 is not None:
         low &= detail.shaded_m2 <= 0.0
-    modelled = scene.smooth(scene.reference_w, _NEAR_S)
-    deficit = modelled - scene.smooth(scene.samples.measured_w, _NEAR_S)
-    averaged = 2 * round(_NEAR_S / scene.step_s) + 1
-    noise = LOW_LIGHT_SIGMAS * _noise_w(scene) / np.sqrt(averaged)
-    least = max(LOW_LIGHT_DEFICIT_RATED * scene.rated_w, noise)
+    modelled = view.smooth(view.reference_w, _NEAR_S)
+    deficit = modelled - view.smooth(view.samples.measured_w, _NEAR_S)
+    averaged = 2 * round(_NEAR_S / view.step_s) + 1
+    noise = LOW_LIGHT_SIGMAS * _noise_w(view) / np.sqrt(averaged)
+    least = max(LOW_LIGHT_DEFICIT_RATED * view.rated_w, noise)
     flagged = low & (deficit > np.maximum(LOW_LIGHT_DEFICIT * modelled, least))
-    odd_voltage = _odd_voltage(scene)
+    odd_voltage = _odd_voltage(view)
     found, lost = [], np.zeros(len(low), bool)
-    for period in clusters(flagged, scene.samples.time_s, MERGE_S):
-        anomaly = _tracking_anomaly(scene, period, flagged, low, odd_voltage)
+    for period in clusters(flagged, view.samples.time_s, MERGE_S):
+        anomaly = _tracking_anomaly(view, period, flagged, low, odd_voltage)
         if anomaly is not None:
             found.append(anomaly)
             lost |= flagged & mask_of(len(low), period)
@@ -79,7 +78,7 @@ def _not_tracking(scene: Scene, limited: BoolArray) -> tuple[list[Anomaly], Bool
 
 
 def _tracking_anomaly(
-    scene: Scene,
+    view: LogView,
     period: Period,
     flagged: BoolArray,
     low: BoolArray,
@@ -87,22 +86,21 @@ def _tracking_anomaly(
 ) -> Anomaly | None:
     inside = mask_of(len(flagged), period)
     bad = flagged & inside
-    affected = float(bad.sum() * scene.step_s)
+    affected = float(bad.sum() * view.step_s)
     if affected < LOW_LIGHT_LEAST_S or bad.sum() < LOW_LIGHT_SHARE * (low & inside).sum():
         return None
-    voltage = "no tracker voltage logged"
+    voltage = "no MPPT voltage logged"
     if odd_voltage is not None:
         share = float(odd_voltage[bad].mean())
         if share < VOLTAGE_SHARE:
             return None
-        voltage = f"tracker voltage off or unsteady in {share:.0%} of them"
-    missing = 1.0 - float(scene.samples.measured_w[bad].sum() / scene.reference_w[bad].sum())
-    lost = scene.lost_wh(bad)
-    return anomaly_in(
-        scene,
+        voltage = f"MPPT voltage off or unsteady in {share:.0%} of them"
+    missing = 1.0 - float(view.samples.measured_w[bad].sum() / view.reference_w[bad].sum())
+    lost = view.lost_wh(bad)
+    return view.anomaly(
         "mppt_not_tracking",
         period,
-        scene.severity_of_loss(lost),
+        view.severity_of_loss(lost),
         f"{missing:.0%} of the modelled power missing in {affected:.0f} s below "
         f"{LOW_LIGHT_W_PER_M2:g} W/m2 on the modules; {voltage}",
         affected,
@@ -110,58 +108,58 @@ def _tracking_anomaly(
     )
 
 
-def _odd_voltage(scene: Scene) -> BoolArray | None:
-    """Samples whose tracker voltage is away from its median at good light, or unsteady."""
-    volts = scene.logged(scene.log.mppt_voltage_v)
+def _odd_voltage(view: LogView) -> BoolArray | None:
+    """Samples whose MPPT voltage is away from its median at good light, or unsteady."""
+    volts = view.logged(view.log.mppt_voltage_v)
     if volts is None:
         return None
-    good = np.isfinite(volts) & (scene.reference_w >= BRIGHT * scene.rated_w)
+    good = np.isfinite(volts) & (view.reference_w >= BRIGHT * view.rated_w)
     if good.sum() < 10:
         good = np.isfinite(volts)
     median = float(np.median(volts[good]))
     spread = _SIGMA_OF_MAD * float(np.median(np.abs(volts[good] - median)))
     allowed = max(5.0 * spread, VOLTAGE_OFF * median)
     filled = np.where(np.isfinite(volts), volts, median)
-    mean = scene.smooth(filled, _NEAR_S)
-    variance = scene.smooth((filled - median) ** 2, _NEAR_S) - (mean - median) ** 2
+    mean = view.smooth(filled, _NEAR_S)
+    variance = view.smooth((filled - median) ** 2, _NEAR_S) - (mean - median) ** 2
     unsteady = np.sqrt(np.maximum(variance, 0.0)) > allowed
     return np.asarray((np.abs(filled - median) > allowed) | unsteady, bool)
 
 
-def _noise_w(scene: Scene) -> float:
+def _noise_w(view: LogView) -> float:
     """Scatter of the error from sample to sample, robust against everything slower [W]."""
-    error = scene.samples.measured_w - scene.reference_w
-    steps = np.diff(error)[np.diff(scene.samples.run) == 0]
+    error = view.samples.measured_w - view.reference_w
+    steps = np.diff(error)[np.diff(view.samples.run) == 0]
     if not len(steps):
         return 0.0
     return float(_SIGMA_OF_MAD * np.median(np.abs(steps - np.median(steps))) / np.sqrt(2.0))
 
 
-def _shading(scene: Scene, limited: BoolArray) -> list[Anomaly]:
+def _shading(view: LogView, limited: BoolArray) -> list[Anomaly]:
     """Dips of the power that coincide with the modelled shadow of the tail."""
-    detail = scene.samples.detail
+    detail = view.samples.detail
     assert detail is not None  # the caller checked
     if detail.shaded_m2 is None or detail.shading_loss_w is None:
         return []
     # Shadows too small to cost what would be told apart from noise are left out.
-    least = 0.5 * SHADING_LOSS_RATED * scene.rated_w
+    least = 0.5 * SHADING_LOSS_RATED * view.rated_w
     shaded = (detail.shading_loss_w > least) & ~limited
     clear = (detail.shaded_m2 <= 0.0) & ~limited
-    deficit = scene.reference_w - scene.samples.measured_w
+    deficit = view.reference_w - view.samples.measured_w
     found = []
-    for period in clusters(shaded, scene.samples.time_s, MERGE_S):
-        dips = _dips(scene, period, shaded, clear, deficit)
+    for period in clusters(shaded, view.samples.time_s, MERGE_S):
+        dips = _dips(view, period, shaded, clear, deficit)
         bad = shaded & mask_of(len(shaded), period)
-        if (anomaly := _shading_anomaly(scene, period, dips, bad)) is not None:
+        if (anomaly := _shading_anomaly(view, period, dips, bad)) is not None:
             found.append(anomaly)
     return found
 
 
 def _dips(
-    scene: Scene, period: Period, shaded: BoolArray, clear: BoolArray, deficit: FloatArray
+    view: LogView, period: Period, shaded: BoolArray, clear: BoolArray, deficit: FloatArray
 ) -> FloatArray:
     """Deficit of each passage of the shadow above that right before and after it [W]."""
-    time_s, inside = scene.samples.time_s, np.flatnonzero(shaded[period.slice()]) + period.first
+    time_s, inside = view.samples.time_s, np.flatnonzero(shaded[period.slice()]) + period.first
     passages = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
     dips = []
     for passage in passages:
@@ -174,9 +172,9 @@ def _dips(
 
 
 def _shading_anomaly(
-    scene: Scene, period: Period, dips: FloatArray, bad: BoolArray
+    view: LogView, period: Period, dips: FloatArray, bad: BoolArray
 ) -> Anomaly | None:
-    detail = scene.samples.detail
+    detail = view.samples.detail
     assert detail is not None
     assert detail.shading_loss_w is not None
     assert detail.shaded_m2 is not None
@@ -184,23 +182,22 @@ def _shading_anomaly(
         return None
     mean = float(dips.mean())
     error = float(dips.std(ddof=1)) / np.sqrt(len(dips))
-    modelled = float(scene.reference_w[bad].mean())
+    modelled = float(view.reference_w[bad].mean())
     expected = float(detail.shading_loss_w[bad].mean())
     least = max(
         SHADING_LOSS * modelled,
-        SHADING_LOSS_RATED * scene.rated_w,
+        SHADING_LOSS_RATED * view.rated_w,
         SHADING_OF_EXPECTED * expected,
         SHADING_T * error,
     )
     if mean < least:
         return None
-    affected = float(bad.sum() * scene.step_s)
+    affected = float(bad.sum() * view.step_s)
     lost = mean * affected / 3600.0
-    return anomaly_in(
-        scene,
+    return view.anomaly(
         "shading",
         period,
-        scene.severity_of_loss(lost),
+        view.severity_of_loss(lost),
         f"power drops by {mean:.1f} W ({mean / modelled:.0%}) in {len(dips)} passages of the "
         f"tail's shadow, of up to {detail.shaded_m2[bad].max():.3f} m2; in proportion to the area "
         f"it would be {expected:.1f} W",
@@ -209,12 +206,12 @@ def _shading_anomaly(
     )
 
 
-def _side_bias(scene: Scene, left_out: BoolArray) -> list[Anomaly]:
+def _side_bias(view: LogView, left_out: BoolArray) -> list[Anomaly]:
     """Sides of the nose on which the sun makes the error differ from that on the others."""
-    samples = scene.samples
+    samples = view.samples
     low, high = SIDE_ELEVATIONS_DEG
     good = ~left_out & (samples.elevation_deg > low) & (samples.elevation_deg < high)
-    good &= scene.reference_w >= 0.1 * scene.rated_w
+    good &= view.reference_w >= 0.1 * view.rated_w
     if samples.detail is not None and samples.detail.shaded_m2 is not None:
         good &= samples.detail.shaded_m2 <= 0.0
     if not good.any():
@@ -224,7 +221,7 @@ def _side_bias(scene: Scene, left_out: BoolArray) -> list[Anomaly]:
     _, block = np.unique(block, return_inverse=True)
     cell = 4 * block + side
     size = 4 * (int(block.max()) + 1)
-    error = np.bincount(cell, (scene.reference_w - samples.measured_w)[good], minlength=size)
+    error = np.bincount(cell, (view.reference_w - samples.measured_w)[good], minlength=size)
     power = np.bincount(cell, samples.measured_w[good], minlength=size)
     counts = np.bincount(cell, minlength=size)
     enough = (counts >= 10) & (power > 0.0)
@@ -236,7 +233,7 @@ def _side_bias(scene: Scene, left_out: BoolArray) -> list[Anomaly]:
         bad = np.zeros(len(good), bool)
         bad[places[side == number]] = True
         difference = _against_others(relative, number)
-        if (anomaly := _side_anomaly(scene, period, name, difference, bad)) is not None:
+        if (anomaly := _side_anomaly(view, period, name, difference, bad)) is not None:
             found.append(anomaly)
     return found
 
@@ -250,7 +247,7 @@ def _against_others(relative: FloatArray, number: int) -> FloatArray:
 
 
 def _side_anomaly(
-    scene: Scene, period: Period, name: str, difference: FloatArray, bad: BoolArray
+    view: LogView, period: Period, name: str, difference: FloatArray, bad: BoolArray
 ) -> Anomaly | None:
     if len(difference) < 3:
         return None
@@ -261,29 +258,28 @@ def _side_anomaly(
         return None
     where = {"front": "ahead", "right": "on the right", "rear": "behind", "left": "on the left"}
     word = "over" if mean > 0.0 else "under"
-    return anomaly_in(
-        scene,
+    return view.anomaly(
         "side_bias",
         period,
         severity_of(abs(mean), SIDE_BIAS, 3.0),
         f"with the sun {where[name]} the model {word}estimates by {abs(mean):.1%} more than with "
         f"the sun elsewhere, alike in {same_sign:.0%} of {len(difference)} blocks of "
         f"{SIDE_BLOCK_S / 60:g} min",
-        float(bad.sum() * scene.step_s),
-        max(scene.lost_wh(bad), 0.0),
+        float(bad.sum() * view.step_s),
+        max(view.lost_wh(bad), 0.0),
     )
 
 
-def _missing(scene: Scene) -> list[Anomaly]:
+def _missing(view: LogView) -> list[Anomaly]:
     """Stretches without samples while the sun is up; those close together are one finding."""
-    lit = [(gap, sunlit) for gap in scene.log.gaps if (sunlit := _sunlit_s(scene.log, gap)) > 0.0]
+    lit = [(gap, sunlit) for gap in view.log.gaps if (sunlit := _sunlit_s(view.log, gap)) > 0.0]
     groups: list[list[tuple[Gap, float]]] = []
     for gap, sunlit in lit:
         if groups and gap.start_s - groups[-1][-1][0].end_s <= MERGE_S:
             groups[-1].append((gap, sunlit))
         else:
             groups.append([(gap, sunlit)])
-    known_s = len(scene.samples.time_s) * scene.step_s
+    known_s = len(view.samples.time_s) * view.step_s
     return [_missing_anomaly(group, known_s) for group in groups]
 
 

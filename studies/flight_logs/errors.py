@@ -14,10 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missions.logs.table import BoolArray, IntArray
-from solar.almanac import SECONDS_PER_DAY
 from solar.names import ModelName
-from solar.sun import FloatArray
+from solar.sun import SECONDS_PER_DAY
+from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.samples import Samples, numbered_runs
 
 _WINDOW = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d+(?:\.\d*)?):(\d+(?:\.\d*)?)")
@@ -94,6 +93,15 @@ def moving_average(values: FloatArray, run: IntArray, semi_window: int) -> Float
     """Two-sided moving average over ``2 semi_window + 1`` samples that never leaves a run.
 
     Towards the ends of a run the window is cut, not mirrored.
+
+    Parameters
+    ----------
+    values : ndarray
+        What is averaged.
+    run : ndarray of int
+        Number of each sample's run, ascending.
+    semi_window : int
+        Samples on either side.
     """
     place = np.arange(len(values))
     first = np.searchsorted(run, run, side="left")
@@ -112,12 +120,28 @@ def day_masks(samples: Samples) -> Iterator[tuple[str, BoolArray]]:
 
 
 def used_runs(samples: Samples, used: BoolArray) -> IntArray:
-    """Runs of the samples that are used, numbered anew where others were left out."""
+    """Runs of the samples that are used, numbered anew where others were left out.
+
+    Parameters
+    ----------
+    samples : Samples
+        All samples.
+    used : ndarray of bool
+        Those that are used.
+    """
     return numbered_runs(np.flatnonzero(used), samples.run[used])
 
 
 def in_window(samples: Samples, window: Window) -> BoolArray:
-    """Samples that lie in a window."""
+    """Samples that lie in a window.
+
+    Parameters
+    ----------
+    samples : Samples
+        All samples.
+    window : Window
+        Period of solar time.
+    """
     hours = samples.time_solar_h
     inside = (hours >= window.start_h) & (hours <= window.end_h)
     if window.day is not None:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from missions.logs.table import BoolArray
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.log_view import (
     BRIGHT,
     LOW_LIGHT_W_PER_M2,
     MERGE_S,
     SMOOTH_S,
     Anomaly,
+    LogView,
     Period,
-    Scene,
-    anomaly_in,
     clusters,
     mask_of,
 )
@@ -31,68 +29,68 @@ LEAST_JUDGED = 0.2  # share of the samples around one that must not be low light
 _WIDEN_S = 300.0
 
 
-def battery_full(scene: Scene) -> tuple[list[Anomaly], BoolArray]:
+def battery_full(view: LogView) -> tuple[list[Anomaly], BoolArray]:
     """Periods in which power is limited because the battery is nearly full."""
-    ratio, bright = _power_ratio(scene)
-    charge = scene.logged(scene.log.state_of_charge)
-    sure = charge is not None and scene.samples.detail is not None
+    ratio, bright = _power_ratio(view)
+    charge = view.logged(view.log.state_of_charge)
+    sure = charge is not None and view.samples.detail is not None
     flagged = bright & (ratio < (LIMITED if sure else LIMITED_UNSURE))
     if charge is not None:
         # NaN compares false: samples without a charge are judged by neither rule.
         flagged &= charge >= NEAR_FULL
     found, limited = [], np.zeros(len(ratio), bool)
-    for period in clusters(flagged, scene.samples.time_s, MERGE_S):
-        if flagged[period.slice()].sum() * scene.step_s < LIMITED_LEAST_S:
+    for period in clusters(flagged, view.samples.time_s, MERGE_S):
+        if flagged[period.slice()].sum() * view.step_s < LIMITED_LEAST_S:
             continue
-        reason = _why_limited(scene, period, charge, ratio)
+        reason = _why_limited(view, period, charge, ratio)
         if reason is None:
             continue
-        whole = _widened(scene, period, ratio)
+        whole = _widened(view, period, ratio)
         limited[whole.slice()] = True
-        found.append(_limitation(scene, whole, ratio, reason))
+        found.append(_limitation(view, whole, ratio, reason))
     return found, limited
 
 
-def _power_ratio(scene: Scene) -> tuple[FloatArray, BoolArray]:
+def _power_ratio(view: LogView) -> tuple[FloatArray, BoolArray]:
     """Measured over modelled power around each sample, and where there is enough to judge it.
 
-    Samples at low light are left out: there the trackers may fail, which is another finding, and
+    Samples at low light are left out: there the MPPT may fail, which is another finding, and
     a limit never acts on little power.
     """
-    detail = scene.samples.detail
-    counts = np.ones(len(scene.reference_w))
+    detail = view.samples.detail
+    counts = np.ones(len(view.reference_w))
     if detail is not None:
         counts = (detail.irradiance_w_per_m2 >= LOW_LIGHT_W_PER_M2).astype(float)
-    share = np.maximum(scene.smooth(counts, SMOOTH_S), 1e-9)
-    measured = scene.smooth(counts * scene.samples.measured_w, SMOOTH_S) / share
-    modelled = scene.smooth(counts * scene.reference_w, SMOOTH_S) / share
-    judged = (share >= LEAST_JUDGED) & (modelled >= BRIGHT * scene.rated_w)
+    share = np.maximum(view.smooth(counts, SMOOTH_S), 1e-9)
+    measured = view.smooth(counts * view.samples.measured_w, SMOOTH_S) / share
+    modelled = view.smooth(counts * view.reference_w, SMOOTH_S) / share
+    judged = (share >= LEAST_JUDGED) & (modelled >= BRIGHT * view.rated_w)
     return np.where(judged, measured / np.maximum(modelled, 1e-9), 1.0), judged
 
 
 def _why_limited(
-    scene: Scene, period: Period, charge: FloatArray | None, ratio: FloatArray
+    view: LogView, period: Period, charge: FloatArray | None, ratio: FloatArray
 ) -> str | None:
     """Evidence that the battery is behind the missing power, none if there is none."""
     if charge is not None:
         mean = float(np.nanmean(charge[period.slice()]))
         return f"state of charge {mean:.0%} on average"
-    load = scene.logged(scene.log.load_w)
+    load = view.logged(view.log.load_w)
     if load is not None:
-        apart = np.abs(scene.samples.measured_w - load)[period.slice()]
+        apart = np.abs(view.samples.measured_w - load)[period.slice()]
         known = apart[np.isfinite(apart)]
-        if len(known) and np.median(known) < LOAD_MATCH * scene.rated_w:
+        if len(known) and np.median(known) < LOAD_MATCH * view.rated_w:
             return "power follows the load (no state of charge logged)"
-    time_s = scene.samples.time_s
+    time_s = view.samples.time_s
     before = slice(int(np.searchsorted(time_s, time_s[period.first] - _WIDEN_S)), period.first)
     if np.any(ratio[before] >= LIMITED):
         return "sudden drop at high light (no state of charge logged, so clouds are not ruled out)"
     return None
 
 
-def _widened(scene: Scene, period: Period, ratio: FloatArray) -> Period:
+def _widened(view: LogView, period: Period, ratio: FloatArray) -> Period:
     """Extend a period to where the power is whole again, plus what the smoothing hides."""
-    time_s = scene.samples.time_s
+    time_s = view.samples.time_s
     whole = ratio >= UNLIMITED
     before = np.flatnonzero(whole[: period.first])
     after = np.flatnonzero(whole[period.last :])
@@ -105,17 +103,16 @@ def _widened(scene: Scene, period: Period, ratio: FloatArray) -> Period:
     )
 
 
-def _limitation(scene: Scene, period: Period, ratio: FloatArray, reason: str) -> Anomaly:
+def _limitation(view: LogView, period: Period, ratio: FloatArray, reason: str) -> Anomaly:
     inside = period.slice()
-    lost = scene.lost_wh(mask_of(len(ratio), period))
+    lost = view.lost_wh(mask_of(len(ratio), period))
     lowest = float(ratio[inside].min())
-    return anomaly_in(
-        scene,
+    return view.anomaly(
         "battery_full",
         period,
-        scene.severity_of_loss(lost),
+        view.severity_of_loss(lost),
         f"power down to {lowest:.0%} of the model while {BRIGHT:.0%} of rated power or more is "
         f"there; {reason}; not counted in the errors",
-        (inside.stop - inside.start) * scene.step_s,
+        (inside.stop - inside.start) * view.step_s,
         lost,
     )

@@ -8,9 +8,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missions.logs.table import BoolArray, FlightLog
+from missions.logs.table import FlightLog
 from sizing.aircraft import Aircraft
-from solar.sun import FloatArray
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.samples import Samples
 
@@ -20,7 +20,7 @@ Severity = Literal["minor", "moderate", "major"]
 # Load of the modules, as a share of rated power, from which power is judged; docs/verify.md gives
 # the reason of this and all other thresholds.
 BRIGHT = 0.25
-# Irradiance on the modules below which trackers are known to fail.
+# Irradiance on the modules below which MPPTs are known to fail.
 LOW_LIGHT_W_PER_M2 = 250.0
 # Periods of one anomaly that are closer than this are one finding.
 MERGE_S = 600.0
@@ -44,7 +44,7 @@ class Anomaly:
 
 
 @dataclass(frozen=True)
-class Scene:
+class LogView:
     """Samples and the best model on them, levelled to the log's own good samples."""
 
     log: FlightLog
@@ -54,13 +54,13 @@ class Scene:
     step_s: float
 
     @classmethod
-    def of(cls, log: FlightLog, samples: Samples, aircraft: Aircraft) -> Scene:
+    def of(cls, log: FlightLog, samples: Samples, aircraft: Aircraft) -> LogView:
         """Level the model: a constant bias of it is an error to report, not an anomaly."""
         modules = aircraft.modules
         model = samples.modelled_w.get("FM", samples.modelled_w["CAM"])
         rated = modules.full_load_w_per_m2 * modules.area_m2
-        scene = cls(log, samples, model, rated, log.step_s)
-        measured, smooth = scene.smooth(samples.measured_w, SMOOTH_S), scene.smooth(model, SMOOTH_S)
+        view = cls(log, samples, model, rated, log.step_s)
+        measured, smooth = view.smooth(samples.measured_w, SMOOTH_S), view.smooth(model, SMOOTH_S)
         bright = smooth >= BRIGHT * rated
         level = 1.0
         if bright.any():
@@ -81,6 +81,31 @@ class Scene:
         missing = (self.reference_w - self.samples.measured_w)[mask]
         return float(missing.sum() * self.step_s / 3600.0)
 
+    def anomaly(
+        self,
+        kind: Kind,
+        period: Period,
+        severity: Severity,
+        evidence: str,
+        affected_s: float,
+        lost_wh: float,
+    ) -> Anomaly:
+        """Anomaly over a period of samples.
+
+        Parameters
+        ----------
+        kind, severity : str
+            What it is, and how bad.
+        period : Period
+            From its first to its last sample.
+        evidence : str
+            What gives it away, for people.
+        affected_s, lost_wh : float
+            Time of the affected samples [s], and the energy missing in them [Wh].
+        """
+        start, end = (float(self.samples.time_s[place]) for place in period)
+        return Anomaly(kind, start, end, severity, evidence, affected_s, lost_wh)
+
     def severity_of_loss(self, lost_wh: float) -> Severity:
         """By the share of the energy of the whole log."""
         whole_wh = float(self.reference_w.sum()) * self.step_s / 3600.0
@@ -88,7 +113,15 @@ class Scene:
 
 
 def severity_of(share: float, minor: float, factor: float = 5.0) -> Severity:
-    """Minor below a share, major from ``factor`` times that share on."""
+    """Severity by a share.
+
+    Parameters
+    ----------
+    share, minor : float
+        Share that is judged, and that below which it is minor [-].
+    factor : float
+        From so many times the latter on it is major.
+    """
     if share < minor:
         return "minor"
     return "moderate" if share < factor * minor else "major"
@@ -106,7 +139,17 @@ class Period(NamedTuple):
 
 
 def clusters(flagged: BoolArray, time_s: FloatArray, merge_s: float) -> list[Period]:
-    """Join flagged samples that are less than some seconds apart."""
+    """Join flagged samples.
+
+    Parameters
+    ----------
+    flagged : ndarray of bool
+        Samples.
+    time_s : ndarray
+        Their times [s].
+    merge_s : float
+        Largest distance within one cluster [s].
+    """
     places = np.flatnonzero(flagged)
     if not len(places):
         return []
@@ -117,22 +160,15 @@ def clusters(flagged: BoolArray, time_s: FloatArray, merge_s: float) -> list[Per
 
 
 def mask_of(count: int, period: Period) -> BoolArray:
-    """Mark the period among all samples."""
+    """Mark a period among so many samples.
+
+    Parameters
+    ----------
+    count : int
+        Number of samples.
+    period : Period
+        Those that are marked.
+    """
     mask = np.zeros(count, bool)
     mask[period.slice()] = True
     return mask
-
-
-def anomaly_in(
-    scene: Scene,
-    kind: Kind,
-    period: Period,
-    severity: Severity,
-    evidence: str,
-    affected_s: float,
-    lost_wh: float,
-) -> Anomaly:
-    """Anomaly over a period of samples."""
-    time_s = scene.samples.time_s
-    start, end = float(time_s[period.first]), float(time_s[period.last])
-    return Anomaly(kind, start, end, severity, evidence, affected_s, lost_wh)

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from missions.logs.table import BoolArray, IntArray
 from solar.names import ModelName
-from solar.sun import FloatArray
-from studies.flight_logs.errors import Section, moving_average
+from solar.types import BoolArray, FloatArray, IntArray
+from studies.flight_logs.errors import Section, day_masks, moving_average
 from studies.flight_logs.samples import Detail, Samples
 from studies.flight_logs.verification import Verification
+from studies.output.plots import (
+    BLUE,
+    GREEN,
+    MODEL_COLOURS,
+    ORANGE,
+    SKY,
+    VERMILLION,
+    YELLOW,
+    new_figure,
+    shade,
+)
 
-# Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
-COLOURS: dict[ModelName, str] = {
-    "CDM": "#E69F00",
-    "CAM": "#56B4E9",
-    "VM": "#009E73",
-    "FM": "#D55E00",
-}
-MEASURED, SECOND, PATCH, LIMITED = "black", "#0072B2", "#DDDDDD", "#F0E442"
+MEASURED, LOGGED, LIMITED = "black", BLUE, YELLOW
 # More points than this are not told apart on a page.
 _MOST_POINTS = 4000
 
@@ -50,22 +53,45 @@ class _View:
 Draw = Callable[[Axes, _View], None]
 
 
+def figures(result: Verification) -> Iterator[tuple[str, Figure]]:
+    """Figures of all windows and days, each with a name for its file."""
+    for number in range(len(result.windows)):
+        yield f"window-{number + 1}", window_figure(result, number)
+    for section, (date, mask) in zip(result.days, day_masks(result.samples), strict=True):
+        yield f"day-{date}", day_figure(result, section, mask)
+
+
 def window_figure(result: Verification, number: int) -> Figure:
-    """Power, attitude, efficiencies, shade and tracker voltage in one window."""
+    """Power, attitude, efficiencies, shade and MPPT voltage in one window.
+
+    Parameters
+    ----------
+    result : Verification
+        What is drawn.
+    number : int
+        Which of its windows, from 0.
+    """
     section = result.windows[number]
     view = _view(result, result.window_masks[number], result.window_semi, attitude=True)
     return _figure(result, section, view, [])
 
 
 def day_figure(result: Verification, section: Section, mask: BoolArray) -> Figure:
-    """The same over a day (UTC), the windows as grey patches."""
+    """The same over a day (UTC), the windows as grey patches.
+
+    Parameters
+    ----------
+    result : Verification
+        What is drawn.
+    section : Section
+        One of its days.
+    mask : ndarray of bool
+        Samples of that day.
+    """
     view = _view(result, mask, result.day_semi, attitude=False)
-    samples = result.samples
-    patches = []
-    for window in result.window_masks:
-        hours = _hours(samples, mask)[window[mask]]
-        if len(hours):
-            patches.append((float(hours.min()), float(hours.max())))
+    hours = _hours(result.samples, mask)
+    inside = [hours[window[mask]] for window in result.window_masks]
+    patches = [(float(h.min()), float(h.max())) for h in inside if len(h)]
     return _figure(result, section, view, patches)
 
 
@@ -115,23 +141,24 @@ def _figure(
 ) -> Figure:
     rows = _rows(view)
     heights = [2.0 if draw is _draw_power else 1.2 for draw in rows]
-    figure = Figure(figsize=(8.0, 1.4 * sum(heights) + 0.8), layout="constrained")
-    grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False, height_ratios=heights)
-    every: list[Axes] = list(grid[:, 0])
+    figure, every = new_figure(
+        len(rows),
+        title=f"{result.aircraft}, {section.label}: models against flight "
+        f"(average over {2 * section.semi_window + 1} samples)",
+        size_in=(8.0, 1.4 * sum(heights) + 0.8),
+        sharex=True,
+        height_ratios=heights,
+    )
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], view.excluded.astype(int), [0]))))
+    excluded = view.hours[edges.reshape(-1, 2) - (0, 1)]
     for axes, draw in zip(every, rows, strict=True):
         draw(axes, view)
-        for number, (start, end) in enumerate(patches):
-            name = "window" if draw is _draw_power and number == 0 else None
-            axes.axvspan(start, end, color=PATCH, zorder=0, linewidth=0, label=name)
-        _mark_excluded(axes, view, named=draw is _draw_power)
-        axes.grid(alpha=0.3)
+        named = draw is _draw_power
+        shade(axes, patches, "window" if named else None)
+        shade(axes, excluded, "excluded" if named else None, color=LIMITED, alpha=0.3)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
     every[-1].set_xlabel("solar time [h]")
     every[-1].set_xlim(float(view.hours.min()), float(np.nextafter(view.hours.max(), np.inf)))
-    figure.suptitle(
-        f"{result.aircraft}, {section.label}: models against flight "
-        f"(average over {2 * section.semi_window + 1} samples)"
-    )
     return figure
 
 
@@ -165,22 +192,22 @@ def _line(axes: Axes, view: _View, values: FloatArray, **style: str) -> None:
 
 def _draw_power(axes: Axes, view: _View) -> None:
     for model, power in view.modelled.items():
-        _line(axes, view, power, color=COLOURS[model], label=model)
+        _line(axes, view, power, color=MODEL_COLOURS[model], label=model)
     _line(axes, view, view.measured, color=MEASURED, label="measured")
     axes.set_ylabel("solar power [W]")
 
 
 def _draw_angles(axes: Axes, view: _View) -> None:
-    for (name, values), colour in zip(view.angles, ("#009E73", "#56B4E9"), strict=False):
+    for (name, values), colour in zip(view.angles, (GREEN, SKY), strict=False):
         _line(axes, view, values, color=colour, label=name)
     if view.detail is not None:
-        _line(axes, view, view.detail.incidence_deg, color="#D55E00", label="incidence")
+        _line(axes, view, view.detail.incidence_deg, color=VERMILLION, label="incidence")
     axes.set_ylabel("angle [deg]")
 
 
 def _draw_yaw(axes: Axes, view: _View) -> None:
     assert view.yaw_deg is not None  # a row of figures of a window with attitude
-    axes.plot(view.hours, view.yaw_deg, ".", color="#999999", markersize=2, label="yaw")
+    axes.plot(view.hours, view.yaw_deg, ".", color="grey", markersize=2, label="yaw")
     axes.set(ylabel="angle [deg]", ylim=(0, 360), yticks=(0, 90, 180, 270, 360))
 
 
@@ -188,11 +215,11 @@ def _draw_efficiencies(axes: Axes, view: _View) -> None:
     detail = view.detail
     assert detail is not None  # a row of figures with a Full Model
     for values, label, colour, dashes in (
-        (detail.incidence_efficiency, "incidence", "#E69F00", "-"),
-        (detail.low_light_efficiency, "low light", "#56B4E9", "-"),
-        (detail.temperature_efficiency, "temperature", "#009E73", "-"),
-        (detail.mppt_efficiency, "tracker", "#0072B2", "--"),
-        (detail.module_efficiency, "module", "#D55E00", "-"),
+        (detail.incidence_efficiency, "incidence", ORANGE, "-"),
+        (detail.low_light_efficiency, "low light", SKY, "-"),
+        (detail.temperature_efficiency, "temperature", GREEN, "-"),
+        (detail.mppt_efficiency, "MPPT", BLUE, "--"),
+        (detail.module_efficiency, "module", VERMILLION, "-"),
     ):
         _line(axes, view, 100.0 * values, color=colour, linestyle=dashes, label=label)
     axes.set_ylabel("efficiency [%]")
@@ -200,7 +227,7 @@ def _draw_efficiencies(axes: Axes, view: _View) -> None:
 
 def _draw_shade(axes: Axes, view: _View) -> None:
     assert view.raw_shaded_m2 is not None  # a row of figures with a tail
-    _line(axes, view, 1e4 * view.raw_shaded_m2, color=SECOND, label="modelled")
+    _line(axes, view, 1e4 * view.raw_shaded_m2, color=LOGGED, label="modelled")
     axes.set_ylabel("shaded [cm$^2$]")
     top = max(1.0, 1.05e4 * float(np.nanmax(view.raw_shaded_m2, initial=0.0)))
     axes.set_ylim(-0.03 * top, top)  # a line at zero stays visible
@@ -208,20 +235,5 @@ def _draw_shade(axes: Axes, view: _View) -> None:
 
 def _draw_voltage(axes: Axes, view: _View) -> None:
     assert view.raw_volts is not None  # a row of figures with a voltage
-    _line(axes, view, view.raw_volts, color=SECOND, label="tracker")
+    _line(axes, view, view.raw_volts, color=LOGGED, label="MPPT")
     axes.set_ylabel("voltage [V]")
-
-
-def _mark_excluded(axes: Axes, view: _View, *, named: bool) -> None:
-    """Colour what is left out of the errors."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], view.excluded.astype(int), [0]))))
-    for first, last in zip(edges[::2], edges[1::2] - 1, strict=True):
-        axes.axvspan(
-            float(view.hours[first]),
-            float(view.hours[last]),
-            color=LIMITED,
-            alpha=0.3,
-            zorder=0,
-            linewidth=0,
-            label="excluded" if named and first == edges[0] else None,
-        )

@@ -14,18 +14,18 @@ import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, standard_air
 from missions.files.errors import file_error
-from missions.logs.table import FlightLog, IntArray
+from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.almanac import SECONDS_PER_DAY, sun_position
 from solar.attitude import direction_cosines
-from solar.clearsky import Irradiance, clear_sky
+from solar.clearsky import ClearSky, Irradiance
 from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.names import ModelName
 from solar.power import conceptual_analysis_model, conceptual_design_model
 from solar.shading import shaded_area
-from solar.sun import FloatArray
+from solar.sun import SECONDS_PER_DAY, sun_position
+from solar.types import FloatArray, IntArray
 
 ShadedArea: TypeAlias = Callable[[FloatArray], FloatArray]
 """Shaded area of every module surface [m2] from sun vectors in body axes."""
@@ -105,7 +105,15 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
 
 
 def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry | None, list[str]]:
-    """Module geometry if VM and FM can be computed, else why they cannot."""
+    """Module geometry if VM and FM can be computed, else why they cannot.
+
+    Parameters
+    ----------
+    log : FlightLog
+        Must have the attitude.
+    aircraft : Aircraft
+        Must have module surfaces.
+    """
     without = "VM and FM are not computed"
     if log.attitude is None:
         return None, [f"{without}: the log has no attitude (roll_deg, pitch_deg, yaw_deg)"]
@@ -117,7 +125,15 @@ def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry 
 def tail_shading(
     aircraft: Aircraft, geometry: ModuleGeometry
 ) -> tuple[ShadedArea | None, str | None]:
-    """Shading by the aircraft's tail, or why it is left out."""
+    """Shading by the aircraft's tail, or why it is left out.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Must have a tail.
+    geometry : ModuleGeometry
+        Its surfaces, which must have outlines.
+    """
     tail = aircraft.modules.tail
     if tail is None:
         return None, f"shading is not modelled: {aircraft.name} has no modules.tail"
@@ -133,7 +149,26 @@ def lit_samples(
     geometry: ModuleGeometry | None,
     shade: ShadedArea | None,
 ) -> tuple[Samples, list[str]]:
-    """Sunlit samples with all models on them, and where their temperatures are from."""
+    """Sunlit samples with all models on them, and where their temperatures are from.
+
+    Parameters
+    ----------
+    log : FlightLog
+        The flight.
+    aircraft : Aircraft
+        Its modules.
+    mission : Mission
+        Clearness, and temperatures that the log does not have.
+    geometry : ModuleGeometry, optional
+        Surfaces for VM and FM; without, only CDM and CAM are computed.
+    shade : callable, optional
+        Shaded area of every surface.
+
+    Raises
+    ------
+    InputError
+        If the sun never rises in the log.
+    """
     sun = sun_position(log.time_s, log.latitude_deg, log.longitude_deg)
     index = np.flatnonzero(sun.elevation_rad > 0.0)
     if not len(index):
@@ -147,6 +182,7 @@ def lit_samples(
     module_c, module_source = _constant_module_c(log, mission, ambient)
     lit = _Lit(
         aircraft=aircraft,
+        sky=mission.sky,
         clearness=mission.clearness,
         day=day_of_year(log.time_s[index]),
         latitude_deg=log.latitude_deg[index],
@@ -184,6 +220,7 @@ class _Lit:
     """Sunlit samples as the models need them; ``attitude`` has the rows roll, pitch, yaw."""
 
     aircraft: Aircraft
+    sky: ClearSky
     clearness: float
     day: FloatArray
     latitude_deg: FloatArray
@@ -230,7 +267,15 @@ def _solar_day(log: FlightLog, index: IntArray, time_solar_h: FloatArray) -> Int
 
 
 def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
-    """Number stretches of consecutive places within one segment."""
+    """Number stretches of consecutive places within one segment.
+
+    Parameters
+    ----------
+    index : ndarray of int
+        Places in the log, ascending.
+    segment : ndarray of int
+        Number of the segment between gaps that each belongs to.
+    """
     breaks = (np.diff(index) > 1) | (np.diff(segment) > 0)
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
 
@@ -258,7 +303,7 @@ def _modelled(
 
 
 def _light(lit: _Lit, chunk: slice) -> Irradiance:
-    clear = clear_sky(
+    clear = lit.sky(
         lit.day[chunk], lit.latitude_deg[chunk], -lit.sun[chunk, 2], lit.altitude_m[chunk]
     )
     return Irradiance(*(lit.clearness * part for part in clear))

@@ -17,11 +17,11 @@ from missions.flight_path import Circle, orbit
 from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.almanac import SunPosition, sun_position
 from solar.attitude import direction_cosines
-from solar.clearsky import Irradiance, clear_sky
+from solar.clearsky import Irradiance
 from solar.full_model import full_model
-from solar.sun import FloatArray
+from solar.sun import SunPosition, sun_position
+from solar.types import FloatArray
 from studies.flight_logs.samples import ShadedArea, day_of_year
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ DURATION_H = 28.35
 _EARTH_RADIUS_M = 6371000.0
 _CHUNK = 20_000
 _NIGHT_LOAD_W = 43.0
-_BATTERY_WH = 732.0
-_TRACKER_V = 20.0
+_BATTERY_ENERGY_WH = 732.0
+_MPPT_V = 20.0
 _CENTRES_DEG: dict[Side, float] = {"front": 0.0, "right": 90.0, "rear": 180.0, "left": 270.0}
 
 
@@ -55,7 +55,7 @@ class Faults:
     Attributes
     ----------
     mppt : tuple of float, optional
-        The trackers lose the maximum power point while the irradiance is below 250 W/m2.
+        The MPPT loses the maximum power point while the irradiance is below 250 W/m2.
     battery_full : tuple of float, optional
         Power is limited to load and a dwindling charge, with the charge near full.
     missing : tuple of float, optional
@@ -214,7 +214,7 @@ def _truth_of_chunk(
     light = Irradiance(
         *(
             mission.clearness * part
-            for part in clear_sky(
+            for part in mission.sky(
                 day_of_year(time_s),
                 flown.latitude_deg,
                 -sun.vector_ned[..., 2],
@@ -258,7 +258,7 @@ def _instruments(
     hours = elapsed / 3600.0
     power = truth.power_w / (1.0 + settings.bias)
     load = _NIGHT_LOAD_W + 2.0 * _gusts(elapsed, rng)
-    volts = _TRACKER_V + 0.15 * rng.standard_normal(count)
+    volts = _MPPT_V + 0.15 * rng.standard_normal(count)
     lost = _within(hours, faults.mppt) & (truth.irradiance_w_per_m2 < 250.0)
     power = np.where(lost, 0.45 * power, power)
     volts = np.where(lost, volts - 4.0 - 3.0 * np.abs(_gusts(elapsed, rng)), volts)
@@ -268,7 +268,7 @@ def _instruments(
         charge_w = 60.0 * np.clip((end - hours) / (end - begin), 0.0, 1.0)
         power = np.where(full, np.minimum(power, load + charge_w), power)
     noisy = power + settings.power_noise_w * rng.standard_normal(count)
-    stored = 0.577 + np.cumsum(noisy - load) / (_BATTERY_WH * 3600.0 * settings.rate_hz)
+    stored = 0.577 + np.cumsum(noisy - load) / (_BATTERY_ENERGY_WH * 3600.0 * settings.rate_hz)
     # Near full without limited power as well: the charge alone must not make a finding.
     charge = np.where(full, 0.97, np.clip(stored, 0.05, 0.95))
 

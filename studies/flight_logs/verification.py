@@ -6,17 +6,37 @@ The errors are those of :mod:`studies.flight_logs.errors`; the anomalies are sou
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import datetime
+import io
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from missions.files.errors import file_error
-from missions.logs.table import BoolArray, FlightLog
+from missions.library import load_mission
+from missions.logs.csv import read_flight_log
+from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.results.tables import Column, Line, Result, Summary, Table
+from solar.types import BoolArray
 from studies.flight_logs.anomalies import other_anomalies
-from studies.flight_logs.errors import Section, Window, day_masks, in_window, sections, solar_span
+from studies.flight_logs.errors import (
+    ModelErrors,
+    Section,
+    Window,
+    day_masks,
+    in_window,
+    parse_window,
+    sections,
+    solar_span,
+)
 from studies.flight_logs.limited_charging import battery_full
-from studies.flight_logs.log_view import Anomaly, Scene
+from studies.flight_logs.log_view import Anomaly, LogView
 from studies.flight_logs.samples import (
     Samples,
     ShadedArea,
@@ -25,12 +45,48 @@ from studies.flight_logs.samples import (
     tail_shading,
 )
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+DEFAULT_MISSION = "rafz-28h"
 WINDOW_SEMI, DAY_SEMI = 2, 800  # samples; the report's filters
+_ERRORS = (
+    Column("model"),
+    Column("modelled_mean_w", "mean", "W", ".2f"),
+    Column("average_error_w", "average", "W", "+.2f"),
+    Column("average_error_percent", "%", form="+.2f"),
+    Column("rms_error_w", "RMS", "W", ".2f"),
+    Column("rms_error_percent", "%", form=".2f"),
+    Column("maximum_error_w", "maximum", "W", ".2f"),
+    Column("maximum_error_percent", "%", form=".2f"),
+)
 
 
-@dataclass(frozen=True)
-class Verification:
-    """Everything that a verification found."""
+@dataclass(frozen=True, repr=False)
+class Verification(Result):
+    """Solar power models against a flight log.
+
+    Attributes
+    ----------
+    aircraft, mission : str
+        Their names.
+    log : FlightLog
+        The flight.
+    samples : Samples
+        Its samples with the sun up, and all models on them.
+    excluded : ndarray of bool
+        Samples with limited charging, which are in no error.
+    windows, days : tuple of Section
+        Errors in the windows that were asked for, and on each day (UTC).
+    window_masks : tuple of ndarray of bool
+        Samples of each window.
+    window_semi, day_semi : int
+        Samples on either side in the moving averages.
+    anomalies : tuple of Anomaly
+        What looks wrong, in the order of time.
+    notes : tuple of str
+        What the reader should know.
+    """
 
     aircraft: str
     mission: str
@@ -45,13 +101,176 @@ class Verification:
     anomalies: tuple[Anomaly, ...]
     notes: tuple[str, ...]
 
+    def headline(self) -> str:
+        """Aircraft, log and its length in one line."""
+        start, end = utc_label(self.log.time_s[0]), utc_label(self.log.time_s[-1])
+        return (
+            f"{self.aircraft} against {self.log.source}: {start} to {end}, "
+            f"{len(self.samples.time_s)} of {len(self.log)} samples with the sun up"
+        )
+
+    def summary(self) -> Summary:
+        """Errors of every window and day, anomalies, and what the reader should know."""
+        blocks: list[Any] = [Line(self.headline(), "strong"), *self.tables()]
+        if not self.anomalies:
+            blocks.append("no anomaly found")
+        if self.excluded.any():
+            blocks.append(
+                f"{self.excluded.sum()} samples with limited charging are not in the errors"
+            )
+        blocks += [f"- {note}" for note in self.notes]
+        definition = (
+            "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
+            "after a moving average over so many samples on either side as filter says"
+        )
+        return Summary((*blocks, Line(definition, "faint")))
+
+    def tables(self) -> list[Table]:
+        """Errors of every window and day, and the anomalies if there are any."""
+        tables = [_error_table(section, "solar time") for section in self.windows]
+        tables += [_error_table(section, "UTC") for section in self.days]
+        if self.anomalies:
+            rows = [(a.kind.replace("_", " "), a.severity, _told(a)) for a in self.anomalies]
+            columns = (Column("what"), Column("severity"), Column("evidence"))
+            tables.append(Table("anomalies", columns, tuple(rows)))
+        return tables
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the samples, JSON-ready."""
+        log = self.log
+        return {
+            "aircraft": self.aircraft,
+            "mission": self.mission,
+            "log": {
+                "source": log.source,
+                **_span_record(log.time_s[0], log.time_s[-1]),
+                "samples": len(log),
+                "sunlit_samples": len(self.samples.time_s),
+                "rows_read": log.rows_read,
+                "rows_dropped": log.rows_dropped,
+                "step_s": log.step_s,
+                "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
+            },
+            "models": list(self.samples.modelled_w),
+            "excluded_samples": int(self.excluded.sum()),
+            "windows": [_section_record(section) for section in self.windows],
+            "days": [_section_record(section) for section in self.days],
+            "anomalies": [_anomaly_record(anomaly) for anomaly in self.anomalies],
+            "notes": list(self.notes),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Samples with models and errors, one row each."""
+        import pandas as pd
+
+        return pd.DataFrame({name: values for name, _, values in self._columns()})
+
+    def to_csv(self) -> str:
+        """Samples as CSV text; a data frame takes several times as long for a long flight."""
+        names, formats, columns = zip(*self._columns(), strict=True)
+        text = io.StringIO()
+        rows = np.column_stack(columns)
+        np.savetxt(text, rows, formats, delimiter=",", header=",".join(names), comments="")
+        return text.getvalue()
+
+    def _columns(self) -> Iterator[tuple[str, str, NDArray[Any]]]:
+        """Name, format and values of each quantity of the samples."""
+        samples, log = self.samples, self.log
+        yield "time_utc_s", "%.3f", samples.time_s
+        yield "time_solar_h", "%.5f", samples.time_solar_h
+        yield "sun_elevation_deg", "%.3f", samples.elevation_deg
+        if log.attitude is not None:
+            yield "sun_bearing_deg", "%.2f", samples.bearing_deg
+        yield "solar_power_w", "%.3f", samples.measured_w
+        for model, power in samples.modelled_w.items():
+            yield f"{model.lower()}_w", "%.3f", power
+        for model, power in samples.modelled_w.items():
+            yield f"{model.lower()}_error_w", "%.3f", power - samples.measured_w
+        if (detail := samples.detail) is not None:
+            yield "angle_of_incidence_deg", "%.2f", detail.incidence_deg
+            yield "irradiance_w_per_m2", "%.2f", detail.irradiance_w_per_m2
+            yield "module_efficiency", "%.4f", detail.module_efficiency
+            yield "mppt_efficiency", "%.4f", detail.mppt_efficiency
+            yield "module_temperature_c", "%.2f", detail.module_temperature_c
+            if detail.shaded_m2 is not None:
+                yield "shaded_area_m2", "%.4f", detail.shaded_m2
+        if log.mppt_voltage_v is not None:
+            yield "mppt_voltage_v", "%.3f", log.mppt_voltage_v[samples.index]
+        yield "excluded", "%d", self.excluded.astype(int)
+
+
+def utc_label(time_s: float) -> str:
+    """Universal time as ISO 8601, to the second."""
+    instant = datetime.datetime.fromtimestamp(round(float(time_s)), datetime.UTC)
+    return instant.strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def _span_record(start_s: float, end_s: float) -> dict[str, str]:
+    return {"start": utc_label(start_s), "end": utc_label(end_s)}
+
+
+def _told(anomaly: Anomaly) -> str:
+    span = " to ".join(
+        utc_label(time_s).replace("T", " ").rstrip("Z")
+        for time_s in (anomaly.start_s, anomaly.end_s)
+    )
+    lost = f"; {anomaly.lost_wh:.1f} Wh lost" if anomaly.lost_wh else ""
+    return f"{span} (UTC): {anomaly.evidence}{lost}"
+
+
+def _anomaly_record(anomaly: Anomaly) -> dict[str, Any]:
+    record = asdict(anomaly)
+    return record | _span_record(record.pop("start_s"), record.pop("end_s"))
+
+
+def _section_record(section: Section) -> dict[str, Any]:
+    some = next(iter(section.errors.values()), None)
+    return {
+        "label": section.label,
+        **_span_record(section.start_s, section.end_s),
+        "samples": section.samples,
+        "excluded_samples": section.excluded,
+        "filter_semi_window": section.semi_window,
+        "measured_mean_w": None if some is None else some.measured_mean_w,
+        "models": {m: _errors_record(e) for m, e in section.errors.items()},
+    }
+
+
+def _errors_record(errors: ModelErrors) -> dict[str, float | None]:
+    record: dict[str, float | None] = {"modelled_mean_w": errors.modelled_mean_w}
+    for name in ("average", "rms", "maximum"):
+        error_w = getattr(errors, f"{name}_w")
+        record[f"{name}_error_w"] = error_w
+        record[f"{name}_error_relative"] = errors.relative(error_w)
+    return record
+
+
+def _error_table(section: Section, clock: str) -> Table:
+    """Errors of all models in a window or on a day."""
+    name = f"{section.label} ({clock})"
+    if not section.errors:
+        return Table(f"{name}: all samples are excluded", _ERRORS, ())
+    rows = []
+    for model, errors in section.errors.items():
+        row: list[float | str | None] = [model, errors.modelled_mean_w]
+        for error_w in (errors.average_w, errors.rms_w, errors.maximum_w):
+            relative = errors.relative(error_w)
+            row += [error_w, None if relative is None else 100.0 * relative]
+        rows.append(tuple(row))
+    measured = next(iter(section.errors.values())).measured_mean_w
+    title = (
+        f"{name}: {measured:.2f} W measured, {section.samples} samples, "
+        f"filter {section.semi_window}"
+    )
+    return Table(title, _ERRORS, tuple(rows))
+
 
 def verify(
-    log: FlightLog,
     aircraft: Aircraft,
-    mission: Mission,
+    log: FlightLog | str | os.PathLike[str],
+    mission: Mission | None = None,
     *,
-    windows: Sequence[Window] = (),
+    windows: Sequence[Window | str] = (),
     semi_window: int | None = None,
     shading: ShadedArea | None = None,
 ) -> Verification:
@@ -59,49 +278,57 @@ def verify(
 
     Parameters
     ----------
-    log : FlightLog
-        The flight.
     aircraft : Aircraft
         Its modules; VM and FM need their geometry.
-    mission : Mission
-        Clearness, and temperatures that the log does not have.
-    windows : sequence of Window
-        Periods to report on apart from the days.
+    log : FlightLog or path
+        The flight, or its file (CSV, or PX4 ULog).
+    mission : Mission, optional
+        Clearness, and temperatures that the log does not have; the shipped ``rafz-28h`` by default.
+    windows : sequence of Window or str
+        Periods to report on apart from the days; texts as for :func:`parse_window`.
     semi_window : int, optional
         Samples on either side in the moving average; 2 in windows and 800 over days if not given.
-    shading : ShadedArea, optional
+    shading : callable, optional
         Shaded area instead of that of the aircraft's own tail.
+
+    Returns
+    -------
+    Verification
 
     Raises
     ------
+    ValueError
+        If a text is no window.
     InputError
-        If the sun never rises in the log, or a window has no sample.
+        If the log cannot be read, the sun never rises in it, or a window has no sample.
     """
+    periods = [parse_window(w) if isinstance(w, str) else w for w in windows]
+    log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
+    mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     geometry, reasons = module_geometry(log, aircraft)
     shade = shading
     if shade is None and geometry is not None:
         shade, reason = tail_shading(aircraft, geometry)
         reasons += [reason] if reason else []
     samples, sources = lit_samples(log, aircraft, mission, geometry, shade)
-    scene = Scene.of(log, samples, aircraft)
-    full, limited = battery_full(scene)
-    found = [*full, *other_anomalies(scene, limited)]
-    masks = tuple(in_window(samples, window) for window in windows)
-    for window, mask in zip(windows, masks, strict=True):
+    view = LogView.of(log, samples, aircraft)
+    full, limited = battery_full(view)
+    found = [*full, *other_anomalies(view, limited)]
+    masks = tuple(in_window(samples, window) for window in periods)
+    for window, mask in zip(periods, masks, strict=True):
         if not mask.any():
             message = f"no sample with the sun up lies in the window {window.label} (solar time)"
             raise file_error(log.source, f"{message}; allowed: {solar_span(samples)}")
     window_semi = WINDOW_SEMI if semi_window is None else semi_window
     day_semi = DAY_SEMI if semi_window is None else semi_window
+    labelled = zip([window.label for window in periods], masks, strict=True)
     return Verification(
         aircraft=aircraft.name,
         mission=mission.name,
         log=log,
         samples=samples,
         excluded=limited,
-        windows=sections(
-            samples, limited, window_semi, zip([w.label for w in windows], masks, strict=True)
-        ),
+        windows=sections(samples, limited, window_semi, labelled),
         window_masks=masks,
         days=sections(samples, limited, day_semi, day_masks(samples)),
         day_semi=day_semi,

@@ -1,1 +1,4 @@
-"""Part of the package."""
+"""Maps over latitude and season: of a fixed aircraft, or sized anew in every cell.
+
+* ``feasibility``: of a fixed aircraft; ``season``: days of perpetual flight at one latitude
+"""

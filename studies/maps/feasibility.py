@@ -12,7 +12,8 @@ from missions.dates import MONTH_NAMES, date_label
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.cycle import Status
-from sizing.performance import Performance, SolarModel, performance, solar_day
+from sizing.performance import Performance, performance
+from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
@@ -127,8 +128,8 @@ def _metrics(perf: Performance) -> dict[str, FloatArray]:
         "equal_power_morning": cycle.equal_power_morning_h,
         "equal_power_evening": cycle.equal_power_evening_h,
         "full_charge": cycle.full_charge_h,
-        "solar_energy": cycle.account.solar_wh,
-        "load_energy": cycle.account.load_wh,
+        "solar_energy": cycle.energy_budget.solar_wh,
+        "load_energy": cycle.energy_budget.load_wh,
         "day_length": perf.day.sunset_h - perf.day.sunrise_h,
     }
 
@@ -205,13 +206,17 @@ def map_figure(data: xr.Dataset) -> Figure:
     Cells are drawn as they are: nothing is smoothed or filled in between.
     """
     from matplotlib.colors import BoundaryNorm
-    from matplotlib.figure import Figure
 
-    from studies.output.hatching import cell_edges
-    from studies.output.plots import correction_label
+    from studies.output.cells import cell_edges
+    from studies.output.plots import correction_label, new_figure
 
-    figure = Figure(figsize=(8.5, 5.2), layout="constrained")
-    axes = figure.subplots()
+    corrected = correction_label(data.attrs["correction"])
+    figure, (axes,) = new_figure(
+        title=f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
+        "line: edge of perpetual flight",
+        size_in=(8.5, 5.2),
+        grid="",
+    )
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     excess = data["excess_time"].to_numpy()
     top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
@@ -225,12 +230,6 @@ def map_figure(data: xr.Dataset) -> Figure:
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
         axes.contour(days, latitudes, np.where(shown > 0.0, 1.0, 0.0), [0.5], colors="black")
     season_axes(axes, days)
-    corrected = correction_label(data.attrs["correction"])
-    axes.set_title(
-        f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
-        "line: edge of perpetual flight",
-        parse_math=False,
-    )
     return figure
 
 

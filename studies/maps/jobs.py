@@ -14,7 +14,7 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import ATTITUDE_MODELS
 from studies.engine.run import Cell, Job, Outcome, pieces
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from sizing.energy.march import FloatArray
+    from solar.types import FloatArray
 
 # Time of a cell [s], roughly: it decides the size of a chunk and nothing else. A chunk must not
 # depend on the workers, or results would.
@@ -213,15 +213,23 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
     Cells are drawn as they are: nothing is smoothed or filled in between. Lines lead from cell to
     cell where both have a design.
     """
-    from matplotlib.figure import Figure
-
-    from studies.output.hatching import draw_cells, draw_colour_bar, finite_range, hatch_cells
-    from studies.output.level_lines import draw_level_lines
-    from studies.output.plots import correction_label
+    from studies.output.cells import (
+        draw_cells,
+        draw_colour_bar,
+        draw_level_lines,
+        finite_range,
+        hatch_cells,
+    )
+    from studies.output.plots import correction_label, new_figure
 
     name = _SHOWN.get(data.attrs["objective"], "wingspan")
-    figure = Figure(figsize=(8.5, 5.2), layout="constrained")
-    axes = figure.subplots()
+    corrected = correction_label(data.attrs["correction"])
+    figure, (axes,) = new_figure(
+        title=f"{data.attrs['title']}: {data.attrs['objective']} "
+        f"({data.attrs['solar_model']}, {corrected})",
+        size_in=(8.5, 5.2),
+        grid="",
+    )
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     optimal = np.isin(data["status"].to_numpy(), sizing_columns.SIZED)
     values = np.where(optimal, data[name].to_numpy(), np.nan)
@@ -231,20 +239,12 @@ def sized_map_figure(data: xr.Dataset) -> Figure:
         draw_cells(axes, days, latitudes, values, norm),
         axes,
         f"{data[name].long_name} [{data[name].units}]",
-        endless=bool(np.isposinf(values).any()),
+        unlimited=bool(np.isposinf(values).any()),
     )
-    assert norm.vmin is not None
-    assert norm.vmax is not None
-    draw_level_lines(axes, days, latitudes, values, norm.vmin, norm.vmax, at_most=5)
+    draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
     names = {status: status.name for status in HATCHES}
     handles = hatch_cells(axes, days, latitudes, data["status"].to_numpy(), HATCHES, names)
     if handles:
         figure.legend(handles=handles, loc="outside lower right", ncols=3)
     feasibility_map.season_axes(axes, days)
-    corrected = correction_label(data.attrs["correction"])
-    axes.set_title(
-        f"{data.attrs['title']}: {data.attrs['objective']} "
-        f"({data.attrs['solar_model']}, {corrected})",
-        parse_math=False,
-    )
     return figure

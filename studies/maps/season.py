@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.performance import SolarModel, performance
-from studies.models.solar_models import ModelDays, stacked
+from sizing.performance import performance
+from sizing.sunlight import SolarDay, SolarModel, Sunlight
 
 _STRIDE = 8
 
@@ -64,9 +64,9 @@ def perpetual_flags(
         if not len(chosen):
             return
         scenarios = Scenarios(np.full(len(chosen), float(latitude_deg)), chosen)
-        sun = ModelDays(aircraft, mission, scenarios)
+        sun = Sunlight(aircraft, mission, scenarios)
         # One march for all models: the simulator sees nothing but their power.
-        together = stacked([sun.day(model) for model in models])
+        together = SolarDay.joined([sun.day(model) for model in models])
         perpetual = performance(aircraft, mission, models[0], day=together).cycle.perpetual
         by_day = perpetual.reshape(len(models), len(chosen)).T
         known.update(zip(chosen.tolist(), map(tuple, by_day.tolist()), strict=True))

@@ -1,1 +1,6 @@
-"""Part of the package."""
+"""Solar power models side by side: what they predict, and what each would have built.
+
+* ``comparison``: ``compare``: predictions, seasons and designs by model and correction
+* ``prediction``: what a model says of an aircraft; ``solar_models``: which models there are
+* ``component_efficiencies``: what drives the Full Model; ``transfer``: its ratio to the others
+"""

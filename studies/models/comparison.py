@@ -7,73 +7,39 @@ there is: the corrected Full Model on the mission's flight path.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.mission import Mission, Scenarios
+from missions.dates import date_code
+from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
-from sizing.energy.cycle import Status
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.search import SizingResult, size_aircraft
-from sizing.performance import (
-    Performance,
-    SolarDay,
-    SolarModel,
-    performance,
-    performance_of_designs,
-)
+from sizing.optimisation.result import SizingResult, SizingStatus
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import Performance, performance, performance_of_designs
+from sizing.results.records import finite
+from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.sunlight import SolarDay, SolarModel, Sunlight
+from solar._version import __version__
+from solar.names import RESIZE_NAMES, CorrectionName, ModelName
 from studies.maps.season import Flags, Season, perpetual_flags, season_of
+from studies.models.prediction import Prediction, duration, predict
 from studies.models.solar_models import (
-    ModelDays,
     attitude_is_known,
     combinations,
+    model_label,
     reference_model,
-    stacked,
 )
 
 if TYPE_CHECKING:
-    pass
+    import pandas as pd
 
 Progress = Callable[[int, int], None]
-Simulate = Callable[[SolarDay], Performance]
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """What a model says of an aircraft in its worst scenario on a mission.
-
-    Times [h], energies of a day [Wh]. ``excess_time_h`` and ``endurance_h`` are infinite where
-    there is no end; low and high are the excess time with the solar power one RMS error of the
-    model lower and higher. ``nights`` counts the nights that the longest flight survives;
-    ``enough_sun`` tells whether solar power rises above the load at any time of the day.
-    """
-
-    scenario: str
-    latitude_deg: float
-    day_of_year: int
-    several_scenarios: bool
-    status: Status
-    excess_time_h: float
-    excess_time_low_h: float
-    excess_time_high_h: float
-    minimum_state_of_charge: float
-    charge_margin_h: float
-    endurance_h: float
-    nights: int
-    polar_day: bool
-    enough_sun: bool
-    solar_energy_wh: float
-    mean_solar_energy_wh: float
-
-    @property
-    def perpetual(self) -> bool:
-        """Whether the aircraft flies for ever in every scenario."""
-        return self.status in (Status.perpetual, Status.always_lit)
 
 
 @dataclass(frozen=True)
@@ -82,6 +48,50 @@ class Built:
 
     sizing: SizingResult
     judged: Prediction | None
+
+    def value(self, objective: Objective) -> float | None:
+        """Quantity of the objective, none without a design; infinite excess time is possible."""
+        design, simulated = self.sizing.design, self.sizing.simulated
+        if design is None or simulated is None:
+            return None
+        if objective is Objective.max_excess_time:
+            return float(np.min(simulated.cycle.excess_time_h))
+        if objective is Objective.min_mass:
+            return float(design.total_mass_kg)
+        return float(getattr(design.variables, objective.variable))
+
+    def result(self, objective: Objective) -> str:
+        """What the sizing arrived at, in words."""
+        value = self.value(objective)
+        if self.judged is None or value is None:
+            return "no design" if self.sizing.status is SizingStatus.infeasible else "no result"
+        if not np.isfinite(value):
+            return "an unlimited excess time"
+        noun, form = _RESULTS[objective]
+        return f"{noun} of {value:{form}} {objective.unit}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Design and its outcome, JSON-ready; null where there is none."""
+        sizing, design = self.sizing, self.sizing.design
+        names = DesignVariables._fields
+        promised = self.value(Objective.max_excess_time)
+        return {
+            "status": sizing.status.name,
+            **(dict.fromkeys(names) if design is None else design.variables._asdict()),
+            "total_mass_kg": None if design is None else design.total_mass_kg,
+            "promised_excess_time_h": None if promised is None else finite(promised),
+            "violated_requirements": [v.text for v in sizing.violations],
+            "judged": None if self.judged is None else self.judged.to_dict(),
+        }
+
+
+_RESULTS = {
+    Objective.min_wingspan: ("a span", ".2f"),
+    Objective.min_mass: ("a mass", ".2f"),
+    Objective.max_payload_mass: ("a payload", ".2f"),
+    Objective.max_payload_power: ("a payload", ".1f"),
+    Objective.max_excess_time: ("an excess time", ".1f"),
+}
 
 
 @dataclass(frozen=True)
@@ -99,9 +109,23 @@ class Case:
     built: Built | None
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """All cases, and the reference that they are judged by."""
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
+    """Solar power models side by side.
+
+    Attributes
+    ----------
+    aircraft, mission
+        What was compared on.
+    objective, required_excess_time_h
+        What a parametric aircraft was sized for; excess time in every scenario [h].
+    reference : Case
+        The case that all are judged by.
+    cases : tuple of Case
+        In the order of the models and corrections.
+    notes : tuple of str
+        What the reader should know.
+    """
 
     aircraft: Aircraft
     mission: Mission
@@ -111,15 +135,177 @@ class Comparison:
     cases: tuple[Case, ...]
     notes: tuple[str, ...] = ()
 
+    @property
+    def has_designs(self) -> bool:
+        """Whether the models were asked for designs."""
+        return any(case.built is not None for case in self.cases)
+
+    def solar_energy_above_reference(self, case: Case) -> float | None:
+        """Excess of mean solar energy over that of the reference [-]; none without any sun."""
+        truth_wh = self.reference.prediction.mean_solar_energy_wh
+        return case.prediction.mean_solar_energy_wh / truth_wh - 1.0 if truth_wh > 0.0 else None
+
+    def headline(self) -> str:
+        """First case against the reference, in one sentence: designs if there are any.
+
+        The first case is the least trustworthy one, where the models are listed from the simplest
+        to the fullest and the corrections from none.
+        """
+        case, reference, name = self.cases[0], self.reference, self.aircraft.name
+        by, truth = model_label(case.solar), model_label(reference.solar)
+        itself = case.solar == reference.solar
+        if case.built is None or reference.built is None:
+            told = f"By {by} {name} {case.prediction.outcome()}"
+            other = "" if itself else f"; judged by {truth} it {reference.prediction.outcome()}"
+            return f"{told}{other}."
+        aside = reference.built.result(self.objective)
+        aside = "" if itself else f" (sized with {truth}: {aside})"
+        if case.built.judged is None:
+            none = f"no design of {name} meets the requirements"
+            if case.built.sizing.status is not SizingStatus.infeasible:
+                none = f"{name} comes to no result, as the solver does not converge"
+            return f"Sized with {by}, {none}{aside}."
+        joined = " and" if itself else f"; judged by {truth} it"
+        outcome = case.built.judged.outcome(self.required_excess_time_h)
+        told = f"Sized with {by} {name} gets {case.built.result(self.objective)}"
+        return f"{told}{joined} {outcome}{aside}."
+
+    def summary(self) -> Summary:
+        """Tables of the cases, the headline, and what the reader should know."""
+        reference = self.reference.solar
+        worst = dict.fromkeys(case.prediction.scenario for case in self.cases)
+        lines = [
+            f"reference: {reference.model}, correction {reference.correction}; solar energy: of a "
+            "day, mean of all scenarios",
+            f"worst scenario: {' or '.join(worst)}; season: days of perpetual flight in the year",
+            *self.notes,
+        ]
+        title = f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, judged by "
+        title += model_label(reference)
+        notes = (Line(f"- {line}", "faint") for line in lines)
+        return Summary((Line(title, "strong"), *self.tables(), self.headline(), *notes))
+
+    def tables(self) -> tuple[Table, ...]:
+        """What the models predict, and what they would have built if they were asked."""
+        models = [case.solar.model for case in self.cases]
+        sections = [i + 1 for i, (a, b) in enumerate(itertools.pairwise(models)) if a != b]
+        predicted = tuple(self._predicted_row(case) for case in self.cases)
+        tables = [Table("predictions", _PREDICTED, predicted, sections=tuple(sections))]
+        if self.has_designs:
+            objective = self.objective
+            promised = "promised " if objective is Objective.max_excess_time else ""
+            columns = (
+                *_PREDICTED[:2],
+                Column(objective.variable, f"{promised}{objective.label}", objective.unit, ".2f"),
+                Column("judged_excess_time_h", "then: excess time", "h", ".2f"),
+                Column("judged_endurance", "then: endurance"),
+            )
+            title = (
+                f"designs by {objective.value} with {self.required_excess_time_h:g} h of excess "
+            )
+            title += "time, then judged by the reference"
+            built = tuple(self._built_row(case) for case in self.cases)
+            tables.append(Table(title, columns, built, sections=tuple(sections)))
+        return tuple(tables)
+
+    def _predicted_row(self, case: Case) -> tuple[Any, ...]:
+        p, season = case.prediction, case.season
+        above, days = self.solar_energy_above_reference(case), season.days
+        return (
+            case.solar.model,
+            case.solar.correction,
+            p.mean_solar_energy_wh,
+            None if above is None else 100.0 * above,
+            p.excess_time_h,
+            100.0 * p.minimum_state_of_charge,
+            p.charge_margin_h,
+            _endurance(p),
+            days if days == season.window_days else f"{season.window_days} of {days}",
+        )
+
+    def _built_row(self, case: Case) -> tuple[Any, ...]:
+        assert case.built is not None
+        judged, row = case.built.judged, (case.solar.model, case.solar.correction)
+        if judged is None:
+            return (*row, case.built.sizing.status.label, None, None)
+        value = case.built.value(self.objective)
+        return (*row, value, judged.excess_time_h, _endurance(judged))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Whole comparison, JSON-ready; infinite numbers are null, and the status says why."""
+        solar = self.reference.solar
+        return {
+            "aircraft": self.aircraft.name,
+            "mission": self.mission.name,
+            "sentence": self.headline(),
+            "reference": {"model": solar.model, "correction": solar.correction},
+            "objective": {
+                "name": self.objective.value,
+                "required_excess_time_h": self.required_excess_time_h,
+            },
+            "cases": [self._case_record(case) for case in self.cases],
+            "notes": list(self.notes),
+            "version": __version__,
+        }
+
+    def _case_record(self, case: Case) -> dict[str, Any]:
+        seasons = zip(self.mission.latitudes(), case.seasons, strict=True)
+        return {
+            "model": case.solar.model,
+            "correction": case.solar.correction,
+            "solar_power_rms_relative": case.solar.rms_relative,
+            **case.prediction.to_dict(),
+            "income_above_reference": self.solar_energy_above_reference(case),
+            "season": _season_record(case.season)
+            | {"latitudes": [{"latitude_deg": lat} | _season_record(s) for lat, s in seasons]},
+            "design": None if case.built is None else case.built.to_dict(),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row for each case: keys of the record's cases, nested ones joined by underscores."""
+        import pandas as pd
+
+        frame = pd.json_normalize(self.to_dict()["cases"], sep="_")
+        left_out = ["season_latitudes", "design", "design_violated_requirements", "design_judged"]
+        frame = frame.drop(columns=left_out, errors="ignore")
+        return frame.rename(columns=lambda name: name.removesuffix("_label"))
+
+
+_PREDICTED = (
+    Column("model"),
+    Column("correction", "corr."),
+    Column("mean_solar_energy_wh", "solar energy", "Wh", ".0f"),
+    Column("above_reference_percent", "vs ref.", "%", "+z.1f"),
+    Column("excess_time_h", "excess time", "h", ".2f"),
+    Column("minimum_state_of_charge_percent", "least SoC", "%", ".1f"),
+    Column("charge_margin_h", "charge margin", "h", ".2f"),
+    Column("endurance"),
+    Column("season_days", "season", "d"),
+)
+
+
+def _endurance(p: Prediction) -> float | str:
+    return np.inf if p.perpetual else duration(p.endurance_h, " d")
+
+
+def _season_record(season: Season) -> dict[str, Any]:
+    return {
+        "days": season.days,
+        "window_days": season.window_days,
+        "first": None if season.first is None else date_code(season.first),
+        "last": None if season.last is None else date_code(season.last),
+    }
+
 
 def compare(
     aircraft: Aircraft,
     mission: Mission,
-    models: Sequence[SolarModel] | None = None,
     *,
-    objective: Objective = Objective.min_wingspan,
+    models: Sequence[ModelName | SolarModel] | None = None,
+    corrections: Sequence[CorrectionName] | None = None,
+    objective: Objective | str = Objective.min_wingspan,
     required_excess_time_h: float | None = None,
-    designs: bool = True,
+    design: bool = True,
     progress: Progress | None = None,
 ) -> Comparison:
     """Compare solar power models on an aircraft and a mission.
@@ -129,51 +315,76 @@ def compare(
     aircraft, mission
         What flies, and where; VM, FM and the loiter correction need module surfaces on the one
         and a flight path on the other.
-    models : sequence of SolarModel, optional
-        Models with their corrections; by default all that can be computed.
-    objective, required_excess_time_h
-        What a parametric aircraft is sized for; the mission's own required time by default [h].
-    designs : bool
+    models : sequence of str or SolarModel, optional
+        Names, combined with every one of the corrections, or models with their own correction; by
+        default all that can be computed.
+    corrections : sequence of str, optional
+        Names; by default all that can be computed.
+    objective : Objective or str
+        What a parametric aircraft is sized for.
+    required_excess_time_h : float, optional
+        Excess time that every scenario must have, instead of the mission's [h].
+    design : bool
         Whether a parametric aircraft is sized with every model.
     progress : callable, optional
         Called with the steps done and the steps in all.
 
+    Returns
+    -------
+    Comparison
+
     Raises
     ------
     ValueError
-        If a model lacks the surfaces or the path.
+        If a name does not exist, or a model lacks the surfaces or the path.
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
     """
-    attitude = attitude_is_known(aircraft, mission)
-    wanted = combinations(attitude=attitude) if models is None else list(models)
+    if objective not in RESIZE_NAMES:
+        allowed = ", ".join(RESIZE_NAMES)
+        raise ValueError(f"objective must be one of {allowed} (got {objective!r})")
+    wanted = combinations(models, corrections, attitude=attitude_is_known(aircraft, mission))
+    if not wanted:
+        raise ValueError("there is no model to compare")
     reference = reference_model(aircraft, mission)
     every = list(dict.fromkeys([*wanted, reference]))
-    sized = designs and isinstance(aircraft.airframe, ParametricAirframe)
+    sized = design and isinstance(aircraft.airframe, ParametricAirframe)
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     latitudes = mission.latitudes()
-    steps = _Steps(len(latitudes) + len(every) * (2 if sized else 1), progress)
+    total, steps = len(latitudes) + len(every) * (2 if sized else 1), itertools.count(1)
 
-    sun = ModelDays(aircraft, mission, mission.scenarios())
+    def advance() -> None:
+        if progress is not None:
+            progress(next(steps), total)
+
+    sun = Sunlight(aircraft, mission)
     flags = []
     for latitude in latitudes:
         flags.append(perpetual_flags(aircraft, mission, latitude, every))
-        steps.advance()
+        advance()
     cases = {}
     for solar in every:
-        found = predict(partial(_as_given, aircraft, mission, solar), sun.day(solar))
-        steps.advance()
+        found = predict(_flown(aircraft, mission, solar), sun.day(solar))
+        advance()
         built = None
         if sized:
-            built = _build(aircraft, mission, objective, solar, required, sun, reference)
-            steps.advance()
+            result = size_aircraft(
+                aircraft,
+                mission,
+                Objective(objective),
+                solar,
+                required_excess_time_h=required,
+                day=sun.day(solar),
+            )
+            built = _judged(result, aircraft, mission, sun, reference)
+            advance()
         days = [of_latitude[solar] for of_latitude in flags]
         cases[solar] = Case(solar, found, *_seasons(days, latitudes), built)
     return Comparison(
         aircraft=aircraft,
         mission=mission,
-        objective=objective,
+        objective=Objective(objective),
         required_excess_time_h=required,
         reference=cases[reference],
         cases=tuple(cases[solar] for solar in wanted),
@@ -181,56 +392,31 @@ def compare(
     )
 
 
-class _Steps:
-    """Counts the steps of a comparison for whoever watches."""
-
-    def __init__(self, total: int, progress: Progress | None) -> None:
-        self.done, self.total, self.progress = 0, total, progress
-
-    def advance(self) -> None:
-        self.done += 1
-        if self.progress is not None:
-            self.progress(self.done, self.total)
+def _flown(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel
+) -> Callable[[SolarDay], Performance]:
+    """Performance of the aircraft as it is, under any sun."""
+    return lambda day: performance(aircraft, mission, solar, day=day)
 
 
-def _as_given(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, day: SolarDay
-) -> Performance:
-    return performance(aircraft, mission, solar, day=day)
-
-
-def _of_design(
+def _judged(
+    result: SizingResult,
     aircraft: Aircraft,
     mission: Mission,
-    variables: DesignVariables,
-    solar: SolarModel,
-    day: SolarDay,
-) -> Performance:
-    return performance_of_designs(aircraft, mission, variables, solar, day=day)
-
-
-def _build(
-    aircraft: Aircraft,
-    mission: Mission,
-    objective: Objective,
-    solar: SolarModel,
-    required_h: float,
-    sun: ModelDays,
+    sun: Sunlight,
     reference: SolarModel,
 ) -> Built:
-    """Size with a model, and judge the design by the reference."""
-    result = size_aircraft(
-        aircraft,
-        mission,
-        objective,
-        solar,
-        required_excess_time_h=required_h,
-        day=sun.day(solar),
-    )
+    """Design of a sizing, as the reference sees it."""
     if result.design is None:
         return Built(result, None)
-    simulate = partial(_of_design, aircraft, mission, result.design.variables, reference)
-    return Built(result, predict(simulate, sun.day(reference)))
+    variables = result.design.variables
+    return Built(
+        result,
+        predict(
+            lambda day: performance_of_designs(aircraft, mission, variables, reference, day=day),
+            sun.day(reference),
+        ),
+    )
 
 
 def _seasons(days: list[Flags], latitudes: list[float]) -> tuple[Season, tuple[Season, ...]]:
@@ -242,91 +428,19 @@ def _seasons(days: list[Flags], latitudes: list[float]) -> tuple[Season, tuple[S
 def _notes(
     aircraft: Aircraft, mission: Mission, reference: SolarModel, *, sized: bool
 ) -> tuple[str, ...]:
-    notes = []
-    lacking = [
-        text
-        for text, given in (
-            (f"modules.geometry of {aircraft.name}", aircraft.modules.geometry),
-            (f"flight_path of {mission.name}", mission.flight_path),
-        )
-        if given is None
-    ]
+    lacking = []
+    if aircraft.modules.geometry is None:
+        lacking.append(f"modules.geometry of {aircraft.name}")
+    if mission.flight_path is None:
+        lacking.append(f"flight_path of {mission.name}")
     if lacking:
-        notes.append(
+        return (
             f"VM, FM and the loiter correction need {' and '.join(lacking)}; without, corrected "
-            f"{reference.model} is the reference"
+            f"{reference.model} is the reference",
         )
-    elif sized:
-        notes.append(
-            "the reference flies the path of the mission at its airspeed, whatever the design's own"
+    if sized:
+        return (
+            "the reference flies the path of the mission at its airspeed, whatever the design's "
+            "own",
         )
-    return tuple(notes)
-
-
-def predict(simulate: Simulate, day: SolarDay) -> Prediction:
-    """Judge an aircraft by its worst scenario.
-
-    Parameters
-    ----------
-    simulate : callable
-        Performance of the aircraft under the sun of some scenarios.
-    day : SolarDay
-        Sun in all scenarios of the mission.
-    """
-    perf = simulate(day)
-    worst = perf.worst_scenario()
-    alone, cycle, rms = _only(day, worst), perf.cycle, perf.solar.rms_relative
-    band = simulate(stacked([alone.scaled(1.0 - rms), alone.scaled(1.0 + rms)]))
-    low, high = band.cycle.excess_time_h
-    flight = None if cycle.perpetual[worst] else simulate(alone).endurances()[0]
-    morning_h = float(cycle.equal_power_morning_h[worst])
-    endurance_h = np.inf if flight is None else float(flight.endurance_h)
-    launch_h = 0.0 if flight is None else float(flight.launch_h)
-    income_wh = np.asarray(cycle.account.solar_wh)
-    return Prediction(
-        scenario=day.scenarios.label(worst),
-        latitude_deg=float(day.scenarios.latitude_deg[worst]),
-        day_of_year=int(day.scenarios.day_of_year[worst]),
-        several_scenarios=len(day.scenarios) > 1,
-        status=Status(int(cycle.status[worst])),
-        excess_time_h=float(cycle.excess_time_h[worst]),
-        excess_time_low_h=float(low),
-        excess_time_high_h=float(high),
-        minimum_state_of_charge=float(cycle.minimum_state_of_charge[worst]),
-        charge_margin_h=float(cycle.charge_margin_h[worst]),
-        endurance_h=endurance_h,
-        nights=nights_survived(launch_h, endurance_h, morning_h),
-        polar_day=float(alone.sunset_h[0] - alone.sunrise_h[0]) >= 24.0,
-        enough_sun=bool(np.isfinite(morning_h)),
-        solar_energy_wh=float(income_wh[worst]),
-        mean_solar_energy_wh=float(income_wh.mean()),
-    )
-
-
-def _only(day: SolarDay, index: int) -> SolarDay:
-    """One scenario of a day."""
-    chosen = slice(index, index + 1)
-    scenarios = day.scenarios
-    return SolarDay(
-        Scenarios(scenarios.latitude_deg[chosen], scenarios.day_of_year[chosen]),
-        day.time_h,
-        day.specific_power_w_per_m2[chosen],
-        day.sunrise_h[chosen],
-        day.sunset_h[chosen],
-    )
-
-
-def nights_survived(launch_h: float, endurance_h: float, morning_h: float) -> int:
-    """Nights within a flight, each flown from midnight or before to the morning's equal power.
-
-    Parameters
-    ----------
-    launch_h, morning_h : float
-        Solar times [h]; the flight starts on the day from 0 to 24 h. Without a morning of equal
-        power (NaN) no night ends.
-    endurance_h : float
-        Length of the flight [h]; of an endless one no nights are counted.
-    """
-    if not np.all(np.isfinite([endurance_h, morning_h])):
-        return 0
-    return max(0, int((launch_h + endurance_h - morning_h) // 24.0))
+    return ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,19 +12,22 @@ from matplotlib.figure import Figure
 from missions.loiter_power import module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.performance import day_axis_h
+from sizing.results.records import clock_label
+from sizing.results.tables import Column, Table
+from sizing.sunlight import day_axis_h
 from solar._version import __version__
 from solar.full_model import ModulePower
-from solar.sun import FloatArray
+from solar.types import FloatArray
+from studies.output.plots import BLUE, GREEN, PURPLE, VERMILLION, new_figure
 
 _LABELS = {
-    "incidence_efficiency": ("angle of incidence", "#D55E00"),
-    "low_light_efficiency": ("low light", "#0072B2"),
-    "temperature_efficiency": ("temperature", "#CC79A7"),
-    "mppt_efficiency": ("power tracker", "#009E73"),
+    "incidence_efficiency": ("angle of incidence", VERMILLION),
+    "low_light_efficiency": ("low light", BLUE),
+    "temperature_efficiency": ("temperature", PURPLE),
+    "mppt_efficiency": ("MPPT", GREEN),
 }
 _DASHES = ("-", "--", "-.", ":")
-# Narrower bands are no more than a thick line.
+# Narrower ranges are no more than a thick line.
 _VISIBLE = 0.02
 
 
@@ -32,7 +36,23 @@ def component_efficiencies(
 ) -> xr.Dataset:
     """Component efficiencies of the Full Model over a day, averaged over the flight path.
 
-    Efficiencies are weighted with the time of the orbit, by surface on the dimension ``surface``.
+    The mission's uncertainty margins are taken off the power, as in every other study.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Needs module surfaces.
+    mission : Mission
+        Needs a flight path.
+    scenario : int
+        Number of the mission's scenario.
+    step_h : float
+        Step of the time axis [h].
+
+    Returns
+    -------
+    xarray.Dataset
+        Over solar time [h], means over the time of the orbit; some by ``surface``.
 
     Raises
     ------
@@ -54,10 +74,13 @@ def component_efficiencies(
         wind=mission.wind,
         ambient_temperature_c=float(mission.air_state().temperature_c),
         altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
+        clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
         shading=aircraft.modules.shading,
     )
-
+    factor = mission.pessimistic_power_factor("FM")
+    specific_power = power.specific_power_w_per_m2 * factor
+    power = replace(power, specific_power_w_per_m2=specific_power)
     return xr.Dataset(
         _variables(power, orbit.weights),
         coords={
@@ -82,7 +105,7 @@ def _variables(power: ModulePower, weights: FloatArray) -> dict[str, Any]:
         "irradiance": (power.irradiance_w_per_m2, "W m-2", "irradiance on the modules"),
         "module_temperature": (power.module_temperature_c, "degC", "module temperature"),
         "module_efficiency": (power.module_efficiency, "1", "module efficiency"),
-        "mppt_efficiency": (power.mppt_efficiency, "1", "power tracker efficiency"),
+        "mppt_efficiency": (power.mppt_efficiency, "1", "MPPT efficiency"),
         "temperature_efficiency": (power.temperature_efficiency, "1", "eps_T"),
         "aoi": (aoi_deg, "degree", "angle of incidence"),
         "incidence_efficiency": (power.incidence_efficiency_by_surface, "1", "eps_gamma"),
@@ -96,27 +119,44 @@ def _variables(power: ModulePower, weights: FloatArray) -> dict[str, Any]:
     return result
 
 
-def figure(data: xr.Dataset) -> Figure:
-    """Component efficiencies over solar time; by surface as a band around their mean."""
-    canvas = Figure(figsize=(8.0, 4.8), layout="constrained")
-    axes = canvas.subplots()
+def efficiency_table(data: xr.Dataset) -> Table:
+    """Component efficiencies at every full hour of the lit day, mean of the surfaces."""
+    means = data.mean("surface")
+    hours = data["time"].to_numpy()
+    rows = [
+        (clock_label(hour), *(float(means[column.name][index]) for column in _COLUMNS[1:]))
+        for index, hour in enumerate(hours)
+        if abs(hour - round(hour)) <= 1e-6
+    ]
+    return Table(f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM)", _COLUMNS, tuple(rows))
+
+
+_COLUMNS = (
+    Column("time_solar", "solar time"),
+    Column("specific_power", "power", "W/m2", ".1f"),
+    Column("module_efficiency", "module", form=".3f"),
+    Column("incidence_efficiency", "incidence", form=".3f"),
+    Column("low_light_efficiency", "low light", form=".3f"),
+    Column("temperature_efficiency", "temperature", form=".3f"),
+    Column("mppt_efficiency", "MPPT", form=".3f"),
+)
+
+
+def efficiency_figure(data: xr.Dataset) -> Figure:
+    """Component efficiencies over solar time; their range over the surfaces around the mean."""
+    figure, (axes,) = new_figure(
+        title=f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM, uncorrected)"
+    )
     time_h = data["time"].to_numpy()
     for (name, (label, colour)), dashes in zip(_LABELS.items(), _DASHES, strict=True):
         values = data[name].to_numpy()
         if values.ndim == 2:
             low, high = values.min(axis=1), values.max(axis=1)
             visible = float(np.max(high - low)) > _VISIBLE
-            band = f"{label}, range over the surfaces" if visible else None
-            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0, label=band)
+            spread = f"{label}, range over the surfaces" if visible else None
+            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0, label=spread)
             values = values.mean(axis=1)
         axes.plot(time_h, values, color=colour, linestyle=dashes, label=label)
-    axes.set(
-        xlabel="solar time [h]",
-        ylabel="component efficiency [-]",
-        ylim=(0, 1.05),
-    )
-    title = f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM, uncorrected)"
-    axes.set_title(title, parse_math=False)
-    axes.grid(alpha=0.3)
+    axes.set(xlabel="solar time [h]", ylabel="component efficiency [-]", ylim=(0, 1.05))
     axes.legend(loc="lower center", ncols=2)
-    return canvas
+    return figure

@@ -15,46 +15,43 @@ from sizing.optimisation.objectives import Objective
 from studies.maps.season import Season
 from studies.models.comparison import Case, Comparison
 from studies.models.solar_models import model_label
+from studies.output.plots import BLUE, GREEN, VERMILLION, new_figure
 
-# Okabe & Ito's palette, and a marker for each so that print in grey is read as well.
+# A marker for each colour, so that print in grey is read as well.
 _LOOKS = {
-    "none": ("#D55E00", "o", "uncorrected"),
-    "report": ("#0072B2", "s", "corrected by its error in flight"),
-    "loiter": ("#009E73", "D", "corrected for the loiter"),
+    "none": (VERMILLION, "o", "uncorrected"),
+    "report": (BLUE, "s", "corrected by its error in flight"),
+    "loiter": (GREEN, "D", "corrected for the loiter"),
 }
 _MONTH_STARTS = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
 
 
 def comparison_figure(comparison: Comparison) -> Figure:
-    """Income, excess time and season by every case, and the designs where there are any."""
-    with_designs = any(case.built is not None for case in comparison.cases)
-    panels = 4 if with_designs else 3
-    rows = len(comparison.cases)
-    height = 1.9 + 0.27 * rows
-    figure = Figure(figsize=(2.9 * panels, height), layout="constrained")
-    all_axes = figure.subplots(1, panels, sharey=True)
+    """Solar energy, excess time and season by every case, and the designs where there are any."""
+    columns = 4 if comparison.has_designs else 3
+    figure, panels = new_figure(
+        1,
+        columns,
+        title=f"{comparison.aircraft.name} on {comparison.mission.name}",
+        size_in=(2.9 * columns, 1.9 + 0.27 * len(comparison.cases)),
+        grid="x",
+        sharey=True,
+    )
     position = _positions(comparison.cases)
-    _draw_income(all_axes[0], comparison, position)
-    _draw_excess(all_axes[1], comparison, position)
-    _draw_season(all_axes[2], comparison, position)
-    if with_designs:
-        _draw_designs(all_axes[3], comparison, position)
-    for axes in all_axes:
-        axes.grid(alpha=0.3, axis="x")
-        axes.set_axisbelow(True)
+    drawn = (_draw_solar_energy, _draw_excess, _draw_season, _draw_designs)
+    for axes, draw in zip(panels, drawn, strict=False):
+        draw(axes, comparison, position)
         axes.tick_params(axis="y", length=0)
         axes.spines[["top", "right", "left"]].set_visible(False)
-    all_axes[0].set_ylim(position.max() + 0.7, -0.7)
-    all_axes[0].set_yticks(position, [c.solar.model for c in comparison.cases])
+    panels[0].set_ylim(position.max() + 0.7, -0.7)
+    panels[0].set_yticks(position, [c.solar.model for c in comparison.cases])
     figure.legend(
-        handles=_legend(comparison, with_designs),
+        handles=_legend(comparison),
         loc="outside lower center",
         ncols=5,
         fontsize="small",
         frameon=False,
     )
-    title = f"{comparison.aircraft.name} on {comparison.mission.name}"
-    figure.suptitle(title, parse_math=False)
     return figure
 
 
@@ -65,35 +62,26 @@ def _positions(cases: tuple[Case, ...]) -> Any:
     return np.arange(len(cases)) + 0.5 * changes
 
 
-def _legend(comparison: Comparison, with_designs: bool) -> list[Line2D]:
-    shown = dict.fromkeys(case.solar.correction for case in comparison.cases)
-    handles = [
-        Line2D([], [], color=_LOOKS[c][0], marker=_LOOKS[c][1], linestyle="", label=_LOOKS[c][2])
-        for c in shown
-    ]
+def _legend(comparison: Comparison) -> list[Line2D]:
+    def entry(label: str, color: str = "black", marker: str = "", ls: Any = "") -> Line2D:
+        return Line2D([], [], color=color, marker=marker, linestyle=ls, label=label)
+
     truth = model_label(comparison.reference.solar)
-    handles.append(Line2D([], [], color="black", linestyle=":", label=f"{truth} (reference)"))
-    if with_designs:
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color="black",
-                marker="x",
-                linestyle="",
-                label=f"comes down, judged by {truth}",
-            )
-        )
-    return handles
+    shown = dict.fromkeys(case.solar.correction for case in comparison.cases)
+    entries = [entry(_LOOKS[c][2], *_LOOKS[c][:2]) for c in shown]
+    entries.append(entry(f"{truth} (reference)", ls=":"))
+    if comparison.has_designs:
+        entries.append(entry(f"comes down, judged by {truth}", marker="x"))
+    return entries
 
 
-def _draw_income(axes: Axes, comparison: Comparison, position: Any) -> None:
+def _draw_solar_energy(axes: Axes, comparison: Comparison, position: Any) -> None:
     truth = comparison.reference.prediction.mean_solar_energy_wh
     for y, case in zip(position, comparison.cases, strict=True):
-        income = case.prediction.mean_solar_energy_wh
+        energy = case.prediction.mean_solar_energy_wh
         colour, marker, _ = _LOOKS[case.solar.correction]
-        band = income * case.solar.rms_relative
-        axes.errorbar(income, y, xerr=band, color=colour, marker=marker, capsize=2, linewidth=1)
+        error = energy * case.solar.rms_relative
+        axes.errorbar(energy, y, xerr=error, color=colour, marker=marker, capsize=2, linewidth=1)
     axes.axvline(truth, color="black", linestyle=":", linewidth=1)
     axes.set_xlabel("solar energy of a day [Wh]\n(bars: RMS error of the model)")
 
@@ -117,7 +105,7 @@ def _draw_excess(axes: Axes, comparison: Comparison, position: Any) -> None:
         if not np.isfinite(p.excess_time_h):
             _note(axes, y, "no night", colour)
             continue
-        # The band may reach over the cliff at zero, or to where there is no end.
+        # One end may lie beyond the discontinuity at zero, or where excess time is unlimited.
         ends = [
             v if np.isfinite(v) else p.excess_time_h
             for v in (p.excess_time_low_h, p.excess_time_high_h)
@@ -174,23 +162,19 @@ def _draw_designs(axes: Axes, comparison: Comparison, position: Any) -> None:
             _note(axes, y, "no design", colour)
             continue
         axes.plot([value], [y], color=colour, marker=marker)
-        judged = case.built.judged
-        if not judged.perpetual:
+        if not case.built.judged.perpetual:
             axes.plot([value], [y], color="black", marker="x", markersize=9)
     truth = _objective_value(comparison.reference, comparison)
     if truth is not None:
         axes.axvline(truth, color="black", linestyle=":", linewidth=1)
     axes.margins(x=0.15)
-    required = comparison.required_excess_time_h
-    objective = comparison.objective
+    required, objective = comparison.required_excess_time_h, comparison.objective
     promised = "promised " if objective is Objective.max_excess_time else ""
     label = f"{promised}{objective.label} [{objective.unit}]"
     axes.set_xlabel(f"design: {label},\n{required:g} h of excess time required")
 
 
 def _objective_value(case: Case, comparison: Comparison) -> float | None:
-    """What the sizing arrived at, none without a design or where it has no end."""
-    if case.built is None or case.built.sizing.objective_value is None:
-        return None
-    value = float(case.built.sizing.objective_value)
-    return value if np.isfinite(value) else None
+    """What the sizing arrived at, none without a design or where it is unlimited."""
+    value = None if case.built is None else case.built.value(comparison.objective)
+    return value if value is not None and np.isfinite(value) else None

@@ -10,20 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.dates import date_label
 from missions.mission import Mission, Scenarios, latitude_label
 from sizing.aircraft import Aircraft
-from sizing.energy.march import FloatArray
-from sizing.performance import day_axis_h, modelled_power
+from sizing.results.tables import Column, Table
+from sizing.sunlight import day_axis_h, modelled_power
 from solar.correction import REPORTED_ERRORS
 from solar.names import ModelName
-
-if TYPE_CHECKING:
-    import pandas as pd
+from solar.types import FloatArray
 
 LATITUDES_DEG = (0.0, 15.0, 30.0, 45.0, 55.0, 65.0)
 DAYS = (80, 172, 355)
@@ -54,6 +51,19 @@ def transferred_errors(
     winds_m_per_s: Sequence[float] = WINDS_M_PER_S,
 ) -> list[TransferredError]:
     """Errors of CDM and CAM over latitudes, days and winds; polar nights are left out.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Needs module surfaces.
+    mission : Mission
+        Needs a flight path.
+    latitudes_deg, days, winds_m_per_s : sequence of numbers
+        Latitudes [deg], days of the year and wind speeds [m/s], each with each.
+
+    Returns
+    -------
+    list of TransferredError
 
     Raises
     ------
@@ -111,46 +121,20 @@ def _errors(
     return found
 
 
-def to_table(errors: Sequence[TransferredError]) -> pd.DataFrame:
-    """One row for each error, in percent."""
-    import pandas as pd
-
-    return pd.DataFrame(
-        [
-            {
-                "model": e.model,
-                "latitude_deg": e.latitude_deg,
-                "day_of_year": e.day_of_year,
-                "wind_m_per_s": e.wind_m_per_s,
-                "error_percent": 100.0 * e.error,
-                "half_range_percent": 100.0 * e.half_range,
-            }
-            for e in errors
-        ]
-    )
-
-
-def to_json(errors: Sequence[TransferredError]) -> list[dict[str, Any]]:
-    """All errors, JSON-ready."""
-    return [dict(e.__dict__) for e in errors]
-
-
-def markdown(errors: Sequence[TransferredError]) -> str:
-    """Table with a row for each model, latitude and day, and a column for each wind."""
+def transfer_table(errors: Sequence[TransferredError]) -> Table:
+    """Row for each model, latitude and day, and a column for each wind [%]."""
     winds = sorted({e.wind_m_per_s for e in errors})
-    rows: dict[tuple[str, float, int], dict[float, TransferredError]] = {}
+    rows: dict[tuple[str, float, int], dict[float, str]] = {}
     for e in errors:
-        rows.setdefault((e.model, e.latitude_deg, e.day_of_year), {})[e.wind_m_per_s] = e
-    lines = [
-        "| model | latitude | date | " + " | ".join(f"{w:g} m/s" for w in winds) + " |",
-        "|---" * (3 + len(winds)) + "|",
-    ]
-    for (model, latitude, day), by_wind in sorted(rows.items()):
-        cells = " | ".join(_cell(by_wind[w]) for w in winds)
-        lines.append(f"| {model} | {latitude_label(latitude)} | {date_label(day)} | {cells} |")
-    return "\n".join(lines) + "\n"
-
-
-def _cell(e: TransferredError) -> str:
-    spread = f" ± {100 * e.half_range:.1f}" if e.wind_m_per_s > 0.0 else ""
-    return f"{100 * e.error:+.1f}{spread}"
+        spread = f" ± {100 * e.half_range:.1f}" if e.wind_m_per_s > 0.0 else ""
+        row = rows.setdefault((e.model, e.latitude_deg, e.day_of_year), {})
+        row[e.wind_m_per_s] = f"{100 * e.error:+.1f}{spread}"
+    return Table(
+        "error of daily solar energy [%]",
+        tuple(map(Column, ("model", "latitude", "date", *(f"{w:g} m/s" for w in winds)))),
+        tuple(
+            (model, latitude_label(latitude), date_label(day), *(by_wind[w] for w in winds))
+            for (model, latitude, day), by_wind in sorted(rows.items())
+        ),
+        ("±: half the range over eight wind directions",),
+    )

@@ -1,1 +1,5 @@
-"""Part of the package."""
+"""What results look like: on the terminal, in figures, in files.
+
+* ``terminal``: shows what describes itself; ``plots``, ``cells``: figures
+* ``run_folder``, ``formats``: folders and files of a run
+"""

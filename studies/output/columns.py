@@ -16,7 +16,7 @@ from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 
 __all__ = [
     "BLANKS",

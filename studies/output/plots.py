@@ -1,30 +1,93 @@
-"""Figures: drawn on their own canvas, returned as bytes, never shown."""
+"""Figures: what all of them share, and those of a cycle, a flight and a sizing.
+
+Figures are drawn on their own canvas and returned, never shown.
+"""
 
 from __future__ import annotations
 
 import io
 import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from missions.dates import date_label, day_of_year
-from sizing.altitude.climb_cycle import ClimbPerformance
-from sizing.analysis import Analysis
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.sensitivity import Sensitivity
-from sizing.performance import Performance, SolarModel
-from sizing.replay import CalendarRun
+from solar.names import ModelName
+
+if TYPE_CHECKING:
+    from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.optimisation.objectives import Objective
+    from sizing.optimisation.sensitivity import Sensitivity
+    from sizing.performance import Performance
+    from sizing.replay import CalendarRun
+    from sizing.results.analysis import Analysis
+    from sizing.sunlight import SolarModel
 
 # Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
-SUN, LOAD, CHARGE, NIGHT = "#E69F00", "#0072B2", "#009E73", "#DDDDDD"
+ORANGE, BLUE, GREEN, VERMILLION = "#E69F00", "#0072B2", "#009E73", "#D55E00"
+SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
+GREY = "#DDDDDD"
+SUN, LOAD, CHARGE, NIGHT = ORANGE, BLUE, GREEN, GREY
+MODEL_COLOURS: dict[ModelName, str] = {
+    "CDM": ORANGE,
+    "CAM": SKY,
+    "VM": GREEN,
+    "FM": VERMILLION,
+}
 # Instants of the day around which a short text fits into the axes.
 _ROOM_FOR_TEXT_H = (2.4, 21.6)
 
 
+# ---- What all figures share
+
+
+def new_figure(
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    title: str = "",
+    size_in: tuple[float, float] = (8.0, 4.8),
+    grid: str = "both",
+    **options: Any,
+) -> tuple[Figure, list[Axes]]:
+    """Figure with panels.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Number of panels.
+    title : str
+        Over all panels; names from files are text in it, never formulas.
+    size_in : tuple of float
+        Width and height [in].
+    grid : str
+        Lines of the grid: ``x``, ``y``, ``both``, or none if empty.
+    **options
+        What :meth:`matplotlib.figure.Figure.subplots` takes besides, such as ``sharex``.
+
+    Returns
+    -------
+    figure : Figure
+        The figure.
+    panels : list of Axes
+        Row by row.
+    """
+    figure = Figure(figsize=size_in, layout="constrained")
+    panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
+    for axes in panels:
+        axes.set_axisbelow(True)
+        if grid:
+            axes.grid(alpha=0.3, axis=grid)
+    if title:
+        figure.suptitle(title, parse_math=False, wrap=True)
+    return figure, panels
+
+
 def to_bytes(figure: Figure, image_format: str) -> bytes:
-    """Image of a figure."""
+    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format=image_format, dpi=150)
     return buffer.getvalue()
@@ -36,53 +99,90 @@ def caption(solar: SolarModel) -> str:
 
 
 def correction_label(correction: str) -> str:
-    """Correction in the words of a title."""
+    """Correction as a title names it."""
     return "uncorrected" if correction == "none" else f"correction: {correction}"
 
 
-def _band_name(solar: SolarModel) -> str:
-    corrected = solar.correction != "none"
-    return "RMS error after correction" if corrected else "RMS error of the model"
+def shade(
+    axes: Axes, spans: Iterable[tuple[float, float]], label: str | None = None, **style: Any
+) -> None:
+    """Shade spans of the horizontal axis over the whole height, by default in grey.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    spans : iterable of (float, float)
+        Start and end of each span, in units of the axis.
+    label : str, optional
+        Name in the legend.
+    **style
+        Colour and other properties of :meth:`matplotlib.axes.Axes.axvspan`.
+    """
+    looks: dict[str, Any] = {"color": GREY, "zorder": 0, "linewidth": 0} | style
+    for number, (start, end) in enumerate(spans):
+        axes.axvspan(start, end, label=label if number == 0 else None, **looks)
+
+
+def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
+    """Write a text a few points to the right of a place."""
+    axes.annotate(text, place, (4, 0), textcoords="offset points", **options)
+
+
+# ---- The cycle of a day
 
 
 def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
-    """State of charge and power over the cycle of a scenario, the worst one by default."""
+    """State of charge and power over the cycle of one scenario.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        What is drawn; its altitude as well, if it climbs.
+    scenario : int, optional
+        Number of the scenario, by default that of the worst.
+    """
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
     panels = 2 if analysis.climb is None else 3
-    figure = Figure(figsize=(8.0, 2.8 * panels), layout="constrained")
-    every: list[Axes] = list(figure.subplots(panels, 1, sharex=True))
+    figure, every = new_figure(
+        panels,
+        title=f"{analysis.aircraft.name}, {perf.day.scenarios.label(index)} "
+        f"({caption(perf.solar)})",
+        size_in=(8.0, 2.8 * panels),
+        sharex=True,
+    )
     _draw_power(every[0], perf, index)
     _draw_charge(every[1], analysis, index)
     # Below the axes, where no curve can run through it.
     power, charge = (axes.get_legend_handles_labels()[0] for axes in every[:2])
-    handles = [*power[:2], *charge, *power[2:]]  # each column a curve and its band
+    handles = [*power[:2], *charge, *power[2:]]  # each column a curve and its margin
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
     if analysis.climb is not None:
         _draw_altitude(every[2], analysis.climb, index)
+    sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
     for axes in every:
-        _shade_night(axes, perf, index)
-        axes.grid(alpha=0.3)
+        shade(axes, [(a, b) for a, b in ((0.0, sunrise), (sunset, 24.0)) if b > a])
     every[-1].set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
-    where = perf.day.scenarios.label(index)
-    title = f"{analysis.aircraft.name}, {where} ({caption(perf.solar)})"
-    figure.suptitle(title, parse_math=False)
     return figure
 
 
 def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
     time_h = perf.day.time_h
     solar, load = perf.solar_power_w[index], perf.load_w[index]
-    band = perf.solar.rms_relative
+    rms = perf.solar.rms_relative
+    error = "RMS error of the model"
+    if perf.solar.correction != "none":
+        error = "RMS error after correction"
     axes.plot(time_h, solar, color=SUN, label="solar power")
     axes.fill_between(
         time_h,
-        solar * (1 - band),
-        solar * (1 + band),
+        solar * (1 - rms),
+        solar * (1 + rms),
         color=SUN,
         alpha=0.2,
         linewidth=0,
-        label=f"{_band_name(perf.solar)}, {100 * band:.0f} %",
+        label=f"{error}, {100 * rms:.0f} %",
     )
     axes.plot(time_h, load, color=LOAD, label="load")
     for name, hour, side in (
@@ -99,15 +199,17 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
 
 def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
     perf = analysis.performance
-    energy_max = float(perf.design.battery_energy_wh)
+    battery_energy_wh = float(perf.design.battery_energy_wh)
     time_h = perf.day.time_h
-    low, high = (p.cycle.energy_wh[index] / energy_max for p in (analysis.low, analysis.high))
-    charge = 100 * perf.cycle.energy_wh[index] / energy_max
+    charge, low, high = (
+        100 * p.cycle.energy_wh[index] / battery_energy_wh
+        for p in (perf, analysis.low, analysis.high)
+    )
     axes.plot(time_h, charge, color=CHARGE, label="state of charge")
     axes.fill_between(
         time_h,
-        100 * low,
-        100 * high,
+        low,
+        high,
         color=CHARGE,
         alpha=0.2,
         linewidth=0,
@@ -116,9 +218,8 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
         axes.axvline(full, color="black", linestyle=":", linewidth=1)
-        axes.annotate("full", (full, 50), (4, 0), textcoords="offset points")
-        margin = perf.cycle.charge_margin_h[index]
-        _draw_margin(axes, float(full), float(margin))
+        _beside(axes, "full", (full, 50))
+        _draw_margin(axes, float(full), float(perf.cycle.charge_margin_h[index]))
     excess = perf.cycle.excess_time_h[index]
     if np.isfinite(excess):
         dawn = perf.cycle.equal_power_morning_h[index]
@@ -155,24 +256,29 @@ def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
     """Arrow over the charge margin; a short one has no room for it and gets a text alone."""
     text = f"charge margin {margin_h:.1f} h"
     if margin_h < 2.0:
-        axes.annotate(text, (full_h, 62), (4, 0), textcoords="offset points")
+        _beside(axes, text, (full_h, 62))
         return
     arrow = {"arrowstyle": "<->", "color": "black", "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (full_h + margin_h, 60), (full_h, 60), arrowprops=arrow)
     axes.annotate(text, (full_h + margin_h / 2, 63), ha="center")
 
 
-def _shade_night(axes: Axes, perf: Performance, index: int) -> None:
-    sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
-    for start, end in ((0.0, sunrise), (sunset, 24.0)):
-        if end > start:
-            axes.axvspan(start, end, color=NIGHT, zorder=0, linewidth=0)
+# ---- A flight on the calendar
 
 
 def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
-    """State of charge and power of a replayed flight over local time."""
-    figure = Figure(figsize=(9.0, 5.6), layout="constrained")
-    power_axes, charge_axes = figure.subplots(2, 1, sharex=True)
+    """State of charge and power of a replayed flight over local time.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        Aircraft, mission and solar model, for the title.
+    flight : CalendarRun
+        The flight.
+    """
+    title = f"{analysis.aircraft.name}, {analysis.mission.name} "
+    title += f"({caption(analysis.performance.solar)})"
+    figure, (power_axes, charge_axes) = new_figure(2, title=title, size_in=(9.0, 5.6), sharex=True)
     power_axes.plot(flight.clock_h, flight.solar_power_w, color=SUN, label="solar power")
     power_axes.plot(flight.clock_h, flight.load_w, color=LOAD, label="load")
     power_axes.set(ylabel="power [W]", ylim=(0, None))
@@ -180,29 +286,17 @@ def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
     charge_axes.plot(flight.clock_h, 100 * flight.state_of_charge, color=CHARGE)
     for hour in flight.full_charge_clock_h:
         charge_axes.axvline(hour, color="black", linestyle=":", linewidth=1)
-        charge_axes.annotate("full", (hour, 50), (4, 0), textcoords="offset points")
-    dark = flight.solar_power_w <= 0.0
+        _beside(charge_axes, "full", (hour, 50))
+    dark = np.flatnonzero(np.diff(np.concatenate(([0], flight.solar_power_w <= 0.0, [0]))))
+    nights = flight.clock_h[dark.reshape(-1, 2) - (0, 1)]
     for axes in (power_axes, charge_axes):
-        axes.fill_between(
-            flight.clock_h,
-            0,
-            1,
-            where=dark,
-            transform=axes.get_xaxis_transform(),
-            color=NIGHT,
-            zorder=0,
-            linewidth=0,
-        )
-        axes.grid(alpha=0.3)
+        shade(axes, nights)
     _label_clock(charge_axes, flight)
     charge_axes.set(
         ylabel="state of charge [%]",
         ylim=(0, 105),
         xlim=(flight.clock_h[0], flight.clock_h[-1]),
     )
-    solar = analysis.performance.solar
-    title = f"{analysis.aircraft.name}, {analysis.mission.name} ({caption(solar)})"
-    figure.suptitle(title, parse_math=False)
     return figure
 
 
@@ -222,18 +316,36 @@ def _label_clock(axes: Axes, flight: CalendarRun) -> None:
     axes.set_xlabel(f"local time, launched on {date_label(day)}")
 
 
+# ---- A sizing
+
+
 def tornado_figure(
-    worth: list[Sensitivity],
+    sensitivities: list[Sensitivity],
     objective: Objective,
     name: str,
     solar: SolarModel,
     *,
     bars: int = 15,
 ) -> Figure:
-    """Change of the objective by one per cent more of each parameter, most important on top."""
-    shown = [s for s in worth if s.value != 0.0][:bars][::-1]
-    figure = Figure(figsize=(9.0, 0.9 + 0.32 * len(shown)), layout="constrained")
-    axes = figure.subplots()
+    """Change of the objective by one per cent more of each parameter.
+
+    Parameters
+    ----------
+    sensitivities : list of Sensitivity
+        Most important first, as they are drawn from the top.
+    objective : Objective
+        Quantity that changes, and its unit.
+    name : str
+        Aircraft, for the title.
+    solar : SolarModel
+        Model and correction, for the title.
+    bars : int
+        Parameters that are shown at most.
+    """
+    shown = [s for s in sensitivities if s.value != 0.0][:bars][::-1]
+    figure, (axes,) = new_figure(
+        title=f"{name} ({caption(solar)})", size_in=(9.0, 0.9 + 0.32 * len(shown)), grid="x"
+    )
     labels = [f"{s.parameter} = {s.value:.4g}" for s in shown]
     sign = 1.0 if objective.maximised else -1.0
     for verdict, good, colour, hatch in (("better", True, CHARGE, ""), ("worse", False, SUN, "//")):
@@ -243,21 +355,24 @@ def tornado_figure(
         )
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{objective.unit}]")
-    axes.set_axisbelow(True)
-    figure.suptitle(f"{name} ({caption(solar)})", parse_math=False)
     figure.legend(loc="outside lower right", ncols=2, fontsize="small")
-    axes.grid(alpha=0.3, axis="x")
     return figure
 
 
 def mass_figure(masses_kg: dict[str, float], title: str) -> Figure:
-    """Mass budget as horizontal bars, heaviest first."""
+    """Mass budget as horizontal bars, heaviest on top.
+
+    Parameters
+    ----------
+    masses_kg : dict
+        Mass of each part [kg]; parts without mass are left out.
+    title : str
+        Name of the aircraft.
+    """
     items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
-    figure = Figure(figsize=(7.0, 3.6), layout="constrained")
-    axes = figure.subplots()
+    figure, (axes,) = new_figure(title=title, size_in=(7.0, 3.6), grid="")
     bars = axes.barh([k for k, _ in items], [v for _, v in items], color=LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
     axes.set(xlabel="mass [kg]")
-    axes.set_title(title, parse_math=False)
     axes.margins(x=0.15)
     return figure

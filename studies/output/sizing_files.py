@@ -1,53 +1,88 @@
-"""Files of a sizing: the sized aircraft, tables and figures, written whole or not at all."""
+"""Files of a sizing: the sized aircraft, the mission that it flies, tables and figures."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
+import copy
+import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
-from missions.files.validation import validate
-from missions.files.writing import write_folder
-from missions.files.yaml import parse_yaml
-from sizing.aircraft import Aircraft
-from sizing.analysis import analyse
-from sizing.optimisation import study as sizing_study
-from sizing.optimisation.study import SizingStudy
-from studies.cli.library import LoadedAircraft
-from studies.cli.options import csv_bytes
+import pandas as pd
+
+from missions.dates import date_code
+from missions.mission import MAXIMUM_SCENARIOS
+from sizing.optimisation.coverage import WidestRange
+from sizing.optimisation.objectives import Objective
+from sizing.results.analysis import analyse
+from sizing.results.sizing import SizingStudy, sensitivity_records
 from studies.output import plots
+from studies.output.formats import csv_bytes
+from studies.output.run_folder import RunInputs
 
 
-def write_sizing(
-    folder: Path, study: SizingStudy, record: dict[str, Any], craft: LoadedAircraft
-) -> None:
-    """Write the files of an optimum into a folder; existing files of these names are replaced.
+def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
+    """What a folder of results keeps: the sized aircraft, on the mission that it was sized for.
+
+    Parameters
+    ----------
+    study : SizingStudy
+        With an optimum.
+    inputs : RunInputs
+        What was sized.
+
+    Returns
+    -------
+    RunInputs
+        Analysed, they give the excess time of the sizing: the mission has the payload that the
+        optimum carries, and the range of days or latitudes that it covers.
+    """
+    mission = _on_range(inputs.mission, study.coverage)
+    carried = study.sized_mission().payload
+    if carried != study.mission.payload:
+        mission["payload"] = carried.model_dump()
+    aircraft = study.sized_aircraft().model_dump(mode="json", exclude_unset=True)
+    return dataclasses.replace(inputs, aircraft=aircraft, mission=mission)
+
+
+def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[str, Any]:
+    """Mission's data with the days or latitudes of a range, if there is one."""
+    data: dict[str, Any] = copy.deepcopy(dict(mission))
+    if coverage is None or coverage.first is None or coverage.last is None:
+        return data
+    first, last, count = coverage.first, coverage.last, len(coverage.members)
+    if coverage.sizing.objective is Objective.longest_season:
+        assert coverage.sizing.simulated is not None
+        latitudes = len(coverage.sizing.simulated.day.scenarios) // count
+        ends = {"from": date_code(int(first)), "to": date_code(int(last))}
+        most = min(count, MAXIMUM_SCENARIOS // latitudes)
+        data["dates"] = {"on": ends["from"]} if count == 1 else {**ends, "count": most}
+        return data
+    data.pop("launch", None)  # a flight has a single latitude
+    across = {"from_deg": first, "to_deg": last, "count": min(count, 181)}
+    data["latitude_deg"] = first if count == 1 else across
+    return data
+
+
+def sizing_files(study: SizingStudy) -> dict[str, bytes]:
+    """Tables and figures of an optimum, by the names of their files.
 
     Sensitivities, where there are any, come as a table and as a tornado plot.
-
-    Raises
-    ------
-    OutputError
-        If the folder cannot be written.
     """
-    result, worth = study.result, study.worth
+    result, worth, solar = study.result, study.sensitivities, study.solar
     assert result.design is not None
-    assert result.simulated is not None
-    text = sizing_study.sized_yaml(craft.document, result.design, result, study.mission)
-    sized = validate(parse_yaml(text, "sized aircraft"), Aircraft)
-    flown = sizing_study.sized_mission(study.mission, result.design)
-    analysis = analyse(sized, flown, result.simulated.solar, replay=False)
+    sized = study.sized_aircraft()
+    analysis = analyse(
+        sized, study.sized_mission(), model=solar.model, correction=solar.correction, replay=False
+    )
     masses = plots.mass_figure(result.design.masses._asdict(), f"{sized.name}: mass budget")
-    contents: dict[str, bytes] = {
-        "aircraft.yaml": text.encode(),
-        "result.json": json.dumps(record, indent=2, allow_nan=False).encode(),
-        "scenarios.csv": csv_bytes(sizing_study.scenario_table(result.simulated)),
-        "masses.csv": csv_bytes(sizing_study.mass_table(result.design)),
+    contents = {
+        "scenarios.csv": csv_bytes(study.scenarios()),
+        "masses.csv": csv_bytes(study.masses()),
         "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
         "masses.png": plots.to_bytes(masses, "png"),
     }
     if worth:
-        contents["sensitivities.csv"] = csv_bytes(sizing_study.sensitivity_table(worth))
-        tornado = plots.tornado_figure(worth, result.objective, sized.name, result.simulated.solar)
+        contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(sensitivity_records(worth)))
+        tornado = plots.tornado_figure(worth, result.objective, sized.name, solar)
         contents["sensitivities.png"] = plots.to_bytes(tornado, "png")
-    write_folder(folder, contents)
+    return contents

@@ -1,1 +1,5 @@
-"""Part of the package."""
+"""Trade studies over any keys of aircraft and mission.
+
+* ``axes``: what varies; ``points``: each point analysed or sized; ``study``: all of them
+* ``files``, ``plots``: NetCDF, CSV, Parquet and charts
+"""

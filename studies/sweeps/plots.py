@@ -15,9 +15,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from studies.output.cells import (
+    draw_cells,
+    draw_colour_bar,
+    draw_level_lines,
+    finite_range,
+    hatch_cells,
+)
 from studies.output.columns import SIZED
-from studies.output.hatching import draw_cells, draw_colour_bar, finite_range, hatch_cells
-from studies.output.level_lines import draw_level_lines
 from studies.output.plots import CHARGE, LOAD, SUN, correction_label
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.points import PointStatus
@@ -155,8 +160,8 @@ def contour_figure(data: xr.Dataset) -> Figure:
             handles |= {str(entry.get_label()): entry for entry in entries}
             if value is not None and variable == _variables(data)[0]:
                 axes.set_title(f"{_label(data, names[2])} = {value:g}", fontsize="medium")
-        endless = bool(np.isposinf(every).any())
-        draw_colour_bar(figure, mesh, list(row), _label(data, variable), endless=endless)
+        unlimited = bool(np.isposinf(every).any())
+        draw_colour_bar(figure, mesh, list(row), _label(data, variable), unlimited=unlimited)
     for axes in panels[-1]:
         axes.set(xlabel=_label(data, names[0]))
     for axes in panels[:, 0]:
@@ -189,9 +194,7 @@ def _draw_contours(
         entries += grey
     hatches = {value: _HATCHES[name] for value, name in reasons.items()}
     entries += hatch_cells(axes, x, y, status, hatches, reasons)
-    assert norm.vmin is not None
-    assert norm.vmax is not None
-    draw_level_lines(axes, x, y, values, norm.vmin, norm.vmax)
+    draw_level_lines(axes, x, y, values, norm)
     return mesh, entries
 
 

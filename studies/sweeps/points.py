@@ -21,13 +21,8 @@ from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import (
-    Performance,
-    SolarModel,
-    performance,
-    performance_of_designs,
-    solar_day,
-)
+from sizing.performance import Performance, performance, performance_of_designs
+from sizing.sunlight import SolarModel, solar_day
 from solar.names import ATTITUDE_MODELS
 from studies.engine.run import Cell
 from studies.output import columns as sizing_columns

@@ -20,10 +20,10 @@ from missions.files.errors import InputError, Problem
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import ATTITUDE_MODELS
-from studies.cli.library import LoadedAircraft, LoadedMission
+from studies.cli.files import LoadedAircraft, LoadedMission
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import Job, Outcome, pieces, run
 from studies.engine.workers import AutomaticCrew, Crew
@@ -97,7 +97,7 @@ def sweep(
     Parameters
     ----------
     aircraft, mission
-        As :mod:`studies.cli.library` loads them.
+        As :mod:`studies.cli.files` loads them.
     axes : sequence of Axis
         What is varied, see :func:`studies.sweeps.axes.parse_axis`.
     solar : SolarModel, optional

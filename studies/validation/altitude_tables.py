@@ -6,7 +6,8 @@ from missions.library import load_mission
 from sizing.altitude.ceiling import highest_perpetual_altitude
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel
+from sizing.results.tables import Column, Table
+from sizing.sunlight import SolarModel
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 MODELS = (SolarModel("CAM"), SolarModel("CAM", "report"), SolarModel("CDM"))
@@ -20,42 +21,48 @@ CLIMBS = (
 )
 
 
-def ceilings() -> str:
-    """Highest altitude of perpetual flight at 47.6 N on 21 June in standard air, as Markdown."""
+def ceilings() -> Table:
+    """Highest altitude of perpetual flight at 47.6 N on 21 June in standard air."""
     mission = load_mission("rafz-july", ["dates={on: 06-21}", "air={}"])
-    lines = [
-        "| aircraft | "
-        + " | ".join(f"{m.model}, correction {m.correction}" for m in MODELS)
-        + " |",
-        "|---|" + "---|" * len(MODELS),
-    ]
+    rows = []
     for name in AIRCRAFT:
         aircraft = load_aircraft(name)
-        heights = []
-        for solar in MODELS:
-            found = highest_perpetual_altitude(aircraft, mission, solar, step_m=1000.0)
-            highest = found.highest
-            heights.append("none" if highest is None else f"{highest.altitude_m:.0f} m")
-        lines.append(f"| `{name}` | " + " | ".join(heights) + " |")
-    return "\n".join(lines) + "\n"
-
-
-def climbs() -> str:
-    """What climbing gains AtlantikSolar AS-2 at 47.6 N, 536 m, in standard air, as Markdown."""
-    aircraft = load_aircraft("atlantiksolar-as2")
-    lines = [
-        "| date | strategy | ceiling | reached | stored height | gliding | excess time at 536 m "
-        "| with climb | gain |",
-        "|---|---|---|---|---|---|---|---|---|",
+        found = [highest_perpetual_altitude(aircraft, mission, m, step_m=1000.0) for m in MODELS]
+        rows.append((f"`{name}`", *(f.highest and f.highest.altitude_m for f in found)))
+    models = [
+        Column(f"{m.model}, correction {m.correction}", form="{:.0f} m", missing="none")
+        for m in MODELS
     ]
+    return Table("ceilings of perpetual flight", (Column("aircraft"), *models), tuple(rows))
+
+
+def climbs() -> Table:
+    """What climbing gains AtlantikSolar AS-2 at 47.6 N, 536 m, in standard air."""
+    aircraft = load_aircraft("atlantiksolar-as2")
+    rows = []
     for date, strategy, ceiling_m in CLIMBS:
         climb = f"climb={{ceiling_m: {ceiling_m}, strategy: {strategy}}}"
         mission = load_mission("rafz-july", [f"dates={{on: {date}}}", "air={}", climb])
         result = climb_performance(aircraft, mission)
-        flown, level = result.climb, result.constant.cycle.excess_time_h[0]
-        lines.append(
-            f"| {date} | `{strategy}` | {ceiling_m} m | {flown.maximum_altitude_m[0]:.0f} m "
-            f"| {flown.maximum_height_wh[0]:.1f} Wh | {flown.gliding_h[0]:.1f} h | {level:.2f} h "
-            f"| {flown.cycle.excess_time_h[0]:.2f} h | {abs(round(result.gain_h[0], 2)):.2f} h |"
+        flown = result.climb
+        values = (
+            flown.maximum_altitude_m,
+            flown.maximum_potential_energy_wh,
+            flown.gliding_h,
+            result.constant.cycle.excess_time_h,
+            flown.cycle.excess_time_h,
+            result.gain_h,
         )
-    return "\n".join(lines) + "\n"
+        rows.append((date, f"`{strategy}`", ceiling_m, *(float(value[0]) for value in values)))
+    columns = (
+        Column("date"),
+        Column("strategy"),
+        Column("ceiling_m", "ceiling", "m"),
+        Column("reached_m", "reached", "m", ".0f"),
+        Column("potential_energy_wh", "potential energy", "Wh", ".1f"),
+        Column("gliding_h", "gliding", "h", ".1f"),
+        Column("level_excess_time_h", "excess time at 536 m", "h", ".2f"),
+        Column("climb_excess_time_h", "with climb", "h", ".2f"),
+        Column("gain_h", "gain", "h", "z.2f"),
+    )
+    return Table("gains by climbing", columns, tuple(rows))

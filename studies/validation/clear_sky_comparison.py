@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions.dates import date_label
+from sizing.results.tables import Column, Table
 from solar.clearsky import clear_sky, global_horizontal
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+from solar.sun import cos_zenith, declination, hour_angle
+from solar.types import FloatArray
 
 
 @dataclass(frozen=True)
@@ -94,17 +96,26 @@ def _daily_wh(ghi: FloatArray) -> float:
     return float(np.trapezoid(ghi, _TIME_H))
 
 
-def markdown(rows: list[Insolation]) -> str:
-    """Table of the daily energies, and how far ours is from each of pvlib's."""
-    lines = [
-        "| site | date | this clear sky | Ineichen, climatology | simplified Solis | vs Ineichen "
-        "| vs Solis |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r.site.name} | {date_label(r.day_of_year)} | {r.ours_wh:.0f} | {r.ineichen_wh:.0f} "
-        f"| {r.solis_wh:.0f} | {100 * (r.ours_wh / r.ineichen_wh - 1):+.1f} % "
-        f"| {100 * (r.ours_wh / r.solis_wh - 1):+.1f} % |"
+def clear_sky_table(rows: list[Insolation]) -> Table:
+    """Daily energies, and how far ours is from each of pvlib's."""
+    columns = (
+        Column("site"),
+        Column("date"),
+        *(
+            Column(name, unit="Wh/m²", form=".0f")
+            for name in ("this clear sky", "Ineichen, climatology", "simplified Solis")
+        ),
+        Column("vs Ineichen", form="{:+.1f} %"),
+        Column("vs Solis", form="{:+.1f} %"),
+    )
+    cells = [
+        (
+            r.site.name,
+            date_label(r.day_of_year),
+            *(r.ours_wh, r.ineichen_wh, r.solis_wh),
+            100.0 * (r.ours_wh / r.ineichen_wh - 1.0),
+            100.0 * (r.ours_wh / r.solis_wh - 1.0),
+        )
         for r in rows
     ]
-    return "\n".join(lines) + "\n"
+    return Table("daily horizontal energy of clear skies", columns, tuple(cells))

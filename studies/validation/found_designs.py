@@ -17,20 +17,17 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
-
-# Built: wingspan [m], battery [kg], module area [m2], total mass [kg].
-Size = tuple[float, float, float, float]
-ATLANTIKSOLAR: Size = (5.65, 2.918, 1.35, 6.92)
-SKY_SAILOR: Size = (3.2, 1.06, 0.51, 2.44)
+from sizing.results.tables import Column, Table
+from studies.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, BuiltAircraft
 
 
 @dataclass(frozen=True)
 class Case:
-    """An aircraft's requirements, and the size of what was built to them."""
+    """An aircraft's requirements, and what was built to them."""
 
     label: str
     aircraft: str
-    built: Size
+    built: BuiltAircraft
     mission: dict[str, Any]
     objective: Objective
     required_excess_time_h: float
@@ -59,7 +56,7 @@ CASES = (
     Case(
         "AtlantikSolar, 4 h at 60 % of clear sky, least mass",
         *("atlantiksolar-design", ATLANTIKSOLAR),
-        {**_RAFZ, "bands": {"clearness_minimum": 0.6}},
+        {**_RAFZ, "uncertainty_margins": {"clearness_minimum": 0.6}},
         Objective.min_mass,
         required_excess_time_h=4.0,
         specific_energy_wh_per_kg=251.0,
@@ -67,7 +64,7 @@ CASES = (
     Case(
         "AtlantikSolar, 4 h at 60 % of clear sky, least span",
         *("atlantiksolar-design", ATLANTIKSOLAR),
-        {**_RAFZ, "bands": {"clearness_minimum": 0.6}},
+        {**_RAFZ, "uncertainty_margins": {"clearness_minimum": 0.6}},
         Objective.min_wingspan,
         required_excess_time_h=4.0,
         specific_energy_wh_per_kg=251.0,
@@ -123,16 +120,15 @@ def _elsewhere(aircraft: Aircraft) -> Aircraft:
     )
 
 
-def markdown() -> str:
-    """Table of all cases."""
-    lines = [
-        "| requirement | wingspan m | battery kg | module area m² | total mass kg |",
-        "|---|---|---|---|---|",
-    ]
+def found_table() -> Table:
+    """Size that each case leads to, and how far it is from the built aircraft's."""
+    columns = ("requirement", "wingspan", "battery", "module area", "total mass")
+    units = ("", "m", "kg", "m²", "kg")
+    rows: list[tuple[str | None, ...]] = []
     for case in CASES:
         design = found(case).design
         if design is None:
-            lines.append(f"| {case.label} | infeasible | | | |")
+            rows.append((case.label, "infeasible", None, None, None))
             continue
         values = (
             design.variables.wingspan_m,
@@ -140,9 +136,8 @@ def markdown() -> str:
             design.variables.module_area_m2,
             design.total_mass_kg,
         )
-        cells = [
-            f"{value:.2f} ({100.0 * (value / built - 1.0):+.0f} %)"
-            for value, built in zip(values, case.built, strict=True)
-        ]
-        lines.append(f"| {case.label} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        pairs = zip(values, case.built.size, strict=True)
+        rows.append((case.label, *(f"{v:.2f} ({100.0 * (v / b - 1.0):+.0f} %)" for v, b in pairs)))
+    title = "designs found from requirements, against the built aircraft"
+    headings = tuple(Column(name, unit=unit) for name, unit in zip(columns, units, strict=True))
+    return Table(title, headings, tuple(rows))

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sizing.aerodynamics.polar_table import COLUMNS
-from solar.sun import FloatArray
+from solar.types import FloatArray
 
 # Of NeuralFoil's eight networks, from xxsmall to xxxlarge.
 MODEL_SIZE = "xlarge"

@@ -16,12 +16,23 @@ from matplotlib.figure import Figure
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.polar_table import shipped_airfoils
 from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.results.tables import Column, Table
 from sizing.smooth import Value
-from solar.sun import FloatArray
+from solar.types import FloatArray
 from studies.output.figure_script import write_figure
-from studies.output.plots import CHARGE, LOAD, SUN, to_bytes
+from studies.output.plots import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    new_figure,
+    to_bytes,
+)
+from studies.validation.built_aircraft import ATLANTIKSOLAR
 
-_COLOURS = (LOAD, CHARGE, SUN, "#CC79A7", "#56B4E9", "#D55E00")
+_COLOURS = (BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION)
 
 
 @dataclass(frozen=True)
@@ -67,12 +78,16 @@ class PowerCase:
         return power / self.propulsion_efficiency + self.constant_power_w
 
 
-# Published: mass, span, aspect ratio, density, the four efficiencies of the chain.
-AS2 = PowerCase("AtlantikSolar AS-2", 6.92, 5.65, 18.5, 1.10, 0.97 * 0.82 * 0.96 * 0.82, 0.0)
-AS2_POWER_W = 35.8
+_WING = ATLANTIKSOLAR.wingspan_m, ATLANTIKSOLAR.aspect_ratio, ATLANTIKSOLAR.density_kg_per_m3
+# Published: the four efficiencies of the chain.
+AS2 = PowerCase(
+    *("AtlantikSolar AS-2", ATLANTIKSOLAR.total_mass_kg),
+    *(*_WING, 0.97 * 0.82 * 0.96 * 0.82, 0.0),
+)
+AS2_POWER_W = ATLANTIKSOLAR.level_flight_w
 # Published: mass, efficiency 0.58, avionics 4.5 W, taken as part of the measured power. The density
 # is an assumption: that of AS-2's measurement, at the same airfield in summer.
-AS1 = PowerCase("AtlantikSolar AS-1", 7.36, 5.65, 18.5, 1.10, 0.58, 4.5)
+AS1 = PowerCase("AtlantikSolar AS-1", 7.36, *_WING, 0.58, 4.5)
 # Airspeed [m/s] and electric power [W].
 AS1_FLIGHT = (
     (8.12, 71.1),
@@ -124,7 +139,17 @@ class CurveCheck(NamedTuple):
 
 
 def wing_polar(airfoil: str, case: PowerCase, *, calibration: float = 1.0) -> WingPolar:
-    """Wing polar of a case with the defaults for everything else, and its best lift."""
+    """Wing polar of a case with the defaults for everything else, and its best lift.
+
+    Parameters
+    ----------
+    airfoil : str
+        Name of a shipped airfoil.
+    case : PowerCase
+        Aircraft whose chord gives the Reynolds number.
+    calibration : float
+        Factor on the drag [-].
+    """
     return WingPolar(
         model="wing_polar",
         airfoil=airfoil,
@@ -150,15 +175,36 @@ def _level_flight(airfoil: str) -> LevelFlightCheck:
 
 
 def check_curve(polar: WingPolar, case: PowerCase = AS1) -> CurveCheck:
-    """Power curve at the airspeeds of AS-1's flight."""
+    """Power curve at the airspeeds of AS-1's flight.
+
+    Parameters
+    ----------
+    polar : WingPolar
+        Drag of the wing.
+    case : PowerCase
+        Aircraft that flew.
+    """
     speed, measured = np.asarray(AS1_FLIGHT).T
     return CurveCheck(polar, speed, measured, case.electric_power_w(polar, speed))
 
 
 def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure:
-    """Power over airspeed with each polar, the flight's eleven points, and the residuals."""
-    figure = Figure(figsize=(8.0, 6.2), layout="constrained")
-    axes, residual_axes = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    """Power over airspeed with each polar, the flight's eleven points, and the residuals.
+
+    Parameters
+    ----------
+    polars : list of WingPolar
+        A curve each.
+    case : PowerCase
+        Aircraft that flew.
+    """
+    figure, (axes, residual_axes) = new_figure(
+        2,
+        title=f"{case.name}, {case.mass_kg:g} kg, level flight at {case.density_kg_per_m3:g} kg/m³",
+        size_in=(8.0, 6.2),
+        sharex=True,
+        height_ratios=(2, 1),
+    )
     flight = np.asarray(AS1_FLIGHT)
     for index, polar in enumerate(polars):
         colour = _COLOURS[index % len(_COLOURS)]
@@ -174,11 +220,6 @@ def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure
     axes.legend(loc="upper left", fontsize="small")
     residual_axes.axhline(0.0, color="black", linewidth=1)
     residual_axes.set(xlabel="airspeed [m/s]", ylabel="model − flight [W]")
-    for each in (axes, residual_axes):
-        each.grid(alpha=0.3)
-    figure.suptitle(
-        f"{case.name}, {case.mass_kg:g} kg, level flight at {case.density_kg_per_m3:g} kg/m³"
-    )
     return figure
 
 
@@ -200,30 +241,52 @@ def power_curve_image(image_format: str = "png") -> bytes:
     return to_bytes(power_curve_figure(polars), image_format)
 
 
-def markdown() -> str:
-    """Tables of both comparisons."""
-    rows = check_level_flight()
-    lines = [
-        "| airfoil | C_L | airspeed [m/s] | power [W] | against 35.8 W | calibration |",
-        "|---|---|---|---|---|---|",
+def power_tables() -> tuple[Table, Table]:
+    """Level flight of AS-2 with every airfoil, and the power curve of AS-1 beside its flight."""
+    checks = check_level_flight()
+    level = [
+        (
+            check.airfoil,
+            check.lift_coefficient,
+            check.airspeed_m_per_s,
+            check.electric_power_w,
+            100.0 * (check.electric_power_w / AS2_POWER_W - 1.0),
+            check.calibration,
+        )
+        for check in checks
     ]
-    lines += [
-        f"| {r.airfoil} | {r.lift_coefficient:.2f} | {r.airspeed_m_per_s:.1f} "
-        f"| {r.electric_power_w:.1f} | {100 * (r.electric_power_w / AS2_POWER_W - 1):+.0f} % "
-        f"| {r.calibration:.2f} |"
-        for r in rows
-    ]
-    lines += ["", "| airfoil | calibration | bias [W] | RMS [W] | residuals [W], slow to fast |"]
-    lines += ["|---|---|---|---|---|"]
-    for r in rows:
-        for calibration in (1.0, r.calibration):
-            check = check_curve(wing_polar(r.airfoil, AS1, calibration=calibration))
+    curves = []
+    for airfoil, *_, calibrated in level:
+        for calibration in (1.0, calibrated):
+            check = check_curve(wing_polar(airfoil, AS1, calibration=calibration))
             residuals = " ".join(f"{value:+.1f}" for value in check.residual_w)
-            lines.append(
-                f"| {r.airfoil} | {calibration:.2f} | {check.bias_w:+.1f} | {check.rms_w:.1f} "
-                f"| {residuals} |"
-            )
-    return "\n".join(lines) + "\n"
+            curves.append((airfoil, calibration, check.bias_w, check.rms_w, residuals))
+    airfoil_column, calibration_column = Column("airfoil"), Column("calibration", form=".2f")
+    return (
+        Table(
+            AS2.name,
+            (
+                airfoil_column,
+                Column("lift_coefficient", "C_L", form=".2f"),
+                Column("airspeed_m_per_s", "airspeed", "m/s", ".1f"),
+                Column("electric_power_w", "power", "W", ".1f"),
+                Column("against", f"against {AS2_POWER_W:g} W", form="{:+.0f} %"),
+                calibration_column,
+            ),
+            tuple(level),
+        ),
+        Table(
+            AS1.name,
+            (
+                airfoil_column,
+                calibration_column,
+                Column("bias_w", "bias", "W", "+.1f"),
+                Column("rms_w", "RMS", "W", ".1f"),
+                Column("residuals_w", "residuals [W], slow to fast"),
+            ),
+            tuple(curves),
+        ),
+    )
 
 
 def main(arguments: list[str] | None = None) -> int:

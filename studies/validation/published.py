@@ -2,35 +2,41 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance, perpetual_days
+from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
+from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.sunlight import SolarModel
 from solar.modules import SolarCell
 from solar.names import CORRECTION_NAMES, ModelName
 from solar.power import horizontal_specific_power
-from studies.validation.known_structures import SKY_SAILOR as SKY_SAILOR_CASE
-from studies.validation.known_structures import calibrated_rib_wing
+from studies.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, calibrated_rib_wing
+from studies.validation.report_reproduction import MEASURED_W, PERIOD_H, PUBLISHED_W
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 REPORT = "Oettershagen, solar power models, table 3"
 FLIGHT_81H = "AtlantikSolar AS-2, 81 h flight, July 2015"
 FLIGHT_28H = "AtlantikSolar AS-2, 28 h flight, 30 June 2015"
 AIRFRAME = "AtlantikSolar AS-2, as built"
-SKY_SAILOR = "Sky-Sailor, Noth 2008"
+NOTH = "Sky-Sailor, Noth 2008"
 
 # Conditions of the report's comparison: 1 July, solar time 4.17 to 9.72 h, 47.6 N.
-_WINDOW_H = (4.17, 9.72)
 _WINDOW_NOON_DAY = 182.5
 _WINDOW_TEMPERATURE_C = 22.7
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Number:
     """A published and a computed number; ``allowed`` is the largest accepted difference."""
 
     quantity: str
@@ -50,27 +56,92 @@ class Comparison:
         """Whether the difference is within what is allowed."""
         return abs(self.difference) <= self.allowed
 
-    def record(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
-        return asdict(self) | {"difference": self.difference, "met": self.met}
+
+_NUMBERS = (
+    Column("published", form=".4g"),
+    Column("computed", form=".4g"),
+    Column("difference", form="+.2g"),
+    Column("allowed", form=".2g"),
+    Column("met"),
+)
 
 
-def comparisons() -> list[Comparison]:
+@dataclass(frozen=True, repr=False)
+class Published(Result):
     """Every published number that the software is held against."""
-    return [
-        *_window_means(),
-        *_flight_81h(),
-        *_season(),
-        *_flight_28h(),
-        *_parametric_atlantiksolar(),
-        *_sky_sailor(),
-        *_rib_wing_of_sky_sailor(),
-    ]
+
+    numbers: tuple[Number, ...]
+
+    @property
+    def met(self) -> bool:
+        """Whether all differences are within what is allowed."""
+        return all(number.met for number in self.numbers)
+
+    def headline(self) -> str:
+        """How many numbers are met."""
+        met = sum(number.met for number in self.numbers)
+        return f"{met} of {len(self.numbers)} published numbers are met"
+
+    def summary(self) -> Summary:
+        """Headline, and a table for each source."""
+        tables = [
+            Table(
+                source,
+                (Column("quantity"), *_NUMBERS),
+                tuple((f"{n.quantity} [{n.unit}]", *_values(n)) for n in numbers),
+            )
+            for source, numbers in itertools.groupby(self.numbers, lambda n: n.source)
+        ]
+        return Summary((Line(self.headline(), "strong"), *tables))
+
+    def table(self) -> Table:
+        """All numbers."""
+        columns = (Column("quantity"), Column("source"), Column("unit"), *_NUMBERS)
+        rows = tuple((n.quantity, n.source, n.unit, *_values(n)) for n in self.numbers)
+        return Table("published and computed", columns, rows)
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """All numbers, JSON-ready."""
+        return [asdict(n) | {"difference": n.difference, "met": n.met} for n in self.numbers]
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row for each number."""
+        return self.table().to_frame()
+
+
+def _values(number: Number) -> tuple[float | bool, ...]:
+    return number.published, number.computed, number.difference, number.allowed, number.met
+
+
+def published() -> Published:
+    """Compute every published number that the software is held against."""
+    parts = (
+        _window_means(),
+        _flight_81h(),
+        _season(),
+        _flight_28h(),
+        _parametric_atlantiksolar(),
+        _sky_sailor(),
+    )
+    return Published(tuple(itertools.chain.from_iterable(parts)))
 
 
 def window_mean_w(model: ModelName, *, corrected: bool) -> float:
-    """Mean power of AS-2's modules over the report's window, horizontal models [W]."""
-    time_h = np.linspace(*_WINDOW_H, 2001)
+    """Mean power of AS-2's modules over the report's window.
+
+    Parameters
+    ----------
+    model : str
+        CDM or CAM.
+    corrected : bool
+        Whether with the report's correction.
+
+    Returns
+    -------
+    float
+        Power [W].
+    """
+    time_h = np.linspace(*PERIOD_H, 2001)
     power = horizontal_specific_power(
         47.6,
         _WINDOW_NOON_DAY,
@@ -81,153 +152,67 @@ def window_mean_w(model: ModelName, *, corrected: bool) -> float:
         model=model,
         correct="report" if corrected else "none",
     )
-    return float(1.35 * np.trapezoid(power, time_h) / (time_h[-1] - time_h[0]))
+    return float(
+        ATLANTIKSOLAR.module_area_m2 * np.trapezoid(power, time_h) / (time_h[-1] - time_h[0])
+    )
 
 
-def _window_means() -> list[Comparison]:
-    published = {"CDM": 117.35, "CAM": 104.89}
+def _window_means() -> Iterator[Number]:
     models: tuple[ModelName, ...] = ("CDM", "CAM")
-    rows = [
-        Comparison(
-            f"mean power of {m}, solar time 4.17 to 9.72 h",
-            REPORT,
-            "W",
-            published[m],
-            window_mean_w(m, corrected=False),
-            0.015 * published[m],
-        )
-        for m in models
-    ]
-    rows += [
-        Comparison(
-            f"mean power of {m}, corrected, against the flight",
-            REPORT,
-            "W",
-            99.61,
-            window_mean_w(m, corrected=True),
-            0.02 * 99.61,
-        )
-        for m in models
-    ]
-    return rows
+    for model in models:
+        name, mean_w = f"mean power of {model}, solar time 4.17 to 9.72 h", PUBLISHED_W[model]
+        computed_w = window_mean_w(model, corrected=False)
+        yield Number(name, REPORT, "W", mean_w, computed_w, 0.015 * mean_w)
+    for model in models:
+        name = f"mean power of {model}, corrected, against the flight"
+        computed_w = window_mean_w(model, corrected=True)
+        yield Number(name, REPORT, "W", MEASURED_W, computed_w, 0.02 * MEASURED_W)
 
 
-def _flight_81h() -> list[Comparison]:
-    aircraft = load_aircraft("atlantiksolar-as2")
-    cycle = performance(aircraft, load_mission("rafz-july")).cycle
-    return [
-        Comparison(
-            "minimum state of charge",
-            FLIGHT_81H,
-            "%",
-            39.0,
-            100.0 * float(cycle.minimum_state_of_charge[0]),
-            3.0,
-        ),
-        Comparison("excess time", FLIGHT_81H, "h", 6.8, float(cycle.excess_time_h[0]), 0.6),
-        Comparison("charge margin", FLIGHT_81H, "h", 6.2, float(cycle.charge_margin_h[0]), 0.5),
-    ]
+def _flight_81h() -> Iterator[Number]:
+    cycle = performance(load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")).cycle
+    charge = 100.0 * float(cycle.minimum_state_of_charge[0])
+    yield Number("minimum state of charge", FLIGHT_81H, "%", 39.0, charge, 3.0)
+    yield Number("excess time", FLIGHT_81H, "h", 6.8, float(cycle.excess_time_h[0]), 0.6)
+    yield Number("charge margin", FLIGHT_81H, "h", 6.2, float(cycle.charge_margin_h[0]), 0.5)
 
 
-def _season() -> list[Comparison]:
-    aircraft = load_aircraft("atlantiksolar-as2")
-    mission = load_mission("rafz-july")
-    rows = []
+def _season() -> Iterator[Number]:
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
+    source = "AtlantikSolar: a 6-month window around 21 June"
     for correction in CORRECTION_NAMES:
+        name = f"perpetual season at 47.6 N, CAM, correction {correction}"
         days = perpetual_days(aircraft, mission, 47.6, SolarModel("CAM", correction))
-        rows.append(
-            Comparison(
-                f"perpetual season at 47.6 N, CAM, correction {correction}",
-                "AtlantikSolar: a 6-month window around 21 June",
-                "months",
-                6.0,
-                len(days) / (365.0 / 12.0),
-                1.25,
-            )
-        )
-    return rows
+        yield Number(name, source, "months", 6.0, len(days) / (365.0 / 12.0), 1.25)
 
 
-def _flight_28h() -> list[Comparison]:
-    aircraft = load_aircraft("atlantiksolar-as2")
-    flight = calendar_run(aircraft, load_mission("rafz-28h"))
-    return [
-        Comparison(
-            "full charge on the first day (CEST)",
-            FLIGHT_28H,
-            "h",
-            14.0 + 8.0 / 60.0,
-            flight.full_charge_clock_h[0],
-            40.0 / 60.0,
-        ),
-        Comparison(
-            "minimum state of charge",
-            FLIGHT_28H,
-            "%",
-            35.0,
-            100.0 * flight.minimum_state_of_charge,
-            6.0,
-        ),
-    ]
+def _flight_28h() -> Iterator[Number]:
+    flight = calendar_run(load_aircraft("atlantiksolar-as2"), load_mission("rafz-28h"))
+    name, full_h = "full charge on the first day (CEST)", 14.0 + 8.0 / 60.0
+    yield Number(name, FLIGHT_28H, "h", full_h, flight.full_charge_clock_h[0], 40.0 / 60.0)
+    charge = 100.0 * flight.minimum_state_of_charge
+    yield Number("minimum state of charge", FLIGHT_28H, "%", 35.0, charge, 6.0)
 
 
-def _parametric_atlantiksolar() -> list[Comparison]:
-    aircraft = load_aircraft("atlantiksolar-design")
-    design = performance(aircraft, load_mission("rafz-july")).design
-    return [
-        Comparison("total mass, parametric", AIRFRAME, "kg", 6.92, design.total_mass_kg, 0.02),
-        Comparison("structure, parametric", AIRFRAME, "kg", 1.35, design.masses.structure, 0.05),
-        Comparison(
-            "electric power of level flight, parametric, 1.09 kg/m3",
-            AIRFRAME,
-            "W",
-            35.8 * (1.10 / 1.0877) ** 0.5,
-            design.propulsion_power_w,
-            0.36,
-        ),
-    ]
-
-
-def _sky_sailor() -> list[Comparison]:
-    aircraft = load_aircraft("sky-sailor")
+def _parametric_atlantiksolar() -> Iterator[Number]:
+    built = ATLANTIKSOLAR
     mission = load_mission("rafz-july")
-    design = performance(aircraft, mission).design
-    return [
-        Comparison("total mass, parametric", SKY_SAILOR, "kg", 2.44, design.total_mass_kg, 0.2),
-        Comparison(
-            "electric power of level flight, all consumers",
-            SKY_SAILOR,
-            "W",
-            16.0,
-            design.nominal_load_w(mission),
-            2.0,
-        ),
-    ]
+    design = performance(load_aircraft("atlantiksolar-design"), mission).design
+    mass, structure = float(design.total_mass_kg), float(design.masses.structure)
+    yield Number("total mass, parametric", AIRFRAME, "kg", built.size[-1], mass, 0.02)
+    yield Number("structure, parametric", AIRFRAME, "kg", built.built_kg, structure, 0.05)
+    name = "electric power of level flight, parametric, 1.09 kg/m3"
+    power_w = built.level_flight_w * (built.density_kg_per_m3 / 1.0877) ** 0.5
+    yield Number(name, AIRFRAME, "W", power_w, design.propulsion_power_w, 0.36)
 
 
-def _rib_wing_of_sky_sailor() -> list[Comparison]:
-    computed_kg = float(SKY_SAILOR_CASE.mass_kg(calibrated_rib_wing()))
-    return [
-        Comparison(
-            "structure, rib wing calibrated on AtlantikSolar",
-            SKY_SAILOR,
-            "kg",
-            SKY_SAILOR_CASE.built_kg,
-            computed_kg,
-            0.15,
-        )
-    ]
-
-
-def markdown(rows: list[Comparison]) -> str:
-    """Table of the comparisons in Markdown."""
-    lines = [
-        "| quantity | source | unit | published | computed | difference | allowed | met |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r.quantity} | {r.source} | {r.unit} | {r.published:.4g} | {r.computed:.4g} "
-        f"| {r.difference:+.2g} | {r.allowed:.2g} | {'yes' if r.met else 'no'} |"
-        for r in rows
-    ]
-    return "\n".join(lines) + "\n"
+def _sky_sailor() -> Iterator[Number]:
+    built, mission = SKY_SAILOR, load_mission("rafz-july")
+    design = performance(load_aircraft("sky-sailor"), mission).design
+    mass, load_w = float(design.total_mass_kg), float(design.nominal_load_w(mission))
+    yield Number("total mass, parametric", NOTH, "kg", built.size[-1], mass, 0.2)
+    name = "electric power of level flight, all consumers"
+    yield Number(name, NOTH, "W", built.level_flight_w, load_w, 2.0)
+    name = "structure, rib wing calibrated on AtlantikSolar"
+    computed_kg = float(built.mass_kg(calibrated_rib_wing()))
+    yield Number(name, NOTH, "kg", built.built_kg, computed_kg, 0.15)

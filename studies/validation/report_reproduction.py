@@ -2,15 +2,15 @@
 
 AtlantikSolar AS-2 flies the morning of 1 July 2015 on a circle in an easterly wind of 2 m/s. What
 the report does not publish (radius, airspeed, pitch, mean temperature) is assumed, once for all
-numbers, in the shipped mission ``rafz-loiter``; :func:`sensitivities` shows what each assumption is
-worth. Source of the published values: Oettershagen, "High-Fidelity Solar Power Income Modeling for
-Solar-Electric UAVs", table 3 and section 4.1.
+numbers, in the shipped mission ``rafz-loiter``; with ``vary``, :func:`reproduce` shows what each
+of them changes. Source of the published values: Oettershagen, "High-Fidelity Solar Power Income
+Modeling for Solar-Electric UAVs", table 3 and section 4.1.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -19,17 +19,21 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.march import FloatArray
 from sizing.library import load_aircraft
-from sizing.performance import modelled_power
+from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.sunlight import modelled_power
 from solar.names import MODEL_NAMES, ModelName
+from solar.types import FloatArray
+from studies.output.plots import MODEL_COLOURS, new_figure, shade
 
-MISSION = "rafz-loiter"
+if TYPE_CHECKING:
+    import pandas as pd
+
+AIRCRAFT, MISSION = "atlantiksolar-as2", "rafz-loiter"
 MEASURED_W = 99.61
 PUBLISHED_W: dict[ModelName, float] = {"CDM": 117.35, "CAM": 104.89, "VM": 97.65, "FM": 97.87}
 PERIOD_H = (4.17, 9.72)
 _STEP_H = 1.0 / 120.0
-_COLOURS = {"CDM": "#E69F00", "CAM": "#56B4E9", "VM": "#009E73", "FM": "#D55E00"}
 
 
 @dataclass(frozen=True)
@@ -50,15 +54,7 @@ WINDOWS = (
 
 
 @dataclass(frozen=True)
-class Reproduction:
-    """Computed means: of every model over the whole period, of the Full Model in each window."""
-
-    models_w: dict[ModelName, float]
-    windows_w: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Sensitivity:
+class Varied:
     """What one changed assumption makes of every number."""
 
     assumption: str
@@ -66,30 +62,167 @@ class Sensitivity:
     result: Reproduction
 
 
+@dataclass(frozen=True, repr=False)
+class Reproduction(Result):
+    """Computed mean powers beside the report's.
+
+    Attributes
+    ----------
+    aircraft, mission
+        What flew, and where, with everything that the report does not publish.
+    models_w : dict
+        Mean of every model over the whole period [W].
+    windows_w : tuple of float
+        Mean of the Full Model in each window [W].
+    varied : tuple of Varied
+        The same with one assumption changed at a time, if that was asked for.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    models_w: dict[ModelName, float]
+    windows_w: tuple[float, ...]
+    varied: tuple[Varied, ...] = ()
+
+    def headline(self) -> str:
+        """Largest difference from the report."""
+        published = [*PUBLISHED_W.values(), *(w.published_w for w in WINDOWS)]
+        pairs = zip(self._numbers(), published, strict=True)
+        worst = max((computed / p - 1.0 for computed, p in pairs), key=abs)
+        return f"{self.aircraft.name} on {self.mission.name}: means of power within " + (
+            f"{100.0 * abs(worst):.1f} % of the report's"
+        )
+
+    def summary(self) -> Summary:
+        """Both tables, and the assumptions."""
+        given = assumptions(self.mission)
+        path = given["flight_path"]
+        assumed = (
+            f"Assumed: {path['kind']} of {path['radius_m']:g} m at {path['airspeed_m_per_s']:g} "
+            f"m/s, pitch {path['pitch_deg']:g} deg, wind {given['wind_m_per_s']:g} m/s from "
+            f"{given['wind_from_deg']:g} deg, air {given['ambient_temperature_c']:g} C."
+        )
+        return Summary((Line(self.headline(), "strong"), *self.tables(), Line(assumed, "faint")))
+
+    def tables(self) -> tuple[Table, ...]:
+        """Published against computed; and what each assumption changes, if that was asked for."""
+        period = f"{PERIOD_H[0]:g} to {PERIOD_H[1]:g} h"
+        means = [(f"{m}, {period}", PUBLISHED_W[m], MEASURED_W) for m in MODEL_NAMES]
+        means += [
+            (f"FM, {w.from_h:g} to {w.to_h:g} h", w.published_w, w.measured_w) for w in WINDOWS
+        ]
+        columns = (
+            Column("mean_power", "mean power"),
+            Column("published_w", "published", "W", ".2f"),
+            Column("computed_w", "computed", "W", ".2f"),
+            Column("difference_percent", "difference", "%", "+.1f"),
+            Column("flight_w", "flight", "W", ".1f"),
+        )
+        rows = tuple(
+            (name, published, computed, 100.0 * (computed / published - 1.0), flight)
+            for (name, published, flight), computed in zip(means, self._numbers(), strict=True)
+        )
+        title = "mean solar power, published and computed"
+        power = Table(title, columns, rows, sections=(len(MODEL_NAMES),))
+        if not self.varied:
+            return (power,)
+        heads = [*MODEL_NAMES, *(f"FM {w.from_h:g} h" for w in WINDOWS)]
+        return power, Table(
+            "one assumption changed at a time",
+            (Column("assumption"), *(Column(head, unit="W", form=".1f") for head in heads)),
+            (
+                ("as stated", *self._numbers()),
+                *((f"{v.assumption} {v.value}", *v.result._numbers()) for v in self.varied),
+            ),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Published and computed numbers, JSON-ready."""
+        return {
+            "models": {
+                m: {"published_w": PUBLISHED_W[m], "computed_w": self.models_w[m]}
+                for m in MODEL_NAMES
+            },
+            "measured_w": MEASURED_W,
+            "windows": [
+                asdict(window) | {"computed_w": computed}
+                for window, computed in zip(WINDOWS, self.windows_w, strict=True)
+            ],
+            "assumptions": assumptions(self.mission),
+            "sensitivities": [
+                {
+                    "assumption": v.assumption,
+                    "value": v.value,
+                    "models_w": v.result.models_w,
+                    "windows_w": list(v.result.windows_w),
+                }
+                for v in self.varied
+            ],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Published and computed means, one row each."""
+        return self.tables()[0].to_frame()
+
+    def _numbers(self) -> list[float]:
+        return [*self.models_w.values(), *self.windows_w]
+
+
 def reference() -> tuple[Aircraft, Mission]:
     """Aircraft and mission with the stated assumptions."""
-    return load_aircraft("atlantiksolar-as2"), load_mission(MISSION)
+    return load_aircraft(AIRCRAFT), load_mission(MISSION)
 
 
 def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: FloatArray) -> Any:
-    """Solar power of a model over solar time on the mission's (single) day [W]."""
+    """Solar power of a model on the mission's (single) day.
+
+    Parameters
+    ----------
+    aircraft, mission
+        What flies, and where.
+    model : str
+        CDM, CAM, VM or FM.
+    time_h : ndarray
+        Solar time [h].
+
+    Returns
+    -------
+    ndarray
+        Power [W].
+    """
     scenarios: Scenarios = mission.scenarios()
     return aircraft.modules.area_m2 * modelled_power(aircraft, mission, model, scenarios, time_h)[0]
 
 
-def reproduce(aircraft: Aircraft, mission: Mission) -> Reproduction:
-    """Means of all models over the report's period and of FM in its windows."""
+def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Reproduction:
+    """Means of all models over the report's period and of FM in its windows.
+
+    Parameters
+    ----------
+    aircraft, mission
+        What flies, and where; see :func:`reference`.
+    vary : bool
+        Whether to repeat it with one assumption changed at a time.
+
+    Returns
+    -------
+    Reproduction
+    """
     period = _axis(*PERIOD_H)
     models = {m: _mean(power_w(aircraft, mission, m, period), period) for m in MODEL_NAMES}
     windows = []
     for window in WINDOWS:
         time_h = _axis(window.from_h, window.to_h)
         windows.append(_mean(power_w(aircraft, mission, "FM", time_h), time_h))
-    return Reproduction(models, tuple(windows))
+    varied = [
+        Varied(name, value, reproduce(aircraft, changed))
+        for name, value, changed in (_variations(mission) if vary else ())
+    ]
+    return Reproduction(aircraft, mission, models, tuple(windows), tuple(varied))
 
 
-def sensitivities(aircraft: Aircraft, mission: Mission) -> list[Sensitivity]:
-    """Reproductions with one assumption changed at a time."""
+def _variations(mission: Mission) -> list[tuple[str, str, Mission]]:
+    """Missions with one assumption changed: its name, its value, the mission."""
     path = mission.flight_path
     assert isinstance(path, Circle)
     air_c = mission.air.ambient_temperature_c
@@ -102,7 +235,7 @@ def sensitivities(aircraft: Aircraft, mission: Mission) -> list[Sensitivity]:
         update = {"ambient_temperature_c": celsius, "module_temperature_c": celsius}
         return mission.model_copy(update={"air": mission.air.model_copy(update=update)})
 
-    cases: list[tuple[str, str, Mission]] = [
+    return [
         *(
             ("wind from east", f"{w:g} m/s", mission.model_copy(update={"wind_m_per_s": w}))
             for w in (0.0, 1.0, 3.0)
@@ -117,7 +250,6 @@ def sensitivities(aircraft: Aircraft, mission: Mission) -> list[Sensitivity]:
         *(("turns", d, with_path(direction=d)) for d in ("clockwise", "counterclockwise")),
         *(("temperature", f"{air_c + d:g} C", with_air(air_c + d)) for d in (-5.0, 5.0)),
     ]
-    return [Sensitivity(a, v, reproduce(aircraft, changed)) for a, v, changed in cases]
 
 
 def assumptions(mission: Mission) -> dict[str, Any]:
@@ -137,90 +269,28 @@ def assumptions(mission: Mission) -> dict[str, Any]:
     }
 
 
-def to_json(result: Reproduction, mission: Mission, varied: list[Sensitivity]) -> dict[str, Any]:
-    """Published and computed numbers, JSON-ready."""
-    return {
-        "models": {
-            m: {"published_w": PUBLISHED_W[m], "computed_w": result.models_w[m]}
-            for m in MODEL_NAMES
-        },
-        "measured_w": MEASURED_W,
-        "windows": [
-            {
-                "from_h": w.from_h,
-                "to_h": w.to_h,
-                "published_w": w.published_w,
-                "measured_w": w.measured_w,
-                "computed_w": computed,
-            }
-            for w, computed in zip(WINDOWS, result.windows_w, strict=True)
-        ],
-        "assumptions": assumptions(mission),
-        "sensitivities": [
-            {
-                "assumption": s.assumption,
-                "value": s.value,
-                "models_w": s.result.models_w,
-                "windows_w": list(s.result.windows_w),
-            }
-            for s in varied
-        ],
-    }
-
-
-def markdown(result: Reproduction, varied: list[Sensitivity]) -> str:
-    """Two tables: published against computed, and what each assumption is worth."""
-    lines = [
-        "| mean power | published [W] | computed [W] | difference [%] |",
-        "|---|---|---|---|",
-    ]
-    rows = [(f"{m}, 4.17 to 9.72 h", PUBLISHED_W[m], result.models_w[m]) for m in MODEL_NAMES]
-    rows += [
-        (f"FM, {w.from_h:g} to {w.to_h:g} h", w.published_w, c)
-        for w, c in zip(WINDOWS, result.windows_w, strict=True)
-    ]
-    lines += [f"| {n} | {p:.2f} | {c:.2f} | {100 * (c / p - 1):+.1f} |" for n, p, c in rows]
-    heads = [*MODEL_NAMES, *(f"FM {w.from_h:g} h" for w in WINDOWS)]
-    lines += ["", "| assumption | " + " | ".join(f"{h} [W]" for h in heads) + " |"]
-    lines += ["|---" * (len(heads) + 1) + "|"]
-    for name, values in [("as stated", _numbers(result))] + [
-        (f"{s.assumption} {s.value}", _numbers(s.result)) for s in varied
-    ]:
-        lines.append(f"| {name} | " + " | ".join(f"{v:.1f}" for v in values) + " |")
-    return "\n".join(lines) + "\n"
-
-
-def figure(aircraft: Aircraft, mission: Mission) -> Figure:
+def reproduction_figure(result: Reproduction) -> Figure:
     """All models over solar time, with the report's windows and the flight's means in them."""
-    time_h = _axis(4.0, 10.0)
-    canvas = Figure(figsize=(8.0, 4.8), layout="constrained")
-    axes = canvas.subplots()
+    aircraft, mission, time_h = result.aircraft, result.mission, _axis(4.0, 10.0)
+    figure, (axes,) = new_figure(
+        title=f"{aircraft.name}, 1 July, 47.6 N, loiter in {mission.wind_m_per_s:g} m/s of "
+        "easterly wind (uncorrected)"
+    )
     for model, dashes in zip(MODEL_NAMES, (":", "-.", "--", "-"), strict=True):
         power = power_w(aircraft, mission, model, time_h)
-        axes.plot(time_h, power, color=_COLOURS[model], linestyle=dashes, label=model)
-    for window in WINDOWS:
-        axes.axvspan(window.from_h, window.to_h, color="#DDDDDD", zorder=0, linewidth=0)
-        middle = (window.from_h + window.to_h) / 2.0
-        last = window is WINDOWS[-1]
-        axes.plot(
-            [middle],
-            [window.measured_w],
-            "k_",
-            markersize=12,
-            markeredgewidth=2,
-            label="flight, mean of a window" if last else None,
-        )
-    axes.set(
-        xlabel="solar time [h]",
-        ylabel="solar power [W]",
-        xlim=(4, 10),
-        ylim=(0, None),
-        title=f"{aircraft.name}, 1 July, 47.6 N, loiter in {mission.wind_m_per_s:g} m/s of "
-        "easterly wind (uncorrected)",
+        axes.plot(time_h, power, color=MODEL_COLOURS[model], linestyle=dashes, label=model)
+    shade(axes, [(window.from_h, window.to_h) for window in WINDOWS])
+    axes.plot(
+        [(window.from_h + window.to_h) / 2.0 for window in WINDOWS],
+        [window.measured_w for window in WINDOWS],
+        "k_",
+        markersize=12,
+        markeredgewidth=2,
+        label="flight, mean of a window",
     )
-    axes.grid(alpha=0.3)
+    axes.set(xlabel="solar time [h]", ylabel="solar power [W]", xlim=(4, 10), ylim=(0, None))
     axes.legend()
-    return canvas
+    return figure
 
 
 def _axis(start_h: float, end_h: float) -> FloatArray:
@@ -229,7 +299,3 @@ def _axis(start_h: float, end_h: float) -> FloatArray:
 
 def _mean(power: FloatArray, time_h: FloatArray) -> float:
     return float(np.trapezoid(power, time_h) / (time_h[-1] - time_h[0]))
-
-
-def _numbers(result: Reproduction) -> list[float]:
-    return [*result.models_w.values(), *result.windows_w]

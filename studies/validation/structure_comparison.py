@@ -1,15 +1,19 @@
 """Structural mass over wingspan: the models beside each other and beside built aircraft.
 
 ``python -m studies.validation.structure_comparison --out docs/images/structural-mass.png`` drew
-the figure of
-docs/structure.md. One aircraft, AtlantikSolar, gives the calibration; any other is a test.
+the figure of docs/structure.md. One aircraft, AtlantikSolar, gives the calibration; any other is a
+test.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.figure import Figure
 
+from sizing.results.tables import Column, Table
 from sizing.smooth import Value
 from sizing.structures.models import (
     AllPowerLawStructure,
@@ -19,12 +23,12 @@ from sizing.structures.models import (
 )
 from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from studies.output.figure_script import write_figure
-from studies.output.plots import CHARGE, LOAD, SUN, to_bytes
-from studies.validation.known_structures import (
+from studies.output.plots import CHARGE, LOAD, PURPLE, SUN, new_figure, to_bytes
+from studies.validation.built_aircraft import (
     ATLANTIKSOLAR,
-    KNOWN,
+    BUILT,
     SKY_SAILOR,
-    StructureCase,
+    BuiltAircraft,
     calibrated_rib_wing,
     family,
 )
@@ -47,17 +51,18 @@ def models() -> dict[str, StructureModel]:
 
 def structure_figure() -> Figure:
     """Structural mass over wingspans of 2 to 30 m, with the aircraft that are known."""
-    figure = Figure(figsize=(8.0, 5.4), layout="constrained")
-    axes = figure.subplots()
+    loading = ATLANTIKSOLAR.total_mass_kg * ATLANTIKSOLAR.aspect_ratio / 5.65**2
+    title = f"aspect ratio {ATLANTIKSOLAR.aspect_ratio:g}, wing loading {loading:.1f} kg/m²"
+    figure, (axes,) = new_figure(title=title, size_in=(8.0, 5.4))
     span_m = np.geomspace(2.0, 30.0, 120)
     cases = family(span_m)
-    styles = ((LOAD, "-"), (LOAD, ":"), (CHARGE, "--"), (SUN, "-."), ("#CC79A7", (0, (8, 2))))
+    styles = ((LOAD, "-"), (LOAD, ":"), (CHARGE, "--"), (SUN, "-."), (PURPLE, (0, (8, 2))))
     for (name, model), (colour, line) in zip(models().items(), styles, strict=True):
         axes.plot(span_m, cases.mass_kg(model), color=colour, linestyle=line, label=name)
     axes.plot(
         span_m, cases.total_mass_kg, color="0.5", linewidth=1, label="total mass, for comparison"
     )
-    for case, marker in zip(KNOWN, "os", strict=True):
+    for case, marker in zip(BUILT, "os", strict=True):
         label = f"{case.name}, AR {case.aspect_ratio:g}, as built"
         axes.plot([case.wingspan_m], [case.built_kg], marker, color="black", label=label)
     axes.plot(
@@ -73,10 +78,7 @@ def structure_figure() -> Figure:
     axes.set_xticks(ticks, [str(t) for t in ticks])
     axes.set_xticks([], minor=True)
     axes.set_ylim(0.05, 2000.0)
-    axes.grid(alpha=0.3)
     axes.legend(loc="upper left", fontsize="small")
-    loading = ATLANTIKSOLAR.total_mass_kg * ATLANTIKSOLAR.aspect_ratio / 5.65**2
-    axes.set_title(f"aspect ratio {ATLANTIKSOLAR.aspect_ratio:g}, wing loading {loading:.1f} kg/m²")
     return figure
 
 
@@ -85,23 +87,32 @@ def structure_image(drawn_as: str = "png") -> bytes:
     return to_bytes(structure_figure(), drawn_as)
 
 
-def markdown() -> str:
-    """Tables: models against built aircraft; the rib wing part by part, and what varies it."""
-    head = " | ".join(f"{c.name}, {c.built_kg:g} kg as built" for c in KNOWN)
-    lines = [f"| model | {head} | at 12 m | at 25 m |", "|---|" + "---|" * (len(KNOWN) + 2)]
-    for name, model in models().items():
-        cells = [_against(case, model) for case in KNOWN]
-        cells += [f"{family(span).mass_kg(model):.1f}" for span in (12.0, 25.0)]
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    parts = [case.parts(calibrated_rib_wing()) for case in (*KNOWN, family(12.0), family(25.0))]
-    lines += ["", "| part [kg] | AtlantikSolar | Sky-Sailor | at 12 m | at 25 m |"]
-    lines += ["|---|---|---|---|---|"]
-    for part in StructureParts._fields:
-        cells = [f"{getattr(p, part):.3f}" for p in parts]
-        lines.append(f"| {part.replace('_', ' ')} | " + " | ".join(cells) + " |")
-    lines.append("| structure | " + " | ".join(f"{p.total_kg:.3f}" for p in parts) + " |")
-    lines += ["", *_variation_lines()]
-    return "\n".join(lines) + "\n"
+def structure_tables() -> tuple[Table, Table, Table]:
+    """Models against built aircraft; the rib wing part by part, and what varies it."""
+    cases = (*BUILT, family(12.0), family(25.0))
+    names = tuple(Column(name) for name in ("AtlantikSolar", "Sky-Sailor", "at 12 m", "at 25 m"))
+    mass = tuple(replace(name, unit="kg", form=".3f") for name in names)
+    against = tuple(Column(f"{c.name}, {c.built_kg:g} kg as built") for c in BUILT)
+    by_model = [
+        (
+            name,
+            *(_against(case, model) for case in BUILT),
+            *(float(family(span_m).mass_kg(model)) for span_m in (12.0, 25.0)),
+        )
+        for name, model in models().items()
+    ]
+    parts = [case.parts(calibrated_rib_wing()) for case in cases]
+    by_part = [
+        (part.replace("_", " "), *(float(getattr(p, part)) for p in parts))
+        for part in StructureParts._fields
+    ]
+    by_part.append(("structure", *(float(p.total_kg) for p in parts)))
+    wide = tuple(Column(name, unit="kg", form=".1f") for name in ("at 12 m", "at 25 m"))
+    return (
+        Table("structural mass", (Column("model"), *against, *wide), tuple(by_model)),
+        Table("parts of the rib wing", (Column("part"), *mass), tuple(by_part)),
+        Table("assumptions", (Column("assumption"), *names), tuple(_variation_rows(cases))),
+    )
 
 
 def variations() -> dict[str, RibWingStructure]:
@@ -132,27 +143,23 @@ def variations() -> dict[str, RibWingStructure]:
     return {name: shipped.model_copy(update=change) for name, change in changes.items()}
 
 
-def _variation_lines() -> list[str]:
-    cases = (*KNOWN, family(12.0), family(25.0))
-    shipped = [float(case.mass_kg(calibrated_rib_wing())) for case in cases]
-    lines = [
-        "| assumption | AtlantikSolar | Sky-Sailor | at 12 m | at 25 m |",
-        "|---|---|---|---|---|",
-    ]
-    fuselage = "battery in the fuselage"
-    alone = [case._replace(span_load_kg=_modules_kg(case)) for case in cases]
-    rows = {name: [c.mass_kg(model) for c in cases] for name, model in variations().items()}
-    rows[fuselage] = [case.mass_kg(calibrated_rib_wing()) for case in alone]
-    for name, masses in rows.items():
-        cells = (
-            f"{float(kg):.2f} ({100.0 * (float(kg) / own - 1.0):+.1f} %)"
-            for kg, own in zip(masses, shipped, strict=True)
-        )
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return lines
+def _variation_rows(cases: Sequence[BuiltAircraft]) -> Iterator[tuple[str, ...]]:
+    model = calibrated_rib_wing()
+    shipped = [float(case.mass_kg(model)) for case in cases]
+    alone = [replace(case, span_load_kg=_modules_kg(case)) for case in cases]
+    masses = {name: [c.mass_kg(varied) for c in cases] for name, varied in variations().items()}
+    masses["battery in the fuselage"] = [case.mass_kg(model) for case in alone]
+    for name, of_cases in masses.items():
+        yield name, *map(_beside, of_cases, shipped)
 
 
-def _modules_kg(case: StructureCase) -> Value:
+def _beside(mass_kg: Value, other_kg: float, digits: int = 1) -> str:
+    """Mass, and how far it is from another."""
+    kg = float(mass_kg)
+    return f"{kg:.2f} ({100.0 * (kg / other_kg - 1.0):+.{digits}f} %)"
+
+
+def _modules_kg(case: BuiltAircraft) -> Value:
     """What Sky-Sailor carries along the span anyway; AtlantikSolar without its battery."""
     if case.name == SKY_SAILOR.name:
         return case.span_load_kg
@@ -160,9 +167,8 @@ def _modules_kg(case: StructureCase) -> Value:
     return share * case.total_mass_kg
 
 
-def _against(case: StructureCase, model: StructureModel) -> str:
-    mass_kg = float(case.mass_kg(model))
-    return f"{mass_kg:.2f} ({100.0 * (mass_kg / case.built_kg - 1.0):+.0f} %)"
+def _against(case: BuiltAircraft, model: StructureModel) -> str:
+    return _beside(case.mass_kg(model), case.built_kg, 0)
 
 
 def main(arguments: list[str] | None = None) -> int:

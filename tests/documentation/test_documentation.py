@@ -1,5 +1,7 @@
 """Links of the documentation lead somewhere, and nothing is left out of its indices."""
 
+import importlib
+import pkgutil
 import re
 from pathlib import Path
 from urllib.parse import unquote
@@ -9,6 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md"))]
+PACKAGES = ("solar", "missions", "sizing", "studies")
 
 
 def without_code(page: Path) -> str:
@@ -53,3 +56,27 @@ def test_every_example_that_draws_is_in_the_index() -> None:
 def test_every_image_is_shown() -> None:
     shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
     assert set((DOCS / "images").iterdir()) <= shown
+
+
+def dotted_names(page: Path) -> set[str]:
+    """Modules and what is in them, as the text of a page names them."""
+    pattern = rf"`((?:{'|'.join(PACKAGES)})(?:\.\w+)+)`"
+    names = set(re.findall(pattern, without_code(page)))
+    return {name for name in names if not name.endswith((".py", ".yaml", ".csv"))}
+
+
+@pytest.mark.parametrize(
+    ("page", "name"),
+    [(page, name) for page in PAGES for name in sorted(dotted_names(page))],
+    ids=lambda value: value.name if isinstance(value, Path) else value,
+)
+def test_what_the_text_names_exists(page: Path, name: str) -> None:
+    pkgutil.resolve_name(name)
+
+
+def test_map_of_the_packages_leaves_nothing_out() -> None:
+    named = dotted_names(ROOT / "CONTRIBUTING.md")
+    for package in PACKAGES:
+        for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
+            if not module.name.startswith("_"):
+                assert f"{package}.{module.name}" in named

@@ -12,6 +12,7 @@ from studies import doc_tables
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 PYTHON_API = ROOT / "docs" / "python-api.md"
+SOLAR = ROOT / "docs" / "solar.md"
 VALIDATION = ROOT / "docs" / "validation.md"
 
 # Far above the seconds that they take, so that a busy machine does not fail the test.
@@ -90,6 +91,12 @@ def test_python_block_of_the_documentation_runs(number: int, tmp_path: Path) -> 
     assert printed.strip(), "the block prints nothing"
 
 
+def test_own_sky_and_curve_are_used(tmp_path: Path) -> None:
+    (block,) = python_blocks(SOLAR)
+    printed = run_python("-c", block, folder=tmp_path)
+    assert re.fullmatch(r"excess time \d\.\d\d h\n\d{4} Wh/m2\n", printed), printed
+
+
 def test_python_page_has_blocks() -> None:
     assert len(python_blocks(PYTHON_API)) >= 5
 
@@ -106,3 +113,25 @@ def test_table_of_the_documentation_is_up_to_date(name: str) -> None:
 def test_page_without_its_markers_is_refused() -> None:
     with pytest.raises(ValueError, match="one pair of markers"):
         doc_tables.with_table("no markers here", "published", "table")
+
+
+def test_the_folder_of_the_pages_must_be_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert doc_tables.main([str(tmp_path)]) == 1
+    assert capsys.readouterr().err == (
+        f"{tmp_path} has no validation.md: start this in a clone of the project, or name the "
+        "folder of the pages\n"
+    )
+
+
+def test_a_missing_package_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def needs_pvlib() -> str:
+        raise ImportError("No module named 'pvlib'")
+
+    (tmp_path / "a.md").write_text("<!-- clear -->\n<!-- /clear -->\n")
+    monkeypatch.setattr(doc_tables, "TABLES", {"clear": ("a.md", needs_pvlib)})
+    assert doc_tables.main([str(tmp_path)]) == 1
+    assert "No module named 'pvlib': install the extra 'test'" in capsys.readouterr().err

@@ -31,8 +31,8 @@ from missions.flight_path import (
 )
 from solar.attitude import direction_cosines
 from solar.schema import Record
+from solar.types import FloatArray
 
-FloatArray = NDArray[np.float64]
 MovingPath: TypeAlias = Circle | Racetrack | StraightLegs
 
 TAN_60 = np.sqrt(3.0)

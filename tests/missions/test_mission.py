@@ -14,6 +14,10 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from missions.dates import date_code, day_of_year
+from missions.files.errors import InputError
+from missions.files.validation import validate
+from missions.files.yaml import parse_yaml
+from missions.library import load_mission
 from missions.mission import SOLSTICES, Dates, LatitudeRange, Launch, Mission, latitude_label
 
 LAUNCH = {"date": "06-30", "time_local": "11:14", "utc_offset_h": 2.0, "duration_h": 28.35}
@@ -426,3 +430,32 @@ def test_the_81_hour_flight_is_the_published_one() -> None:
     flight = Mission.model_validate(shipped("rafz-81h.yaml"))
     assert flight.launch is not None
     assert (flight.launch.date, flight.launch.duration_h) == ("07-14", 81.0)
+
+
+# ---- clear sky ----
+
+
+def test_unknown_sky_is_refused() -> None:
+    assert mission().clear_sky == "ashrae"
+    with pytest.raises(InputError) as caught:
+        load_mission("rafz-july", ["clear_sky=bright"])
+    assert str(caught.value) == (
+        "--set mission.clear_sky: unknown clear sky 'bright'; choose from ashrae"
+    )
+
+
+# ---- earlier versions ----
+
+
+def test_bands_are_called_uncertainty_margins() -> None:
+    with pytest.raises(InputError) as caught:
+        load_mission("rafz-july", ["bands.clearness_minimum=0.8"])
+    assert str(caught.value) == (
+        "--set mission.bands.clearness_minimum: bands: this key is called 'uncertainty_margins' now"
+    )
+    text = "name: old\nlatitude_deg: 47.6\ndates: {on: 07-15}\nbands: {clearness_minimum: 0.8}\n"
+    with pytest.raises(InputError) as caught:
+        validate(parse_yaml(text, "old.yaml"), Mission)
+    assert str(caught.value) == (
+        "old.yaml:4:1: bands: this key is called 'uncertainty_margins' now"
+    )

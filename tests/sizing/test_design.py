@@ -10,7 +10,6 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.design import (
@@ -25,12 +24,13 @@ from sizing.design import (
     variables_of,
 )
 from sizing.energy.cycle import Status
+from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs
 
 
 def aircraft(name: str, *overrides: str) -> Aircraft:
     with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load(path, Aircraft, overrides)
+        return load_aircraft(path, overrides)
 
 
 def mission(**changes: object) -> Mission:

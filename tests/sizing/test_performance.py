@@ -4,32 +4,30 @@ from __future__ import annotations
 
 from importlib import resources
 from math import inf
+from typing import Any
 
 import numpy as np
 import pytest
 
 from missions.dates import date_code
-from missions.files.validation import load
+from missions.files.overrides import with_values
+from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Status, simulate_cycle
-from sizing.energy.march import Store
-from sizing.performance import (
-    DEFAULT_STEP_H,
-    SolarModel,
-    day_axis_h,
-    performance,
-    performance_of_designs,
-    perpetual_days,
-    solar_day,
-)
+from sizing.library import load_aircraft
+from sizing.performance import performance, performance_of_designs, perpetual_days
+from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
+from solar.clearsky import Irradiance, clear_sky
+from solar.names import ModelName
 from solar.power import horizontal_specific_power
 
 
 def aircraft(name: str, *overrides: str) -> Aircraft:
     with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load(path, Aircraft, overrides)
+        return load_aircraft(path, overrides)
 
 
 def mission(**changes: object) -> Mission:
@@ -50,21 +48,6 @@ SEASON = mission(
     latitude_deg={"from_deg": 0.0, "to_deg": 70.0, "count": 3},
     dates={"from": "01-15", "to": "07-15", "count": 4},
 )
-
-
-def test_axis_spans_the_day_in_steps_no_longer_than_asked() -> None:
-    for step in (1.0, 0.7, DEFAULT_STEP_H, 1.0 / 60.0, 1.0 / 3600.0):
-        time = day_axis_h(step)
-        assert (time[0], time[-1]) == (0.0, 24.0)
-        # Rounding of differences of times up to 24 h.
-        assert np.diff(time).max() <= step * (1.0 + 1e-6) + 1e-12
-    assert len(day_axis_h()) == 289
-
-
-@pytest.mark.parametrize("step", [0.0, -1.0, 1.0 / 3601.0, 1.01])
-def test_unreasonable_steps_are_refused(step: float) -> None:
-    with pytest.raises(ValueError, match="step_h must be from"):
-        day_axis_h(step)
 
 
 def test_scenarios_are_independent_of_each_other() -> None:
@@ -109,14 +92,6 @@ def test_less_clearness_less_excess_time() -> None:
         for c in (1.0, 0.8, 0.6, 0.3, 0.05)
     ]
     assert np.all(np.diff(excess) < 0.0)
-
-
-def test_scaled_day_is_a_larger_module() -> None:
-    day = solar_day(AS2, mission()).scaled(1.1)
-    by_day = performance(AS2, mission(), day=day)
-    by_area = performance(aircraft("atlantiksolar-as2", "modules.area_m2=1.485"), mission())
-    # A product in another order.
-    np.testing.assert_allclose(by_day.cycle.excess_time_h, by_area.cycle.excess_time_h, rtol=1e-9)
 
 
 def test_designs_in_a_batch_equal_single_designs() -> None:
@@ -229,3 +204,23 @@ def test_halving_the_time_step_moves_no_metric(
         np.testing.assert_allclose(
             getattr(coarse, metric), getattr(fine, metric), rtol=1e-3, atol=floor, err_msg=metric
         )
+
+
+@pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
+def test_sky_of_the_mission_lights_every_model(
+    model: ModelName, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def half(*where: Any) -> Irradiance:
+        return Irradiance(*(0.5 * part for part in clear_sky(*where)))
+
+    monkeypatch.setattr("solar.clearsky.CLEAR_SKIES", {"ashrae": clear_sky, "half": half})
+    plain = load_mission("rafz-loiter")
+    plane = aircraft("atlantiksolar-as2")
+    bright = solar_day(plane, plain, SolarModel(model))
+    dim = solar_day(plane, with_values(plain, {"clear_sky": "half"}), SolarModel(model))
+    cloudy = solar_day(plane, with_values(plain, {"clearness": 0.5}), SolarModel(model))
+    # Half of the light by a mission's clearness or by the sky itself.
+    np.testing.assert_allclose(
+        dim.specific_power_w_per_m2, cloudy.specific_power_w_per_m2, rtol=1e-11, atol=1e-11
+    )
+    assert dim.specific_power_w_per_m2.max() < 0.6 * bright.specific_power_w_per_m2.max()

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit
+from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.replay import calendar_run
 from solar.power import horizontal_specific_power
@@ -21,7 +21,7 @@ from solar.sun import equation_of_time_h
 def aircraft(*overrides: str) -> Aircraft:
     path = resources.files("sizing") / "library" / "atlantiksolar-as2.yaml"
     with resources.as_file(path) as file:
-        return load(file, Aircraft, overrides)
+        return load_aircraft(file, overrides)
 
 
 AS2 = aircraft()

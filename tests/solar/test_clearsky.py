@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import date
 from functools import cache
+from typing import Any
 
 import ambiance
 import numpy as np
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solar.clearsky import (
+    CLEAR_SKIES,
     MID_MONTH_DAY,
     MONTHLY_A,
     MONTHLY_B,
@@ -25,9 +27,12 @@ from solar.clearsky import (
     extraterrestrial_irradiance,
     global_horizontal,
     monthly_coefficient,
+    named_clear_sky,
     pressure_ratio,
+    register_clear_sky,
 )
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+from solar.sun import cos_zenith, declination, hour_angle
+from solar.types import FloatArray
 
 latitudes = st.floats(-90.0, 90.0)
 days = st.floats(1.0, 367.0)
@@ -368,3 +373,21 @@ def test_broadcasting_equals_scalar_calls() -> None:
         one = clear_sky(day[i], lat[j], cosine[k], 536.0)
         assert whole.dni[i, j, k] == pytest.approx(float(one.dni))
         assert whole.dhi[i, j, k] == pytest.approx(float(one.dhi))
+
+
+# ---- the user's own sky ----
+
+
+def test_own_sky_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("solar.clearsky.CLEAR_SKIES", dict(CLEAR_SKIES))
+
+    def dark(day: Any, latitude: Any, cos_z: Any, altitude: Any) -> Irradiance:
+        return Irradiance(np.zeros_like(cos_z), np.zeros_like(cos_z))
+
+    assert named_clear_sky("ashrae") is clear_sky
+    register_clear_sky("dark", dark)
+    assert named_clear_sky("dark") is dark
+    with pytest.raises(ValueError, match="there is a clear sky dark already"):
+        register_clear_sky("dark", dark)
+    with pytest.raises(ValueError, match="unknown clear sky 'bright'; choose from ashrae, dark"):
+        named_clear_sky("bright")

@@ -10,8 +10,7 @@ from solar.full_model import full_model, verification_model
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.modules import IncidenceTable, LowLightTable, MpptTable, SolarCell
 from solar.power import conceptual_analysis_model
-from solar.shading import Shading
-from solar.shading_losses import proportional_losses
+from solar.shading import Shading, proportional_losses
 from solar.sun import sun_vector_ned
 
 FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))
@@ -54,7 +53,7 @@ def test_power_temperature_and_tracker_agree() -> None:
     assert float(found.module_temperature_c) == pytest.approx(temperature, abs=1e-9)
     light = 900.0 * 0.97 + 100.0 * 0.83
     before = 0.237 * light * (1.0 - 0.003 * (temperature - 25.0))
-    eta = float(cell.tracker_efficiency(before / cell.full_load_w_per_m2))
+    eta = float(cell.mppt_efficiency_at(before / cell.full_load_w_per_m2))
     assert p == pytest.approx(before * eta, rel=1e-10)  # the solver's own tolerance is 1e-12
     assert float(found.mppt_efficiency) == pytest.approx(eta, rel=1e-9)
 

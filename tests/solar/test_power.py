@@ -12,13 +12,14 @@ from numpy.typing import ArrayLike
 
 from solar.clearsky import Irradiance, clear_sky, global_horizontal
 from solar.modules import IncidenceTable, SolarCell
-from solar.names import HORIZONTAL_MODEL_NAMES
+from solar.names import HORIZONTAL_MODEL_NAMES, ModelName
 from solar.power import (
     conceptual_analysis_model,
     conceptual_design_model,
     horizontal_specific_power,
 )
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle, sun_times
+from solar.sun import cos_zenith, declination, hour_angle, sun_times
+from solar.types import FloatArray
 
 CELL = SolarCell()
 AREA_M2 = 1.35
@@ -382,3 +383,45 @@ def test_every_argument_may_have_the_axis_of_time() -> None:
     np.testing.assert_allclose(power, clear * clearness, rtol=1e-12)
     passing = power_at(47.6, 172.0 + NODES / 24.0, NODES)
     assert not np.array_equal(passing, passing[::-1])
+
+
+# ---- the user's own sky and model ----
+
+
+MAP = {
+    "latitude_deg": np.array([-60.0, 0.0, 47.6, 70.0]).reshape(-1, 1, 1),
+    "day_of_year": np.array([80.5, 172.5, 355.5]).reshape(-1, 1),
+    "time_solar_h": np.linspace(0.0, 24.0, 97),
+}
+
+
+@pytest.mark.parametrize("model", ["CDM", "CAM"])
+def test_own_sky_that_is_the_shipped_one_gives_the_same_power(model: ModelName) -> None:
+    given = {"cell": SolarCell(), "module_temperature_c": 20.0, "altitude_m": 1500.0}
+    shipped = horizontal_specific_power(**MAP, **given, model=model, clearness=0.8)
+    own = horizontal_specific_power(
+        **MAP, **given, model=model, clearness=0.8, sky=lambda *where: clear_sky(*where)
+    )
+    # Sums of the same products in another order.
+    np.testing.assert_allclose(own, shipped, rtol=1e-11, atol=1e-11)
+
+
+def test_own_sky_and_own_model_are_used() -> None:
+    def sky(day: Any, latitude: Any, cos_z: Any, altitude: Any) -> Irradiance:
+        direct = np.where(np.asarray(cos_z) > 0.0, 1000.0 + 0.0 * np.asarray(altitude), 0.0)
+        return Irradiance(direct, 0.0 * direct)
+
+    def tenth(light: Irradiance, cosine: Any, cell: SolarCell, temperature_c: Any) -> FloatArray:
+        return np.asarray(0.1 * light.dni * np.maximum(cosine, 0.0))
+
+    power = horizontal_specific_power(
+        **MAP, cell=SolarCell(), module_temperature_c=25.0, model=tenth, sky=sky
+    )
+    cos_z = cos_zenith(
+        MAP["latitude_deg"], declination(MAP["day_of_year"]), hour_angle(MAP["time_solar_h"])
+    )
+    np.testing.assert_allclose(power, 100.0 * np.maximum(cos_z, 0.0), rtol=1e-12)
+    with pytest.raises(ValueError, match="none of the user's own model"):
+        horizontal_specific_power(
+            **MAP, cell=SolarCell(), module_temperature_c=25.0, model=tenth, correct="report"
+        )

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from solar.schema import (
@@ -58,3 +66,67 @@ def test_records_are_frozen_and_check_their_defaults() -> None:
         Right(mass_kg=1.0).mass_kg = 2.0  # type: ignore[misc]
     with pytest.raises(ValidationError):
         Wrong()
+
+
+class _Half(Record):
+    """A record that derives an array, and has one of its own kind inside."""
+
+    values: tuple[Real, ...]
+    inner: _Half | None = None
+
+    @cached_property
+    def halved(self) -> NDArray[np.float64]:
+        return np.array(self.values) / 2.0
+
+
+def test_derived_data_play_no_part_in_what_a_record_is() -> None:
+    values = st.lists(st.floats(-1e6, 1e6), max_size=3).map(tuple)
+
+    @given(values, values, st.booleans(), st.booleans())
+    def check(
+        some: tuple[float, ...], others: tuple[float, ...], first: bool, second: bool
+    ) -> None:
+        a, b = (_Half(values=v, inner=_Half(values=v)) for v in (some, others))
+        for record, used in ((a, first), (b, second)):
+            if used:
+                assert record.inner is not None
+                assert len(record.halved) == len(record.inner.halved)
+        assert (a == b) is (some == others)
+        assert (b == a) is (some == others)
+        assert len({a, b}) == (1 if some == others else 2)
+        assert pickle.loads(pickle.dumps(a)) == a
+
+    check()
+    assert _Half(values=()) != ()
+    assert _Half(values=(1.0,)) == _Half(values=(1,))
+
+    class Other(_Half):
+        pass
+
+    assert Other(values=()) != _Half(values=())
+
+
+@pytest.mark.parametrize(
+    "copied",
+    [
+        lambda record: record.model_copy(update={"values": (4.0,)}),
+        lambda record: record.model_copy(update={"values": (4.0,)}, deep=True),
+    ],
+)
+def test_a_changed_copy_derives_its_own_data(copied: Callable[[_Half], _Half]) -> None:
+    record = _Half(values=(2.0,))
+    assert record.halved.tolist() == [1.0]
+    assert copied(record).halved.tolist() == [2.0]
+
+
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda record: pickle.loads(pickle.dumps(record))]
+)
+def test_copies_are_equal(copied: Callable[[_Half], _Half]) -> None:
+    record = _Half(values=(2.0,), inner=_Half(values=(3.0,)))
+    assert record.halved.tolist() == [1.0]
+    same = copied(record)
+    assert same == record
+    assert hash(same) == hash(record)
+    assert same.halved.tolist() == [1.0]
+    assert same.model_fields_set == record.model_fields_set

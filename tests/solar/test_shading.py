@@ -12,25 +12,23 @@ from hypothesis.extra import numpy as hnp
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from solar import shading_losses
 from solar.attitude import direction_cosines
 from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
 from solar.shading import (
-    TailGeometry,
-    elevation_free_of_shading_deg,
-    outline_corners,
-    shaded_area,
-    shaded_fraction,
-)
-from solar.shading_losses import (
     LOSS_MODELS,
+    TailGeometry,
     apply_losses,
+    elevation_free_of_shading_deg,
     loss_model,
+    outline_corners,
     proportional_losses,
     register_loss_model,
+    shaded_area,
+    shaded_fraction,
     string_losses,
 )
-from solar.sun import FloatArray, cos_zenith, declination, hour_angle
+from solar.sun import cos_zenith, declination, hour_angle
+from solar.types import FloatArray
 
 # Polygons are exact but for rounding, a few units in the last place of a metre.
 ROUNDING = 1e-12
@@ -448,7 +446,7 @@ def test_losses_reduce_the_light_of_each_surface() -> None:
 
 
 def test_own_model_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shading_losses, "LOSS_MODELS", dict(LOSS_MODELS))
+    monkeypatch.setattr("solar.shading.LOSS_MODELS", dict(LOSS_MODELS))
     register_loss_model("square", np.square)
     assert apply_losses(8.0, np.array([0.5]), loss_model("square")) == pytest.approx([6.0])
     with pytest.raises(ValueError, match="already"):

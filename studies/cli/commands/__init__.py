@@ -1,1 +1,1 @@
-"""Part of the package."""
+"""One module for each command of ``solar-uav``, or for a few of a kind."""

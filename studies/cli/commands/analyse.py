@@ -2,31 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from studies.cli.checks import require_climber
-from studies.cli.options import (
-    check_image,
-    check_outputs,
-    console,
-    csv_bytes,
-    load,
-    mission_option,
-    print_json,
-    refuse_polar_night,
-    require_path,
-    solar_model,
-    solar_options,
-    write_results,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from missions.mission import Mission
-    from sizing.analysis import Analysis
+from studies.cli.options import Parsed, check_image, mission_option, solar_options
 
 
 class Latitude(click.ParamType[float]):
@@ -49,29 +29,18 @@ class Latitude(click.ParamType[float]):
         return number
 
 
-class MonthDay(click.ParamType[int]):
-    """A date MM-DD, as a day of year."""
-
-    name = "mm-dd"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """Read the date."""
-        from missions.dates import day_of_year
-
-        try:
-            return day_of_year(str(value))
-        except ValueError as error:
-            self.fail(str(error), param, ctx)
-
-
-@click.command(short_help="How long it flies, there and then.")
+@click.command()
 @click.argument("aircraft")
 @mission_option()
 @click.option(
     "--latitude", type=Latitude(), help="Latitude, -90 to 90 (north), instead of the mission's."
 )
 @click.option("--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's.")
-@click.option("--date", type=MonthDay(), help="Date instead of the mission's, e.g. 10-15.")
+@click.option(
+    "--date",
+    type=Parsed("mm-dd", "missions.dates:day_of_year"),
+    help="Date instead of the mission's, e.g. 10-15.",
+)
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the cycle over time as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the cycle (png, svg, pdf).")
 @solar_options
@@ -88,52 +57,38 @@ def analyse(
     overrides: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Analyse how long AIRCRAFT (name or file) flies, there and then."""
-    from sizing import analysis as study
+    """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
+    from missions.dates import date_code
+    from sizing.results.analysis import analyse as run_analysis
+    from studies.cli.checks import check_outputs, require_climber, require_path
+    from studies.cli.files import load
+    from studies.cli.outputs import tell, write_results
+    from studies.output.formats import csv_bytes
+    from studies.output.plots import cycle_figure, flight_figure
 
     if day_of_year is not None and date is not None:
         raise click.UsageError("give --day-of-year or --date, not both")
     check_image(plot_file)
     check_outputs(csv=csv_file, plot=plot_file)
-    craft, where = load(aircraft, mission, overrides)
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    moved: dict[str, Any] = {} if latitude is None else {"latitude_deg": latitude}
     day = day_of_year if day_of_year is not None else date
-    placed = _placed(where.mission, latitude, day)
-    refuse_polar_night(placed, where, options=latitude is not None or day is not None)
-    require_path(model, correction, craft, where)
-    require_climber(craft, where)
-    replay = latitude is None and day is None
-    result = study.analyse(craft.aircraft, placed, solar_model(model, correction), replay=replay)
-    record = study.to_json(result)
+    if day is not None:
+        moved["dates"] = {"on": date_code(day)}
+    if moved:
+        # The mission's launch is one at its own place and day.
+        case = case.with_mission(**moved, launch=None)
+    require_path(case)
+    require_climber(case)
+    solar = case.solar
+    result = run_analysis(
+        case.aircraft, case.mission, model=solar.model, correction=solar.correction
+    )
+    flight = result.flight
     write_results(
         csv_file,
-        lambda: csv_bytes(study.trajectory_table(result)),
+        lambda: csv_bytes(result.trajectory()),
         plot_file,
-        lambda: _figure(result),
+        lambda: cycle_figure(result) if flight is None else flight_figure(result, flight),
     )
-    if as_json:
-        print_json(record)
-        return
-    from studies.output.tables import print_analysis
-
-    print_analysis(console(), result, record)
-
-
-def _figure(result: Analysis) -> Figure:
-    """Replayed flight where there is one, else the cycle of the worst scenario."""
-    from studies.output import plots
-
-    flight = result.flight
-    return plots.cycle_figure(result) if flight is None else plots.flight_figure(result, flight)
-
-
-def _placed(mission: Mission, latitude_deg: float | None, day: int | None) -> Mission:
-    """Mission moved to another latitude or day."""
-    from missions.dates import date_code
-    from missions.mission import Dates
-
-    update: dict[str, Any] = {}
-    if latitude_deg is not None:
-        update["latitude_deg"] = latitude_deg
-    if day is not None:
-        update["dates"] = Dates(on=date_code(day))
-    return mission.model_copy(update=update)
+    tell(case, case.named(result.to_dict()), result, as_json=as_json)

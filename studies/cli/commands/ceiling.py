@@ -4,29 +4,18 @@ from __future__ import annotations
 
 import click
 
-from studies.cli.checks import refuse_climb
 from studies.cli.options import (
     EXIT_FAILED,
     RealRange,
     check_image,
-    check_outputs,
-    console,
-    csv_bytes,
-    load,
     mission_option,
-    print_json,
-    progress_bar,
-    refuse_polar_night,
-    require_path,
-    solar_model,
     solar_options,
-    write_results,
 )
 
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
 
-@click.command(short_help="How high it flies for ever.")
+@click.command()
 @click.argument("aircraft")
 @mission_option()
 @click.option(
@@ -62,40 +51,40 @@ def ceiling(
     overrides: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Find how high AIRCRAFT (name or file) flies for ever; exit code 1 if nowhere."""
-    from sizing.altitude.ceiling import highest_perpetual_altitude
-    from studies import ceiling as results
+    """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
+    from studies.ceiling import ceiling as find_ceiling
+    from studies.ceiling import ceiling_figure
+    from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
+    from studies.cli.files import load
+    from studies.cli.outputs import tell, write_results
+    from studies.cli.progress import progress_of
+    from studies.output.formats import csv_bytes
 
     check_image(plot_file)
     check_outputs(csv=csv_file, plot=plot_file)
-    craft, where = load(aircraft, mission, overrides)
-    refuse_climb(where, "ceiling")
-    refuse_polar_night(where.mission, where, options=False)
-    require_path(model, correction, craft, where)
-    if highest_m <= where.mission.altitude_m:
-        message = f"must be above the mission's altitude_m of {where.mission.altitude_m:g}"
-        raise click.BadParameter(f"{message} (got {highest_m:g})", param_hint="--highest")
-    solar = solar_model(model, correction)
-    with progress_bar("altitudes") as progress:
-        found = highest_perpetual_altitude(
-            craft.aircraft,
-            where.mission,
-            solar,
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    refuse_climb(case, "ceiling")
+    refuse_polar_night(case)
+    require_path(case)
+    lowest_m = case.mission.altitude_m
+    if highest_m <= lowest_m:
+        message = f"must be above the mission's altitude_m of {lowest_m:g} (got {highest_m:g})"
+        raise click.BadParameter(message, param_hint="--highest")
+    with progress_of("altitudes", lines=False) as progress:
+        result = find_ceiling(
+            *(case.aircraft, case.mission),
+            model=case.solar.model,
+            correction=case.solar.correction,
             highest_m=highest_m,
             step_m=step_m,
             progress=progress,
         )
-    record = results.to_json(found, craft.aircraft.name, where.mission.name, solar)
-    title = f"{craft.aircraft.name}, {where.mission.name}"
     write_results(
         csv_file,
-        lambda: csv_bytes(results.altitude_table(found)),
+        lambda: csv_bytes(result.to_frame()),
         plot_file,
-        lambda: results.ceiling_figure(found, title, solar),
+        lambda: ceiling_figure(result),
     )
-    if as_json:
-        print_json(record)
-    else:
-        results.print_ceiling(console(), found, record, where.mission.scenarios())
-    if found.highest is None:
+    tell(case, case.named(result.to_dict()), result, as_json=as_json)
+    if result.found.highest is None:
         raise SystemExit(EXIT_FAILED)

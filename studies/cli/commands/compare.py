@@ -2,40 +2,29 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, RESIZE_NAMES
-from studies.cli.checks import refuse_climb
+from solar.names import (
+    ATTITUDE_MODELS,
+    CORRECTION_NAMES,
+    MODEL_NAMES,
+    RESIZE_NAMES,
+    CorrectionName,
+    ModelName,
+)
 from studies.cli.options import (
     EXIT_FAILED,
     check_image,
-    check_outputs,
-    console,
-    csv_bytes,
-    figure_bytes,
     json_option,
-    load,
     mission_option,
-    print_json,
-    progress_bar,
-    refuse_polar_night,
-    require_path_for,
+    out_option,
     required_time_option,
     set_option,
-    write_results,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from sizing.performance import SolarModel
-    from studies.cli.library import LoadedAircraft, LoadedMission
-    from studies.models.comparison import Comparison
 
 DEFAULT_OBJECTIVE = "min_wingspan"
 
@@ -63,7 +52,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
         return tuple(name for name in self.allowed if name in found)
 
 
-@click.command(short_help="All solar power models side by side.")
+@click.command()
 @click.argument("aircraft")
 @mission_option()
 @click.option(
@@ -89,14 +78,14 @@ class Names(click.ParamType["tuple[str, ...]"]):
 @click.option("--no-design", is_flag=True, help="Compare predictions only, size nothing.")
 @set_option
 @json_option
-@click.option("--out", "out_dir", type=click.Path(), help="Folder for table, JSON and figure.")
+@out_option("figure")
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the figure (png, svg, pdf).")
 def compare(
     aircraft: str,
     mission: str,
-    models: tuple[str, ...] | None,
-    corrections: tuple[str, ...] | None,
+    models: tuple[ModelName, ...] | None,
+    corrections: tuple[CorrectionName, ...] | None,
     objective: str,
     required_h: float | None,
     no_design: bool,
@@ -107,90 +96,64 @@ def compare(
     plot_file: str | None,
 ) -> None:
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
+    from missions.files.writing import check_writable_folder
+    from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
+    from studies.cli.files import load
+    from studies.cli.outputs import figure_bytes, tell, write_results
+    from studies.cli.progress import progress_of
+    from studies.models.comparison import compare as compare_models
+    from studies.models.plots import comparison_figure
+    from studies.models.solar_models import attitude_is_known
+    from studies.output.formats import csv_bytes
+    from studies.output.run_folder import write_run_folder
+
     if out_dir is not None and (csv_file is not None or plot_file is not None):
         raise click.UsageError("give --out, or --csv and --plot, not both")
     check_image(plot_file)
     check_outputs(csv=csv_file, plot=plot_file)
     if out_dir is not None:
-        from missions.files.writing import check_writable_folder
-
         check_writable_folder(Path(out_dir))
-    craft, where = load(aircraft, mission, overrides)
-    refuse_climb(where, "compare")
-    refuse_polar_night(where.mission, where, options=False)
-    wanted = _wanted(models, corrections, craft, where)
-    from sizing.optimisation.objectives import Objective
-    from studies.models import comparison as study
-    from studies.models.records import to_json
-    from studies.models.summary import sentence
-
-    with progress_bar("models") as progress:
-        found = study.compare(
-            craft.aircraft,
-            where.mission,
-            wanted,
-            objective=Objective(objective),
-            required_excess_time_h=required_h,
-            designs=not no_design,
+    case = load(aircraft, mission, overrides)
+    if required_h is not None:
+        case = case.with_mission(required_excess_time_h=required_h)
+    refuse_climb(case, "compare")
+    refuse_polar_night(case)
+    asked = _asked(models, corrections)
+    if asked is not None or attitude_is_known(case.aircraft, case.mission):
+        # With surfaces and a path, the reference flies it even if no case does.
+        require_path(case, asked or "the reference")
+    with progress_of("models", lines=False) as progress:
+        found = compare_models(
+            *(case.aircraft, case.mission),
+            models=models,
+            corrections=corrections,
+            objective=objective,
+            design=not no_design,
             progress=progress,
         )
-    record = to_json(found, sentence(found))
-    if out_dir is not None:
-        from missions.files.writing import write_folder
-
-        write_folder(Path(out_dir), _folder_contents(found, record))
+    record = case.named(found.to_dict())
+    if out_dir is None:
+        write_results(
+            csv_file,
+            lambda: csv_bytes(found.to_frame()),
+            plot_file,
+            lambda: comparison_figure(found),
+        )
     else:
-        write_results(csv_file, lambda: _csv(record), plot_file, lambda: _figure(found))
-    if as_json:
-        print_json(record)
-    else:
-        from studies.models.tables import print_comparison
-
-        print_comparison(console(), record)
-        if out_dir is not None:
-            click.echo(f"written to {out_dir}")
-    sized = [case.built for case in found.cases if case.built is not None]
+        contents = {
+            "comparison.csv": csv_bytes(found.to_frame()),
+            "comparison.png": figure_bytes(comparison_figure(found), "comparison.png"),
+        }
+        write_run_folder(Path(out_dir), case.inputs(), record, contents)
+    tell(case, record, found, as_json=as_json, out_dir=out_dir)
+    sized = [one.built for one in found.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)
 
 
-def _wanted(
-    models: tuple[str, ...] | None,
-    corrections: tuple[str, ...] | None,
-    craft: LoadedAircraft,
-    where: LoadedMission,
-) -> list[SolarModel]:
-    """Cases to compare; what was asked for by name must be possible, the rest may be left out."""
-    from studies.models.solar_models import attitude_is_known, combinations
-
-    asked = next((f"--models {m}" for m in models or () if m in ATTITUDE_MODELS), None)
-    if asked is None and "loiter" in (corrections or ()):
-        asked = "--corrections loiter"
-    known = attitude_is_known(craft.aircraft, where.mission)
-    if asked is not None or known:
-        # With surfaces and a path, the reference flies it even if no case does.
-        require_path_for(asked or "the reference", craft, where)
-    chosen_models: Any = models or MODEL_NAMES
-    chosen_corrections: Any = corrections or CORRECTION_NAMES
-    return combinations(chosen_models, chosen_corrections, attitude=known)
-
-
-def _folder_contents(found: Comparison, record: dict[str, Any]) -> dict[str, bytes]:
-    """Files of ``--out``, each with its content."""
-    return {
-        "comparison.json": json.dumps(record, indent=2, allow_nan=False).encode(),
-        "comparison.csv": _csv(record),
-        "comparison.png": figure_bytes(_figure(found), "comparison.png"),
-    }
-
-
-def _csv(record: dict[str, Any]) -> bytes:
-    from studies.models.records import case_table
-
-    return csv_bytes(case_table(record))
-
-
-def _figure(found: Comparison) -> Figure:
-    from studies.models.plots import comparison_figure
-
-    return comparison_figure(found)
+def _asked(models: tuple[str, ...] | None, corrections: tuple[str, ...] | None) -> str | None:
+    """Option that needs module surfaces and a flight path, None where there is none."""
+    attitude = next((f"--models {m}" for m in models or () if m in ATTITUDE_MODELS), None)
+    if attitude is None and "loiter" in (corrections or ()):
+        return "--corrections loiter"
+    return attitude

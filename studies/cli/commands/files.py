@@ -1,4 +1,4 @@
-"""Commands about files: ``solar-uav list``, ``init`` and ``validate``."""
+"""Commands about files: ``solar-uav list``, ``show``, ``init`` and ``validate``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 from studies.cli.options import EXIT_BAD_INPUT, print_json
 
 
-@click.command(name="list", short_help="Shipped aircraft and missions.")
+@click.command(name="list")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def list_(as_json: bool) -> None:
     """List the aircraft and missions that ship with the package."""
@@ -32,18 +32,30 @@ def list_(as_json: bool) -> None:
             click.echo(f"  {name:24} {description}")
 
 
-@click.command(short_help="Commented files to start your own aircraft from.")
+@click.command()
+@click.argument("name")
+def show(name: str) -> None:
+    """Print the file of the shipped aircraft or mission NAME, comments included.
+
+    To start your own from it: solar-uav show atlantiksolar-as2 > mine.yaml
+    """
+    from missions.files.shipped import shipped_text
+
+    click.echo(shipped_text(name), nl=False)
+
+
+@click.command()
 @click.argument("name")
 def init(name: str) -> None:
     """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
-    from studies.cli.starters import write_starters
+    from studies.cli.files import write_starters
 
-    for path in write_starters(name, Path.cwd()):
-        click.echo(f"wrote {path.name}")
-    click.echo(f"try: solar-uav size {name}.yaml --mission {name}-mission.yaml")
+    aircraft, mission = (path.name for path in write_starters(name, Path.cwd()))
+    click.echo(f"wrote {aircraft}\nwrote {mission}")
+    click.echo(f"try: solar-uav size {aircraft} --mission {mission}")
 
 
-@click.command(short_help="Everything that is wrong with files.")
+@click.command()
 @click.argument("files", nargs=-1, required=True)
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""
@@ -53,11 +65,12 @@ def validate(files: tuple[str, ...]) -> None:
     from missions.files.yaml import read_yaml
     from missions.mission import Mission
     from sizing.aircraft import Aircraft
+    from sizing.library import with_resolved_airfoil
 
     wrong = False
     for file in files:
         try:
-            document = read_yaml(file)
+            document = with_resolved_airfoil(read_yaml(file))
             kind = document_kind(document)
             if kind == "aircraft":
                 check(document, Aircraft)

@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from solar.names import RESIZE_NAMES
-from studies.cli.checks import refuse_climb
-from studies.cli.jobs import WorkOptions, completed, work_options
 from studies.cli.options import (
     Grid,
     check_image,
-    check_outputs,
-    console,
-    load,
     mission_option,
-    print_json,
-    require_parametric,
-    require_path,
-    solar_model,
     solar_options,
-    write_results,
+    work_options,
 )
 
-if TYPE_CHECKING:
-    import xarray as xr
 
-
-@click.command(name="map", short_help="Where and when it flies for ever.")
+@click.command(name="map")
 @click.argument("aircraft")
 @mission_option()
 @click.option(
@@ -79,38 +66,40 @@ def map_(
     overrides: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Map where and when AIRCRAFT (name or file) flies for ever: latitude against season.
+    """Map where and when AIRCRAFT (name, file or folder) flies perpetually.
 
-    Of the mission the air and the load count, not its latitudes and dates. With --resize: which
-    design flies there and then.
+    Latitude against season; of the mission the air and the load count, not its latitudes and
+    dates. With --resize: which design flies there and then.
     """
+    import numpy as np
+
+    from sizing.optimisation.objectives import Objective
+    from studies.cli.checks import check_outputs, refuse_climb, require_parametric, require_path
+    from studies.cli.files import load
+    from studies.cli.jobs import WorkOptions, completed
+    from studies.cli.outputs import tell, write_results
+    from studies.maps import feasibility as feasibility_map
+    from studies.maps import jobs as map_jobs
+    from studies.maps import results
+
     if objective is not None and endurance:
         raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
     if out_file is not None and not out_file.lower().endswith(".nc"):
         raise click.BadParameter(f"{out_file!r} must end in .nc", param_hint="--out")
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     check_image(plot_file)
-    craft, where = load(aircraft, mission, overrides)
-    refuse_climb(where, "map")
-    require_path(model, correction, craft, where)
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    refuse_climb(case, "map")
+    require_path(case)
     if objective is not None:
-        require_parametric(craft, "--resize")
-    import numpy as np
-
-    from sizing.optimisation.objectives import Objective
-    from studies.maps import feasibility as feasibility_map
-    from studies.maps import jobs as map_jobs
-
+        require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     check_outputs(out=out_file, plot=plot_file)
     axes = np.array(latitudes), np.unique(np.round(days).astype(int))
-    solar = solar_model(model, correction)
+    asked = case.aircraft, case.mission, case.solar
     if objective is None:
-        fixed = map_jobs.MapConfiguration(craft.aircraft, where.mission, solar, endurance)
-        job = map_jobs.map_job(fixed, *axes)
+        job = map_jobs.map_job(map_jobs.MapConfiguration(*asked, endurance), *axes)
     else:
-        sized = map_jobs.SizedMapConfiguration(
-            craft.aircraft, where.mission, solar, Objective(objective)
-        )
+        sized = map_jobs.SizedMapConfiguration(*asked, Objective(objective))
         job = map_jobs.sized_map_job(sized, *axes)
     with completed(job, options, out_file, "cells") as outcome:
         if objective is None:
@@ -123,76 +112,7 @@ def map_(
             out_file, lambda: feasibility_map.to_netcdf_bytes(data), plot_file, lambda: figure(data)
         )
     if objective is None:
-        _print_seasons(data, as_json)
+        record, shown = results.seasons_record(data), results.show_seasons
     else:
-        _print_designs(data, as_json)
-
-
-def _print_seasons(data: xr.Dataset, as_json: bool) -> None:
-    from studies.maps.feasibility import season_length
-    from studies.output.tables import print_seasons
-
-    season = season_length(data)
-    if not as_json:
-        print_seasons(console(), data, season)
-        return
-    print_json(
-        {
-            "latitude_deg": data["latitude"].to_numpy().tolist(),
-            "days": data["day"].to_numpy().tolist(),
-            "perpetual_days": season.to_numpy().tolist(),
-        }
-    )
-
-
-def _print_designs(data: xr.Dataset, as_json: bool) -> None:
-    """Of every latitude: on how many days there is a design, and the range of its size."""
-    from sizing.analysis import finite
-    from studies.output.columns import SIZED, SizingStatus
-
-    record: dict[str, Any] = {
-        "latitude_deg": data["latitude"].to_numpy().tolist(),
-        "days": data["day"].to_numpy().tolist(),
-        "objective": data.attrs["objective"],
-    }
-    for status in SizingStatus:
-        record[f"{status.name}_days"] = (data["status"] == status).sum("day").to_numpy().tolist()
-    ranges: dict[str, list[float]] = {}
-    for name, unit in (("wingspan", "m"), ("total_mass", "kg"), ("excess_time", "h")):
-        for word, end in (("least", "min"), ("largest", "max")):
-            values = getattr(data[name], end)("day").to_numpy().tolist()
-            ranges[f"{word}_{name}_{unit}"] = values
-            record[f"{word}_{name}_{unit}"] = [finite(value) for value in values]
-    if as_json:
-        print_json(record)
-        return
-    from rich.table import Table
-
-    from missions.mission import latitude_label
-
-    none = (SizingStatus.infeasible, SizingStatus.invalid)
-    groups = (SIZED, none, [kind for kind in SizingStatus if kind not in (*SIZED, *none)])
-
-    title = f"{data.attrs['title']} for {record['objective']}"
-    table = Table(title=title, title_justify="left")
-    shown = {"wingspan_m": "wingspan [m]", "total_mass_kg": "mass [kg]"}
-    if record["objective"] == "max_excess_time":
-        shown["excess_time_h"] = "excess time [h]"
-    heads = ("latitude", f"designs on {data.sizes['day']} days", "none", "unknown")
-    for name in (*heads, *shown.values()):
-        table.add_column(name, justify="right")
-    for i, latitude in enumerate(record["latitude_deg"]):
-        table.add_row(
-            latitude_label(latitude),
-            *(str(sum(record[f"{kind.name}_days"][i] for kind in kinds)) for kinds in groups),
-            *(_range(ranges[f"least_{name}"][i], ranges[f"largest_{name}"][i]) for name in shown),
-        )
-    console().print(table)
-
-
-def _range(least: float, largest: float) -> str:
-    if math.isnan(least):
-        return "-"
-    if math.isinf(least):
-        return "no end"
-    return f"{least:.2f} to {'no end' if math.isinf(largest) else f'{largest:.2f}'}"
+        record, shown = results.designs_record(data), results.show_designs
+    tell(case, case.named(record), lambda console: shown(console, data), as_json=as_json)

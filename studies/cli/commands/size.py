@@ -8,17 +8,11 @@ from pathlib import Path
 import click
 
 from solar.names import OBJECTIVE_NAMES
-from studies.cli.checks import refuse_climb
 from studies.cli.options import (
     EXIT_FAILED,
-    console,
-    load,
     mission_option,
-    print_json,
-    refuse_polar_night,
-    require_path,
+    out_option,
     required_time_option,
-    solar_model,
     solar_options,
 )
 
@@ -28,19 +22,20 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
         raise click.UsageError(f"{option.opts[0]} is called --cross-check now")
 
 
-@click.command(short_help="The best design for a mission.")
+@click.command()
 @click.argument("aircraft")
 @mission_option(None)
 @click.option(
     "--objective",
     type=click.Choice(OBJECTIVE_NAMES),
-    default=OBJECTIVE_NAMES[0],
+    default="min_mass",
     show_default=True,
-    help="What to optimise; the last two search for the most days, or degrees of latitude, that "
-    "one design keeps up.",
+    help="What to optimise. Masses and wingspan become as small as the mission's required excess "
+    "time allows; max_excess_time ends at the bounds of the design space; the last two search for "
+    "the most days, or degrees of latitude, in which one design flies perpetually.",
 )
 @required_time_option
-@click.option("--out", "out_dir", type=click.Path(), help="Folder for the sized aircraft's files.")
+@out_option("figures")
 @click.option(
     "--sensitivities",
     "with_sensitivities",
@@ -57,7 +52,7 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
 @solar_options
 def size(
     aircraft: str,
-    mission: str,
+    mission: str | None,
     objective: str,
     required_h: float | None,
     out_dir: str | None,
@@ -68,54 +63,48 @@ def size(
     overrides: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Find the best design of AIRCRAFT (name or file) for a mission."""
-    from sizing.aircraft import MeasuredAirframe
-    from sizing.optimisation import study as sizing_study
+    """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
+    from missions.files.writing import check_writable_folder
     from sizing.optimisation.objectives import Objective
+    from sizing.results import sizing
+    from studies.cli.checks import (
+        refuse_climb,
+        refuse_polar_night,
+        require_parametric,
+        require_path,
+    )
+    from studies.cli.files import load
+    from studies.cli.outputs import tell
+    from studies.output.run_folder import write_run_folder
+    from studies.output.sizing_files import sized_inputs, sizing_files
 
     asked = Objective(objective)
     if asked.of_range and (with_sensitivities or with_cross_check):
         raise click.UsageError(
             f"{objective} counts days or degrees: it has no sensitivities and no cross-check"
         )
-    craft, where = load(aircraft, mission, overrides)
-    if isinstance(craft.aircraft.airframe, MeasuredAirframe):
-        from missions.files.validation import located_error
-
-        raise located_error(
-            craft.document,
-            ("airframe", "kind"),
-            "a measured aircraft cannot be sized; allowed: parametric",
-        )
-    refuse_climb(where, "size")
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    if required_h is not None:
+        case = case.with_mission(required_excess_time_h=required_h)
+    require_parametric(case, "a measured aircraft cannot be sized; allowed: parametric")
+    refuse_climb(case, "size")
     if not asked.of_range:
-        refuse_polar_night(where.mission, where, options=False)
-    require_path(model, correction, craft, where)
+        refuse_polar_night(case)
+    require_path(case)
     if out_dir is not None:
-        from missions.files.writing import check_writable_folder
-
         check_writable_folder(Path(out_dir))
-    study = sizing_study.size(
-        craft.aircraft,
-        where.mission,
-        asked,
-        solar_model(model, correction),
-        required_excess_time_h=required_h,
+    study = sizing.size(
+        *(case.aircraft, case.mission, asked),
+        model=case.solar.model,
+        correction=case.solar.correction,
         with_sensitivities=with_sensitivities,
         with_cross_check=with_cross_check,
     )
-    record = study.record()
-    if out_dir is not None and study.result.feasible:
-        from studies.output.sizing_files import write_sizing
-
-        write_sizing(Path(out_dir), study, record, craft)
-    if as_json:
-        print_json(record)
-    else:
-        from studies.output.tables import print_sizing_study
-
-        print_sizing_study(console(), study, record)
-        if out_dir is not None and study.result.feasible:
-            click.echo(f"written to {out_dir}")
-    if not study.result.feasible:
+    record = case.named(study.to_dict())
+    written = out_dir if study.feasible else None
+    if written is not None:
+        inputs = sized_inputs(study, case.inputs())
+        write_run_folder(Path(written), inputs, record, sizing_files(study))
+    tell(case, record, study, as_json=as_json, out_dir=written)
+    if not study.feasible:
         sys.exit(EXIT_FAILED)

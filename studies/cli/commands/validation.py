@@ -5,56 +5,43 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from studies.cli.options import (
     EXIT_FAILED,
     check_image,
-    check_outputs,
-    console,
-    load,
     mission_option,
+    out_option,
     print_json,
-    refuse_polar_night,
-    require_path,
     set_option,
-    write_results,
 )
 
-if TYPE_CHECKING:
-    from missions.mission import Mission
 
-
-@click.command(short_help="Published beside computed numbers.")
+@click.command()
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
 def published(as_json: bool, markdown_file: str | None) -> None:
     """Compare published numbers with computed ones; exit code 1 if one is missed."""
-    from studies.validation import published as study
+    from missions.files.writing import write_text_atomically
+    from studies.output.terminal import show
+    from studies.validation.published import published as compute_published
 
-    rows = study.comparisons()
+    result = compute_published()
     if markdown_file is not None:
-        from missions.files.writing import write_text_atomically
-
-        write_text_atomically(markdown_file, study.markdown(rows))
+        write_text_atomically(markdown_file, result.table().to_markdown())
     if as_json:
-        print_json([row.record() for row in rows])
+        print_json(result.to_dict())
     else:
-        from studies.output.tables import print_published
-
-        print_published(console(), rows)
-    if not all(row.met for row in rows):
+        show(result)
+    if not result.met:
         sys.exit(EXIT_FAILED)
 
 
-@click.command(
-    name="loiter-correction", short_help="Errors of CDM and CAM by latitude, season and wind."
-)
+@click.command(name="loiter-correction")
 @click.argument("aircraft", default="atlantiksolar-as2")
 @mission_option("rafz-loiter")
 @set_option
@@ -68,34 +55,26 @@ def loiter_correction(
     markdown_file: str | None,
 ) -> None:
     """Tabulate how the errors of CDM and CAM change with latitude, season and wind."""
-    craft, where = load(aircraft, mission, overrides)
-    require_path("FM", "none", craft, where)
+    from missions.files.writing import write_text_atomically
+    from missions.flight_path import largest_wind_m_per_s
+    from studies.cli.checks import require_path
+    from studies.cli.files import load
+    from studies.cli.outputs import tell
     from studies.models import transfer as study
 
-    winds = _flyable_winds(where.mission, study.WINDS_M_PER_S)
-    errors = study.transferred_errors(craft.aircraft, where.mission, winds_m_per_s=winds)
+    case = load(aircraft, mission, overrides)
+    require_path(case, "--model FM")
+    assert case.mission.flight_path is not None
+    limit = largest_wind_m_per_s(case.mission.flight_path)
+    winds = [w for w in study.WINDS_M_PER_S if w < limit]
+    errors = study.transferred_errors(case.aircraft, case.mission, winds_m_per_s=winds)
     if markdown_file is not None:
-        from missions.files.writing import write_text_atomically
-
-        write_text_atomically(markdown_file, study.markdown(errors))
-    if as_json:
-        print_json(study.to_json(errors))
-    else:
-        from studies.output.tables import print_transfer
-
-        print_transfer(console(), errors)
+        write_text_atomically(markdown_file, study.transfer_table(errors).to_markdown())
+    record = case.named({"errors": [asdict(error) for error in errors]})
+    tell(case, record, study.transfer_table(errors), as_json=as_json)
 
 
-def _flyable_winds(mission: Mission, winds_m_per_s: tuple[float, ...]) -> list[float]:
-    """Those of the winds that the mission's flight path can be held in."""
-    from missions.flight_path import largest_wind_m_per_s
-
-    assert mission.flight_path is not None
-    limit = largest_wind_m_per_s(mission.flight_path)
-    return [w for w in winds_m_per_s if w < limit]
-
-
-@click.command(short_help="What drives the power of the Full Model.")
+@click.command()
 @click.argument("aircraft")
 @mission_option("rafz-loiter")
 @set_option
@@ -109,58 +88,51 @@ def efficiencies(
     plot_file: str | None,
 ) -> None:
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
-    check_image(plot_file)
-    check_outputs(csv=csv_file, plot=plot_file)
-    craft, where = load(aircraft, mission, overrides)
-    require_path("FM", "none", craft, where)
-    refuse_polar_night(where.mission, where, options=False)
+    from studies.cli.checks import check_outputs, refuse_polar_night, require_path
+    from studies.cli.files import load
+    from studies.cli.outputs import tell, write_results
     from studies.models import component_efficiencies as study
 
-    data = study.component_efficiencies(craft.aircraft, where.mission)
+    check_image(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
+    case = load(aircraft, mission, overrides)
+    require_path(case, "--model FM")
+    refuse_polar_night(case)
+    data = study.component_efficiencies(case.aircraft, case.mission)
     write_results(
         csv_file,
         lambda: data.to_dataframe().to_csv().encode(),
         plot_file,
-        lambda: study.figure(data),
+        lambda: study.efficiency_figure(data),
     )
-    from studies.output.tables import print_efficiencies
-
-    print_efficiencies(console(), data)
+    tell(case, {}, study.efficiency_table(data))
 
 
-@click.command(
-    name="reproduce-report", short_help="The four models on the morning they were published with."
-)
+@click.command(name="reproduce-report")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-@click.option("--out", "out_dir", type=click.Path(), help="Folder for figure, table and JSON.")
+@out_option("figure and table")
 def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     """Fly the verification morning of Oettershagen's report on solar power models.
 
     All four models, beside the report's own numbers and the power measured in flight.
     """
+    from missions.files.writing import check_writable_folder
+    from studies.cli.files import Case, open_aircraft, open_mission
+    from studies.cli.outputs import tell
+    from studies.output.plots import to_bytes
+    from studies.output.run_folder import write_run_folder
     from studies.validation import report_reproduction as study
 
     if out_dir is not None:
-        from missions.files.writing import check_writable_folder
-
         check_writable_folder(Path(out_dir))
-    aircraft, mission = study.reference()
-    result = study.reproduce(aircraft, mission)
-    varied = study.sensitivities(aircraft, mission)
-    record = study.to_json(result, mission, varied)
+    case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION))
+    result = study.reproduce(case.aircraft, case.mission, vary=True)
+    record = case.named(result.to_dict())
     if out_dir is not None:
-        from missions.files.writing import write_folder
-        from studies.output.plots import to_bytes
-
+        tables = "\n".join(table.to_markdown() for table in result.tables())
         contents = {
-            "report.json": json.dumps(record, indent=2).encode(),
-            "report.md": study.markdown(result, varied).encode(),
-            "report.png": to_bytes(study.figure(aircraft, mission), "png"),
+            "report.md": tables.encode(),
+            "report.png": to_bytes(study.reproduction_figure(result), "png"),
         }
-        write_folder(Path(out_dir), contents)
-    if as_json:
-        print_json(record)
-        return
-    from studies.output.tables import print_reproduction
-
-    print_reproduction(console(), record)
+        write_run_folder(Path(out_dir), case.inputs(), record, contents)
+    tell(case, record, result, as_json=as_json, out_dir=out_dir)

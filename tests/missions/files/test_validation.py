@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from typing import Annotated, Any, Literal, NewType
+from typing import Annotated, Any, ClassVar, Literal, NewType
 
 import pytest
 from hypothesis import given
@@ -15,9 +15,9 @@ from pydantic import Tag as UnionTag
 from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError, Problem
-from missions.files.overrides import with_overrides
-from missions.files.validation import load, located_error, validate
-from missions.files.yaml import Document, parse_yaml
+from missions.files.overrides import with_overrides, with_values
+from missions.files.validation import located_error, validate
+from missions.files.yaml import Document, parse_yaml, read_yaml
 from solar.schema import (
     Flag,
     Fraction,
@@ -102,7 +102,7 @@ def test_good_file_is_read(tmp_path: Path) -> None:
     path.write_text(
         GOOD + "legs:\n- {kind: cruise, speed_m_s: 9}\npolar: [1, 2.5, 1e-3]\n", encoding="utf-8"
     )
-    aircraft = load(path, Aircraft, ["battery.cells=6"])
+    aircraft = validate(with_overrides(read_yaml(path), ["battery.cells=6"]), Aircraft)
     assert aircraft.battery == Battery(mass_kg=2.9, cells=6)
     assert aircraft.legs == (Cruise(kind="cruise", speed_m_s=9.0),)
     assert aircraft.polar == (1.0, 2.5, 0.001)
@@ -243,6 +243,19 @@ def test_counts_are_whole_numbers() -> None:
 
 def test_empty_text() -> None:
     assert problem_of(GOOD.replace("AS-2", "''")).endswith("name: must not be empty (got '')")
+
+
+def test_key_of_an_earlier_version_is_refused_with_its_new_name() -> None:
+    class Pack(Battery):
+        renamed_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
+
+    class Model(Record):
+        packs: tuple[Pack, ...]
+
+    text = "packs:\n- mass_kg: 1\n- weight_kg: 1\n  mass_kg: 1\n"
+    assert problems_of(text, model=Model) == [
+        "as2.yaml:3:3: packs.1.weight_kg: this key is called 'mass_kg' now"
+    ]
 
 
 # ---- unions ----
@@ -481,7 +494,7 @@ def test_override_mends_a_value_of_the_file() -> None:
     text = "name: x\nbattery: 3\n"
     document = with_overrides(parse_yaml(text, "a.yaml"), ["battery={mass_kg: 2}"])
     assert validate(document, Aircraft).battery.mass_kg == 2
-    assert ("battery",) not in document.marks.keys
+    assert ("battery",) not in document.key_marks
 
 
 def test_override_below_an_override_leaves_the_first_in_its_place() -> None:
@@ -509,3 +522,59 @@ def test_import_is_light() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     assert run.stdout.strip() == "[]"
+
+
+# ---- copies with other values ----
+
+
+PLANE = Aircraft(
+    name="AS-2",
+    battery=Battery(mass_kg=2.9),
+    legs=(Cruise(kind="cruise", speed_m_s=9.0), Loiter(kind="loiter", duration_h=1.0)),
+    table={"a": 1.0},
+)
+
+
+def test_copy_with_values_of_records_inside_records() -> None:
+    changed = with_values(
+        PLANE,
+        {
+            "name": "AS-3",
+            "battery.mass_kg": 3.5,
+            "legs.1.duration_h": 2.0,
+            "table.b": 2.0,
+            "spare.mass_kg": 1.0,
+            "window": Window(start_h=3.0, end_h=4.0),
+        },
+    )
+    assert changed.battery == Battery(mass_kg=3.5)
+    assert changed.legs == (PLANE.legs[0], Loiter(kind="loiter", duration_h=2.0))
+    assert changed.table == {"a": 1.0, "b": 2.0}
+    assert changed.spare == Battery(mass_kg=1.0)
+    assert (changed.name, changed.window) == ("AS-3", Window(start_h=3.0, end_h=4.0))
+    assert PLANE.battery.mass_kg == 2.9
+    assert PLANE.table == {"a": 1.0}
+    assert with_values(PLANE, {}) == PLANE
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"battery.mass_kg": -1.0}, "battery.mass_kg: must be greater than 0 (got -1.0)"),
+        ({"battery.mass_g": 1.0}, "battery.mass_g: unknown key; did you mean 'mass_kg'?"),
+        ({"legs.0.speed_m_s": 0.0}, "legs.0.speed_m_s: must be greater than 0 (got 0.0)"),
+        (
+            {"legs.7.speed_m_s": 1.0},
+            "legs.7.speed_m_s: legs is a list and takes an index from 0 to 1 (got '7')",
+        ),
+        ({"name.x": 1.0}, "name.x: name is the single value 'AS-2' and has no keys"),
+        (
+            {"window": {"start_h": 5.0, "end_h": 4.0}},
+            "window: the window ends before it starts",
+        ),
+    ],
+)
+def test_copy_with_values_is_checked(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        with_values(PLANE, values)
+    assert str(caught.value) == f"Aircraft: {message}"

@@ -19,7 +19,8 @@ from sizing.altitude.ceiling import (
 )
 from sizing.design import ImpossibleDesignError
 from sizing.library import load_aircraft
-from sizing.performance import UNCORRECTED_CAM, SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
 AS2 = load_aircraft("atlantiksolar-as2")
 DESIGN = load_aircraft("atlantiksolar-design")

@@ -1,4 +1,4 @@
-"""Height as a second store: against plain marching, arithmetic by hand, limits and invariants."""
+"""Potential-energy storage: against plain marching, arithmetic by hand, limits and invariants."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import SolarModel
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
 
@@ -68,8 +69,8 @@ def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(
     assert ours.missing_h == pytest.approx(theirs.missing_h, abs=5e-3)
     assert ours.energy_wh == pytest.approx(theirs.energy_wh, abs=1e-3 * 732.0)
     for name in ("solar_wh", "load_wh"):
-        expected = getattr(theirs.account, name)
-        assert getattr(ours.account, name) == pytest.approx(expected, rel=1e-9)
+        expected = getattr(theirs.energy_budget, name)
+        assert getattr(ours.energy_budget, name) == pytest.approx(expected, rel=1e-9)
     assert np.all(result.climb.maximum_altitude_m == FLOOR_M)
     assert np.all(result.climb.gliding_h == 0.0)
     assert np.all(result.gain_h == pytest.approx(0.0, abs=1e-3))
@@ -87,10 +88,10 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> Non
     ours, theirs = result.performance.cycle, result.constant.cycle
     # The two march with other steps: 4 s.
     assert ours.excess_time_h == pytest.approx(theirs.excess_time_h, abs=1e-3)
-    assert ours.account.load_wh == pytest.approx(theirs.account.load_wh, rel=1e-9)
+    assert ours.energy_budget.load_wh == pytest.approx(theirs.energy_budget.load_wh, rel=1e-9)
 
 
-# ---- The energy account
+# ---- The energy budget
 
 
 @settings(max_examples=15, deadline=None)  # 0.4 s each
@@ -107,43 +108,45 @@ def test_energy_is_neither_made_nor_lost(
 ) -> None:
     where = mission(ceiling_m, strategy, dates={"on": day}, turbulence={"thermal": thermal})
     result = climb_performance(aircraft, where)
-    climb, account = result.climb, result.climb.account
-    assert np.all(np.abs(account.imbalance_wh) <= 1e-9 * account.solar_wh)
+    climb, budget = result.climb, result.climb.energy_budget
+    sources = budget.solar_wh + budget.unserved_wh
+    uses = budget.constant_load_wh + budget.level_flight_wh + budget.propulsion_loss_wh
+    uses = uses + budget.stored_wh + budget.stored_potential_wh + budget.curtailed_wh
+    uses = uses + budget.charge_loss_wh + budget.discharge_loss_wh
+    assert np.all(np.abs(sources - uses) <= 1e-9 * budget.solar_wh)
     # What the trajectories tell, against what the flows add up to.
-    assert account.stored_wh == pytest.approx(climb.energy_wh[:, -1] - climb.energy_wh[:, 0])
+    assert budget.stored_wh == pytest.approx(climb.energy_wh[:, -1] - climb.energy_wh[:, 0])
     eta = result.limits.efficiency
-    assert account.stored_height_wh == pytest.approx(
-        eta * account.climb_electric_wh - account.glide_height_wh, abs=1e-9 * 732.0
+    assert budget.stored_potential_wh == pytest.approx(
+        eta * budget.climb_electric_wh - budget.glide_potential_wh, abs=1e-9 * 732.0
     )
     # The day repeats itself.
     capacity = float(result.performance.design.battery_energy_wh)
-    assert np.all(np.abs(account.stored_wh) <= 1e-6 * capacity)
-    assert np.all(np.abs(account.stored_height_wh) <= 1e-6 * capacity)
+    assert np.all(np.abs(budget.stored_wh) <= 1e-6 * capacity)
+    assert np.all(np.abs(budget.stored_potential_wh) <= 1e-6 * capacity)
     # Bounds of every flight.
     assert np.all(climb.energy_wh >= 0.0)
     assert np.all(climb.energy_wh <= capacity * (1.0 + 1e-12))
     assert np.all(climb.altitude_m >= FLOOR_M - 1e-9)
     assert np.all(climb.altitude_m <= ceiling_m + 1e-6)
     for name in ("charge_loss_wh", "discharge_loss_wh", "propulsion_loss_wh", "curtailed_wh"):
-        assert np.all(getattr(account, name) >= -1e-9)
+        assert np.all(getattr(budget, name) >= -1e-9)
 
 
-def test_account_that_other_tables_show_closes_too() -> None:
-    account = flown(AS2, 3536.0).performance.cycle.account
-    sources = account.solar_wh + account.unserved_wh
-    uses = account.load_wh + account.stored_wh + account.charge_loss_wh
-    assert sources == pytest.approx(
-        uses + account.discharge_loss_wh + account.curtailed_wh, rel=1e-9
-    )
+def test_energy_budget_that_other_tables_show_closes_too() -> None:
+    budget = flown(AS2, 3536.0).performance.cycle.energy_budget
+    sources = budget.solar_wh + budget.unserved_wh
+    uses = budget.load_wh + budget.stored_wh + budget.charge_loss_wh
+    assert sources == pytest.approx(uses + budget.discharge_loss_wh + budget.curtailed_wh, rel=1e-9)
 
 
 # ---- By hand
 
 
-def test_stored_height_of_a_kilometre_is_m_g_h() -> None:
+def test_potential_energy_of_a_kilometre_is_m_g_h() -> None:
     # 6.92 kg x 9.81 m/s2 x 1000 m = 68 kJ = 18.9 Wh; the kinetic energy of flying faster in thinner
     # air (8.2 to 8.6 m/s) adds 0.05 %.
-    stored = flown(AS2, FLOOR_M + 1000.0).climb.maximum_height_wh[0]
+    stored = flown(AS2, FLOOR_M + 1000.0).climb.maximum_potential_energy_wh[0]
     assert stored == pytest.approx(6.92 * 9.80665 * 1000.0 / 3600.0, rel=1e-3)
     assert stored == pytest.approx(18.9, abs=0.05)
 
@@ -151,7 +154,7 @@ def test_stored_height_of_a_kilometre_is_m_g_h() -> None:
 @pytest.mark.parametrize("rise_m", [1000.0, 3000.0])
 def test_gain_is_what_the_height_saves_the_battery(rise_m: float) -> None:
     result = flown(AS2, FLOOR_M + rise_m)
-    height_wh = float(result.climb.maximum_height_wh[0])
+    height_wh = float(result.climb.maximum_potential_energy_wh[0])
     nominal_w = float(result.constant.nominal_load_w[0])
     # Height replaces motor power, W / eta of the electric kind, but sinks faster where it is high:
     # between the power at the ceiling and that at the floor. The light aloft, which the evening
@@ -215,7 +218,7 @@ def test_zephyr_like_aircraft_needs_hours_from_18_to_12_km() -> None:
     assert climb.altitude_m[0][0] == pytest.approx(12000.0, abs=1.0)
     # m g 6 km = 866 Wh, and 0.3 to 1 % for the speed that doubles the dynamic of thin air.
     potential = 53.0 * 9.80665 * 6000.0 / 3600.0
-    assert potential < climb.maximum_height_wh[0] < 1.015 * potential
+    assert potential < climb.maximum_potential_energy_wh[0] < 1.015 * potential
     # Sinking 6 km at L/D 30 and 15 to 25 m/s: 0.5 to 0.85 m/s without sun, 2 to 3.4 h; the evening
     # sun still carries a part, so that it takes longer.
     assert 2.0 < climb.gliding_h[0] < 6.0

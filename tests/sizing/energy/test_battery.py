@@ -151,7 +151,7 @@ def test_bad_tables_are_refused(
 def test_energy_is_mass_times_specific_energy() -> None:
     battery = Battery(mass_kg=2.918, specific_energy_wh_per_kg=251.0)
     # Published: 732 Wh, rounded to the watt-hour.
-    assert battery.energy_wh == pytest.approx(732.0, abs=0.5)
+    assert battery.battery_energy_wh == pytest.approx(732.0, abs=0.5)
 
 
 # ---- the clock

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sizing.energy.bracketing import falling_root
-from sizing.energy.power_balance import FloatArray, IntArray
+from solar.types import FloatArray, IntArray
 
 LIMIT = 1e-11
 

@@ -18,13 +18,14 @@ from sizing.energy.battery import (
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,
+    Store,
     TableChargeLimit,
 )
 from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
-from sizing.energy.march import FloatArray, Store
-from sizing.performance import day_axis_h
+from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
+from solar.types import FloatArray
 
 MEASURED = TableChargeLimit(
     state_of_charge=(0.78, 0.82, 0.86, 0.89, 0.90, 0.92, 0.93, 0.94, 0.95, 0.96, 0.97, 0.98, 0.99),
@@ -68,17 +69,19 @@ class Slow:
     missing_h: float = 0.0
 
 
-def _charger_w(limit: ChargeLimit, full_wh: float, stored_wh: float) -> float:
+def _charger_w(limit: ChargeLimit, battery_energy_wh: float, stored_wh: float) -> float:
     if isinstance(limit, RuleChargeLimit):
-        way = max(stored_wh / full_wh - limit.taper_start, 0.0) / (1.0 - limit.taper_start)
-        return full_wh * limit.c_rate_per_h * exp(way * log(limit.relative_rate_at_full))
+        way = max(stored_wh / battery_energy_wh - limit.taper_start, 0.0) / (
+            1.0 - limit.taper_start
+        )
+        return battery_energy_wh * limit.c_rate_per_h * exp(way * log(limit.relative_rate_at_full))
     if isinstance(limit, TableChargeLimit):
         rows = list(zip(limit.state_of_charge, limit.current_a, strict=True))
-        soc = min(max(stored_wh / full_wh, rows[0][0]), rows[-1][0])
+        soc = min(max(stored_wh / battery_energy_wh, rows[0][0]), rows[-1][0])
         for (x0, y0), (x1, y1) in pairwise(rows):
             if soc <= x1:
                 ampere = y0 + (y1 - y0) * (soc - x0) / (x1 - x0)
-                return ampere * limit.voltage_v * full_wh / limit.pack_energy_wh
+                return ampere * limit.voltage_v * battery_energy_wh / limit.pack_energy_wh
     return inf
 
 
@@ -101,14 +104,16 @@ def slow_cycle(
     energy, dawn_energy = 0.0, 0.0
     for _ in range(300):
         stored, missing, energy = _slow_day(net, energy, pack, dawn)
-        settled = abs(energy - dawn_energy) <= 1e-7 * pack.energy_wh
+        settled = abs(energy - dawn_energy) <= 1e-7 * pack.battery_energy_wh
         dawn_energy = energy
         if settled:
             break
     else:
         raise AssertionError("the slow cycle has not settled: choose another case")
     result.missing_h = missing
-    is_full = [k for k in range(_SUBSTEPS_PER_DAY + 1) if stored[k] >= (1 - 1e-9) * pack.energy_wh]
+    is_full = [
+        k for k in range(_SUBSTEPS_PER_DAY + 1) if stored[k] >= (1 - 1e-9) * pack.battery_energy_wh
+    ]
     if is_full:
         result.full_charge_h = float(fine[is_full[0]])
         result.charge_margin_h = float(fine[is_full[-1]] - fine[is_full[0]])
@@ -119,7 +124,7 @@ def slow_cycle(
     else:
         result.excess_time_h = dawn_energy * pack.discharge_efficiency / nominal
     perpetual = result.excess_time_h > 0.0
-    result.minimum_state_of_charge = min(stored) / pack.energy_wh if perpetual else 0.0
+    result.minimum_state_of_charge = min(stored) / pack.battery_energy_wh if perpetual else 0.0
     return result
 
 
@@ -128,7 +133,7 @@ def _slow_day(
 ) -> tuple[list[float], float, float]:
     """One day from dawn to dawn: stored energy at every node, hours without power, energy."""
     step_h = 24.0 / _SUBSTEPS_PER_DAY
-    full = pack.energy_wh
+    full = pack.battery_energy_wh
     stored = [0.0] * (_SUBSTEPS_PER_DAY + 1)
     missing = 0.0
     for i in range(_SUBSTEPS_PER_DAY):
@@ -274,7 +279,7 @@ def test_square_day_by_hand() -> None:
     charging_h = (1000.0 - left) / (0.95 * 150.0)
     assert float(cycle.full_charge_h) == pytest.approx(6.0 + charging_h, abs=1e-5)
     assert float(cycle.charge_margin_h) == pytest.approx(12.0 - charging_h, abs=1e-5)
-    a = cycle.account
+    a = cycle.energy_budget
     # Energies: the edges' 2e-5 Wh, with room.
     assert float(a.curtailed_wh) == pytest.approx(150.0 * (12.0 - charging_h), abs=1e-3)
     assert float(a.charge_loss_wh) == pytest.approx(0.05 * 150.0 * charging_h, abs=1e-3)
@@ -422,7 +427,9 @@ def test_batch_of_batteries_suns_and_loads_equals_scalar_loops() -> None:
     batch = simulate_cycle(TIME, solar, load, Store.of(one, energies), nominal_load_w=nominal)
     assert batch.excess_time_h.shape == (3, 4)
     assert batch.energy_wh.shape == (3, 4, len(TIME))
-    names = [n for n in Cycle.__dataclass_fields__ if n not in ("account", "time_h", "energy_wh")]
+    names = [
+        n for n in Cycle.__dataclass_fields__ if n not in ("energy_budget", "time_h", "energy_wh")
+    ]
     for (i, j), _ in np.ndenumerate(batch.excess_time_h):
         store = Store.of(one, energies[i, 0])
         single = simulate_cycle(TIME, solar[j], load[j], store, nominal_load_w=nominal[j])
@@ -477,5 +484,5 @@ def test_halving_the_time_step_changes_nothing(
         ), name
     # Energies of the day relative to the sun's: the same three digits.
     for name in ("solar_wh", "curtailed_wh", "charge_loss_wh", "discharge_loss_wh", "unserved_wh"):
-        difference = getattr(coarse.account, name) - getattr(fine.account, name)
-        assert abs(float(difference)) <= 1e-3 * float(fine.account.solar_wh), name
+        difference = getattr(coarse.energy_budget, name) - getattr(fine.energy_budget, name)
+        assert abs(float(difference)) <= 1e-3 * float(fine.energy_budget.solar_wh), name

@@ -7,13 +7,15 @@ from math import inf
 import numpy as np
 import pytest
 
-from sizing.energy.battery import Battery, ChargeLimit, NoChargeLimit, RuleChargeLimit
+from sizing.energy.battery import Battery, ChargeLimit, NoChargeLimit, RuleChargeLimit, Store
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.endurance import flight_time_h, longest_flight
-from sizing.energy.march import FloatArray, PowerBalance, Store, advance, empty_after_h
-from sizing.performance import day_axis_h
+from sizing.energy.march import advance, empty_after_h
+from sizing.energy.power_balance import PowerBalance
+from sizing.sunlight import day_axis_h
 from solar.modules import SolarCell
 from solar.power import horizontal_specific_power
+from solar.types import FloatArray
 
 TIME = day_axis_h()
 HOURLY = day_axis_h(1.0)  # where a flight may last 366 days of marching
@@ -39,7 +41,7 @@ def plain_flights(
     solar: FloatArray, load: float, pack: Battery, launches: FloatArray
 ) -> FloatArray:
     """Flight times [h] by Euler steps of a minute, all launches at once, at most 40 days."""
-    full, eta_c, eta_d = pack.energy_wh, pack.charge_efficiency, pack.discharge_efficiency
+    full, eta_c, eta_d = pack.battery_energy_wh, pack.charge_efficiency, pack.discharge_efficiency
     energy = np.full(len(launches), full)
     flown = np.full(len(launches), np.nan)
     elapsed = 0.0
@@ -144,7 +146,7 @@ def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: Ch
     assert np.all(np.isfinite(found[cycle.missing_h > 0.5]))
     assert 5 <= np.isfinite(found).sum() <= found.size - 5
     # Never shorter than the battery alone; rounding.
-    assert np.all(found >= store.energy_max_wh * 0.97 / load * (1.0 - 1e-9))
+    assert np.all(found >= store.battery_energy_wh * 0.97 / load * (1.0 - 1e-9))
     hours = np.where(np.isinf(found), 1e6, found).reshape(count, -1)
     # Twice the search's resolution in launch time, as above.
     assert np.all(np.diff(hours, axis=1) >= -1e-3)
@@ -180,7 +182,7 @@ def test_whole_days_that_lose_the_same_are_skipped_without_effect() -> None:
     assert 0.0 < loss < 2_000.0
     found = float(flight_time_h(balance, Store.of(pack), np.asarray([12.0]))[0])
     nights = float(balance.deficit_wh.sum()) / 0.97
-    days = (pack.energy_wh - nights) / loss
+    days = (pack.battery_energy_wh - nights) / loss
     # The day on which it ends is known to one day by this account.
     assert found / 24.0 == pytest.approx(days, abs=2.0)
 
@@ -194,12 +196,12 @@ def stepwise_flight_h(
     """Flight time from a node of the hourly axis, interval by interval."""
     balance = PowerBalance.of(HOURLY, solar, load)
     intervals = list(balance.intervals())
-    energy = np.asarray(store.energy_max_wh)
+    energy = np.asarray(store.battery_energy_wh)
     for count in range(days * len(intervals)):
         number = (node + count) % len(intervals)
         step = advance(store, intervals[number], energy)
-        if step.unserved_wh > 1e-12 * store.energy_max_wh:
-            return count * 1.0 + float(empty_after_h(step))
+        if step.unserved_wh > 1e-12 * store.battery_energy_wh:
+            return count * 1.0 + float(empty_after_h(step.interval, step.unserved_wh))
         energy = step.end_wh
     return inf
 

@@ -15,22 +15,18 @@ from sizing.energy.battery import (
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,
+    Store,
     TableChargeLimit,
 )
 from sizing.energy.cycle import simulate_cycle
-from sizing.energy.march import (
-    FloatArray,
+from sizing.energy.march import ChargingDay, empty_after_h, march, repeated_day, unserved_h
+from sizing.energy.power_balance import (
     PowerBalance,
-    Store,
     crossing_fraction,
-    empty_after_h,
-    final_energy_wh,
-    march,
-    periodic_energy_wh,
     positive_part_wh,
     ramp_fraction,
-    unserved_h,
 )
+from solar.types import FloatArray
 
 TABLE = TableChargeLimit(
     state_of_charge=(0.5, 0.8, 0.9, 0.99),
@@ -49,6 +45,21 @@ class Case(NamedTuple):
     solar_w: FloatArray
     load_w: FloatArray
     store: Store
+
+
+def final_energy_wh(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> FloatArray:
+    """Stored energy at the end of the time axis, marched over its surpluses alone."""
+    shape = balance.batch_shape
+    start = np.broadcast_to(energy_wh, shape).reshape(-1)
+    day = ChargingDay.of(balance.flat())
+    return day.end_wh(store.flat(shape), start).reshape(shape)
+
+
+def periodic_energy_wh(balance: PowerBalance, store: Store) -> FloatArray:
+    """Stored energy at the start of a cycle that repeats itself."""
+    shape = balance.batch_shape
+    run = repeated_day(ChargingDay.of(balance.flat()), store.flat(shape))
+    return run.start_wh.reshape(shape)
 
 
 @st.composite
@@ -130,8 +141,8 @@ def test_battery_that_empties_in_a_falling_power_is_found_by_hand() -> None:
     )
     (step,) = march(balance, store, np.asarray(50.0))
     # Arithmetic by hand: rounding alone.
-    assert float(empty_after_h(step)) == pytest.approx(1.0, rel=1e-12)
-    assert float(unserved_h(step)) == pytest.approx(1.0, rel=1e-12)
+    assert float(empty_after_h(step.interval, step.unserved_wh)) == pytest.approx(1.0, rel=1e-12)
+    assert float(unserved_h(step.interval, step.unserved_wh)) == pytest.approx(1.0, rel=1e-12)
     assert float(step.unserved_wh) == pytest.approx(150.0, rel=1e-12)
 
 
@@ -167,7 +178,7 @@ def test_time_must_increase_and_be_the_last_axis() -> None:
 @given(case=cases())
 def test_energy_account_closes(case: Case) -> None:
     cycle = simulate_cycle(*case)
-    a = cycle.account
+    a = cycle.energy_budget
     income = a.solar_wh + a.unserved_wh
     outgo = a.load_wh + a.stored_wh + a.charge_loss_wh + a.discharge_loss_wh + a.curtailed_wh
     turnover = a.solar_wh + a.load_wh
@@ -184,7 +195,7 @@ def test_energy_account_closes(case: Case) -> None:
 @given(case=cases())
 def test_stored_energy_stays_within_the_battery(case: Case) -> None:
     cycle = simulate_cycle(*case)
-    full = case.store.energy_max_wh[..., np.newaxis]
+    full = case.store.battery_energy_wh[..., np.newaxis]
     assert np.all(cycle.energy_wh >= 0.0)
     # One rounding of a sum and a division.
     assert np.all(cycle.energy_wh <= full * (1.0 + 1e-12))
@@ -200,12 +211,12 @@ def test_every_step_conserves_energy_from_any_start(case: Case, start: float) ->
     store = case.store
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
     eta = store.discharge_efficiency
-    for step in march(balance, store, start * store.energy_max_wh):
+    for step in march(balance, store, start * store.battery_energy_wh):
         flow = step.interval
         deficit = flow.early_deficit_wh + flow.late_deficit_wh
         charged = step.after_charge_wh - step.before_charge_wh
         drawn = step.start_wh + charged - step.end_wh
-        scale = store.energy_max_wh + deficit
+        scale = store.battery_energy_wh + deficit
         # What the load lacks of the sun is what the battery delivers and what stays unserved.
         assert np.all(np.abs(eta * drawn + step.unserved_wh - deficit) <= 1e-9 * scale)
         assert np.all(charged >= 0.0)
@@ -222,7 +233,7 @@ def test_every_step_conserves_energy_from_any_start(case: Case, start: float) ->
 @given(case=cases(), start=st.floats(0.0, 1.0), more=st.floats(0.0, 1.0))
 def test_fuller_battery_stays_fuller_and_never_gains(case: Case, start: float, more: float) -> None:
     # What the search for the fixed point relies on: 0 <= d(end)/d(start) <= 1.
-    full = case.store.energy_max_wh
+    full = case.store.battery_energy_wh
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
     low, high = start * full, (start + (1.0 - start) * more) * full
     end_low = final_energy_wh(balance, case.store, low)
@@ -238,13 +249,13 @@ def test_no_limit_never_charges_less_than_a_limit(case: Case, start: float) -> N
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
     store = case.store
     free = Store(
-        store.energy_max_wh, store.charge_efficiency, store.discharge_efficiency, clock=None
+        store.battery_energy_wh, store.charge_efficiency, store.discharge_efficiency, clock=None
     )
-    begin = start * store.energy_max_wh
+    begin = start * store.battery_energy_wh
     limited = final_energy_wh(balance, store, begin)
     unlimited = final_energy_wh(balance, free, begin)
     # Rounding of the clock's table.
-    assert np.all(unlimited >= limited - 1e-9 * store.energy_max_wh)
+    assert np.all(unlimited >= limited - 1e-9 * store.battery_energy_wh)
 
 
 # ---- nights at once
@@ -256,12 +267,12 @@ def test_day_marched_over_its_surpluses_is_the_day_marched_step_by_step(
     case: Case, start: float
 ) -> None:
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
-    begin = start * case.store.energy_max_wh
+    begin = start * case.store.battery_energy_wh
     energy = begin
     for step in march(balance, case.store, begin):
         energy = step.end_wh
     # Deficits are summed before they are taken: rounding, and the clock's table at 1e-10.
-    scale = case.store.energy_max_wh + balance.deficit_wh.sum(axis=0)
+    scale = case.store.battery_energy_wh + balance.deficit_wh.sum(axis=0)
     found = final_energy_wh(balance, case.store, begin)
     assert np.all(np.abs(found - energy) <= 1e-9 * scale)
 
@@ -274,13 +285,16 @@ def test_metrics_are_those_of_the_cycle_marched_step_by_step(case: Case) -> None
     energy = cycle.energy_wh[..., 0]
     missing, unserved, nodes = 0.0, 0.0, [energy]
     for step in march(balance, case.store, energy):
-        missing, unserved = missing + unserved_h(step), unserved + step.unserved_wh
+        missing, unserved = (
+            missing + unserved_h(step.interval, step.unserved_wh),
+            unserved + step.unserved_wh,
+        )
         nodes.append(step.end_wh)
-    scale = case.store.energy_max_wh + balance.deficit_wh.sum(axis=0)
+    scale = case.store.battery_energy_wh + balance.deficit_wh.sum(axis=0)
     # As above; the fixed point is settled to 1e-11 of the capacity.
     trajectory = np.moveaxis(np.array(nodes), 0, -1)
     assert np.all(np.abs(trajectory - cycle.energy_wh) <= 1e-9 * scale[..., np.newaxis])
-    assert np.all(np.abs(unserved - cycle.account.unserved_wh) <= 1e-9 * scale)
+    assert np.all(np.abs(unserved - cycle.energy_budget.unserved_wh) <= 1e-9 * scale)
     # An hour's error is the energy's over the power at the instant of empty: near a crossing of
     # zero its square root.
     sure = np.asarray(unserved) > 1e-6 * scale
@@ -297,7 +311,7 @@ def test_element_does_not_depend_on_the_batch_or_on_what_is_kept(case: Case) -> 
     names = ("excess_time_h", "charge_margin_h", "full_charge_h", "missing_h", "status")
     for index in np.ndindex(case.solar_w.shape[:-1]):
         store = Store(
-            np.asarray(case.store.energy_max_wh[index]),
+            np.asarray(case.store.battery_energy_wh[index]),
             case.store.charge_efficiency,
             case.store.discharge_efficiency,
             case.store.clock,
@@ -319,7 +333,7 @@ def test_cycle_repeats_itself(case: Case) -> None:
     energy = periodic_energy_wh(balance, case.store)
     again = final_energy_wh(balance, case.store, energy)
     # The search's own tolerance is far finer; rounding of 30 sums.
-    assert np.all(np.abs(again - energy) <= 1e-9 * case.store.energy_max_wh)
+    assert np.all(np.abs(again - energy) <= 1e-9 * case.store.battery_energy_wh)
 
 
 @settings(max_examples=30, deadline=None)
@@ -327,14 +341,14 @@ def test_cycle_repeats_itself(case: Case) -> None:
 def test_cycle_is_what_repetition_from_empty_leads_to(case: Case) -> None:
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)
     store = case.store
-    energy = np.zeros_like(store.energy_max_wh)
+    energy = np.zeros_like(store.battery_energy_wh)
     for _ in range(200):
         previous, energy = energy, final_energy_wh(balance, store, energy)
-    settled = np.abs(energy - previous) <= 1e-13 * store.energy_max_wh
+    settled = np.abs(energy - previous) <= 1e-13 * store.battery_energy_wh
     found = periodic_energy_wh(balance, store)
     # Where a cycle gains 1e-9 or less 200 cycles do not tell; elsewhere both are the same number
     # to the tolerance of the search, divided by one cycle's contraction.
-    difference = np.abs(found - energy) / store.energy_max_wh
+    difference = np.abs(found - energy) / store.battery_energy_wh
     assert np.all(difference[settled] <= 1e-6)
 
 
@@ -344,7 +358,7 @@ def test_batch_equals_its_elements(case: Case) -> None:
     batch = simulate_cycle(*case)
     for index in np.ndindex(case.solar_w.shape[:-1]):
         store = Store(
-            np.asarray(case.store.energy_max_wh[index]),
+            np.asarray(case.store.battery_energy_wh[index]),
             case.store.charge_efficiency,
             case.store.discharge_efficiency,
             case.store.clock,
@@ -356,5 +370,8 @@ def test_batch_equals_its_elements(case: Case) -> None:
                 getattr(batch, name)[index], getattr(one, name), rtol=1e-9, atol=1e-9, err_msg=name
             )
         np.testing.assert_allclose(
-            batch.energy_wh[index], one.energy_wh, rtol=0.0, atol=1e-9 * float(store.energy_max_wh)
+            batch.energy_wh[index],
+            one.energy_wh,
+            rtol=0.0,
+            atol=1e-9 * float(store.battery_energy_wh),
         )

@@ -9,15 +9,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from missions.files.validation import load
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
-from sizing.energy.march import FloatArray
+from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import SizingResult, size_aircraft
-from sizing.performance import SolarModel, performance_of_designs, solar_day
+from sizing.performance import performance_of_designs
+from sizing.sunlight import SolarModel, solar_day
+from solar.types import FloatArray
 
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
     Objective.max_excess_time,
@@ -28,7 +29,7 @@ MAX_EXCESS, MIN_SPAN, MIN_MASS = (
 
 def aircraft(name: str, *overrides: str) -> Aircraft:
     with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load(path, Aircraft, overrides)
+        return load_aircraft(path, overrides)
 
 
 def mission(**changes: Any) -> Mission:

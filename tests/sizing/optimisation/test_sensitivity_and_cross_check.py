@@ -17,8 +17,11 @@ from sizing.optimisation.sensitivity import (
     sensitivities,
 )
 from sizing.parameters import catalogue, with_parameter
-from sizing.performance import SolarModel, performance_of_designs
+from sizing.performance import performance_of_designs
+from sizing.sunlight import SolarModel
 from studies.output.plots import tornado_figure
+
+pytestmark = pytest.mark.slow
 
 DESIGN = "atlantiksolar-design"
 

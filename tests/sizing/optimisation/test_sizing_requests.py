@@ -1,4 +1,4 @@
-"""What else a sizing may be asked: payload, ranges, limits, bands, lift, and what would help."""
+"""What else a sizing may be asked: payload, ranges, limits, margins, lift, and what would help."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
-from sizing.performance import SolarModel, performance, performance_of_designs, solar_day
+from sizing.performance import performance, performance_of_designs
+from sizing.sunlight import SolarModel, solar_day
 
 SMALL = (
     "design_space.wingspan_m.maximum=4.0",
@@ -208,10 +209,10 @@ def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
         aircraft(wing, f"{span}{1.05 * highest:.4f}}}")
 
 
-# ---- bands
+# ---- uncertainty margins
 
 
-def test_design_is_judged_at_the_bad_end_of_every_band() -> None:
+def test_performance_is_that_at_the_worst_of_every_margin() -> None:
     plane = load_aircraft("atlantiksolar-as2")
     ends = {
         "solar_model_sigmas": (0.0, 1.0),
@@ -219,7 +220,7 @@ def test_design_is_judged_at_the_bad_end_of_every_band() -> None:
         "battery_capacity": (1.0, 0.8),
     }
     corners = [
-        performance(plane, mission(bands=dict(zip(ends, corner, strict=True))))
+        performance(plane, mission(uncertainty_margins=dict(zip(ends, corner, strict=True))))
         for corner in product(*ends.values())
     ]
     excess = [float(np.min(one.cycle.excess_time_h)) for one in corners]
@@ -228,10 +229,10 @@ def test_design_is_judged_at_the_bad_end_of_every_band() -> None:
     assert excess[-1] < excess[0]
 
 
-def test_bands_act_as_the_numbers_they_stand_for() -> None:
+def test_margins_act_as_the_numbers_they_stand_for() -> None:
     plane = load_aircraft("atlantiksolar-as2")
     solar = SolarModel("CAM", "report")
-    aged = performance(plane, mission(bands={"battery_capacity": 0.8}), solar)
+    aged = performance(plane, mission(uncertainty_margins={"battery_capacity": 0.8}), solar)
     lighter = with_parameter(
         plane,
         mission(),
@@ -241,13 +242,13 @@ def test_bands_act_as_the_numbers_they_stand_for() -> None:
     np.testing.assert_allclose(
         aged.cycle.excess_time_h, performance(lighter, mission(), solar).cycle.excess_time_h
     )
-    dim = solar_day(plane, mission(bands={"solar_model_sigmas": 2.0}), solar)
+    dim = solar_day(plane, mission(uncertainty_margins={"solar_model_sigmas": 2.0}), solar)
     plain = solar_day(plane, mission(), solar)
     np.testing.assert_allclose(
         dim.specific_power_w_per_m2,
         plain.specific_power_w_per_m2 * (1.0 - 2.0 * solar.rms_relative),
     )
-    hazy = solar_day(plane, mission(bands={"clearness_minimum": 0.7}), solar)
+    hazy = solar_day(plane, mission(uncertainty_margins={"clearness_minimum": 0.7}), solar)
     np.testing.assert_allclose(
         hazy.specific_power_w_per_m2,
         solar_day(plane, mission(clearness=0.7), solar).specific_power_w_per_m2,
@@ -256,16 +257,16 @@ def test_bands_act_as_the_numbers_they_stand_for() -> None:
 
 def test_robust_design_is_larger_and_flies_at_both_ends() -> None:
     plane = aircraft()
-    banded = mission(bands={"solar_model_sigmas": 1.0, "battery_capacity": 0.85})
-    robust = size_aircraft(plane, banded, Objective.min_mass, required_excess_time_h=2.0)
+    uncertain = mission(uncertainty_margins={"solar_model_sigmas": 1.0, "battery_capacity": 0.85})
+    robust = size_aircraft(plane, uncertain, Objective.min_mass, required_excess_time_h=2.0)
     plain = size_aircraft(plane, mission(), Objective.min_mass, required_excess_time_h=2.0)
     assert robust.design is not None
     assert plain.design is not None
     assert robust.design.total_mass_kg > plain.design.total_mass_kg
     for where, design, enough in (
         (mission(), robust.design, True),
-        (banded, robust.design, True),
-        (banded, plain.design, False),
+        (uncertain, robust.design, True),
+        (uncertain, plain.design, False),
     ):
         perf = performance_of_designs(plane, where, design.variables)
         assert bool(np.min(perf.cycle.excess_time_h) >= 2.0) is enough
@@ -277,7 +278,7 @@ name: hazy
 latitude_deg: 47.6
 dates: {on: 07-15}
 clearness: 0.8
-bands: {clearness_minimum: 0.9}
+uncertainty_margins: {clearness_minimum: 0.9}
 """
     with pytest.raises(InputError, match=r"clearness_minimum.*at most the mission's clearness"):
         validate(parse_yaml(text, "hazy.yaml"), Mission)

@@ -13,13 +13,11 @@ from pydantic import ValidationError
 from scipy.integrate import quad
 
 from sizing.aerodynamics.parabolic import DragPolar, level_flight_power_w, scaled_power_w
-from sizing.structures.inputs import StructureInputs
+from sizing.structures.loads import StructureInputs, limit_load_factor, root_bending_moment_nm
 from sizing.structures.models import (
     AllPowerLawStructure,
     PowerLawStructure,
     SparStructure,
-    limit_load_factor,
-    root_bending_moment_nm,
 )
 
 G = 9.80665

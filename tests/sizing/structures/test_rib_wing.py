@@ -14,8 +14,8 @@ from scipy.integrate import quad
 
 from sizing.aircraft import Propulsion
 from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
-from sizing.structures.inputs import StructureInputs
 from sizing.structures.loads import (
+    StructureInputs,
     gust_alleviation_factor,
     gust_load_increment,
     gust_mass_ratio,

@@ -88,6 +88,95 @@ def test_place_and_day_can_be_chosen(run: Run) -> None:
     assert (by_day["latitude_deg"], by_day["day_of_year"]) == (-30.5, 355)
 
 
+@pytest.mark.parametrize(
+    ("options", "overrides"),
+    [
+        (("--latitude", "-30.5"), ("mission.latitude_deg=-30.5",)),
+        (("--date", "12-21"), ("mission.dates={on: 12-21}",)),
+        (("--day-of-year", "355"), ("mission.dates={on: 12-21}",)),
+        (
+            ("--latitude", "50", "--date", "03-01"),
+            ("mission.latitude_deg=50", "mission.dates={on: 03-01}"),
+        ),
+    ],
+)
+@pytest.mark.parametrize("mission", ["rafz-july", "central-europe-summer"])
+def test_a_mission_is_moved_in_one_way(
+    run: Run, mission: str, options: tuple[str, ...], overrides: tuple[str, ...]
+) -> None:
+    by_option = run("analyse", AS2, "-m", mission, *options, "--json").json()
+    set_options = [part for override in overrides for part in ("--set", override)]
+    assert by_option == run("analyse", AS2, "-m", mission, *set_options, "--json").json()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("analyse", AS2),
+        ("compare", "sky-sailor", "--no-design", "--models", "CAM", "--corrections", "none"),
+        ("ceiling", "sky-sailor", "--highest", "1000"),
+        ("map", AS2, "--latitudes", "40:45:5", "--days", "100:200:100", "--workers", "1"),
+        ("sweep", DESIGN, "--vary", "battery_mass_kg=2,3", "--workers", "1"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_every_result_says_whose_it_is(run: Run, command: tuple[str, ...]) -> None:
+    outcome = run(*command)
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[0] == f"{command[1]} on rafz-july (default mission)"
+    told = run(*command, "-m", "rafz-july", "--json").json()
+    assert (told["aircraft"], told["mission"], told["mission_is_default"]) == (
+        command[1],
+        "rafz-july",
+        False,
+    )
+    assert run(*command, "--json").json() == {**told, "mission_is_default": True}
+    named = run(*command, "-m", "rafz-july")
+    assert named.out.splitlines()[0] == f"{command[1]} on rafz-july"
+
+
+@pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
+@pytest.mark.parametrize("correction", ["none", "loiter"])
+def test_polar_night_leaves_the_endurance_of_the_battery(
+    run: Run, tmp_path: Path, model: str, correction: str
+) -> None:
+    place = ("--latitude", "70", "--date", "12-21", "--model", model, "--correction", correction)
+    outcome = run("analyse", AS2, *place, "--plot", "a.png", "--csv", "a.csv", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    record = outcome.json()
+    assert record["status"] == "limited"
+    assert record["solar_energy_wh"] == 0.0
+    assert record["excess_time_h"] == pytest.approx(-24.0)
+    # A full battery, discharged at 97 % efficiency, over a constant load.
+    usable_wh = 0.97 * record["battery_energy_wh"]
+    assert record["endurance_h"] == pytest.approx(usable_wh / record["power_out_w"], rel=1e-9)
+    undefined = ("sunrise_h", "sunset_h", "equal_power_morning_h", "full_charge_h")
+    assert [record[key] for key in undefined] == [None] * 4
+    assert files(tmp_path) == {"a.png", "a.csv"}
+    assert run("analyse", AS2, *place).code == 0
+
+
+def test_a_polar_night_among_other_days(run: Run) -> None:
+    band = "mission.latitude_deg={from_deg: 50, to_deg: 80}"
+    days = "mission.dates={from: 12-01, to: 12-31}"
+    outcome = run("analyse", AS2, "--set", band, "--set", days, "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert {s["latitude_deg"] for s in outcome.json()["scenarios"] if s["sunrise_h"] is None} == {
+        80.0
+    }
+
+
+def test_climbing_in_polar_night_gains_nothing(run: Run) -> None:
+    place = ("--set", "mission.latitude_deg=80", "--set", "mission.dates={on: 12-21}")
+    climb = ("--set", "mission.climb={ceiling_m: 2000}")
+    outcome = run("analyse", DESIGN, *place, *climb, "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    record = outcome.json()
+    assert record["excess_time_h"] == pytest.approx(-24.0)
+    assert record["climb"]["gliding_h"] == 0.0
+    assert record["climb"]["gain_in_excess_time_h"] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_model_and_correction_can_be_chosen(run: Run) -> None:
     cdm = run("analyse", AS2, "--model", "CDM", "--json").json()
     corrected = run("analyse", AS2, "--correction", "report", "--json").json()

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 from command_line import BIRD, FIELD, Run, edited, files
 
@@ -46,6 +47,17 @@ def test_names_that_are_no_file_names(run: Run, tmp_path: Path, name: str) -> No
     assert (outcome.code, outcome.out) == (2, "")
     assert "a name has letters, digits, '-', '_' and '.', at most 64 of them" in outcome.err
     assert files(tmp_path) == set()
+
+
+@pytest.mark.parametrize("name", ["heron.yaml", "heron.YML"])
+def test_starters_of_a_file_name(run: Run, tmp_path: Path, name: str) -> None:
+    outcome = run("init", name)
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[-1] == (
+        "try: solar-uav size heron.yaml --mission heron-mission.yaml"
+    )
+    assert files(tmp_path) == {"heron.yaml", "heron-mission.yaml"}
+    assert run("validate", *files(tmp_path)).code == 0
 
 
 def test_validation_reports_every_file(run: Run, tmp_path: Path) -> None:
@@ -164,7 +176,7 @@ def test_version_and_helps(run: Run) -> None:
     assert re.fullmatch(r"solar-uav, version \S+\n", run("--version").out)
     outcome = run("--help")
     assert outcome.code == 0
-    for command in cli.cli.commands:
+    for command in cli.cli.list_commands(click.Context(cli.cli)):
         assert f"  {command} " in outcome.out
         for flag in ("--help", "-h"):
             page = run(command, flag)
@@ -203,7 +215,7 @@ def test_huge_numbers_end_in_a_message(run: Run, override: str) -> None:
 
 @pytest.mark.parametrize("override", ["mission.latitude_deg=95", "mission.latitude_deg=-80"])
 def test_overrides_of_the_mission_are_named_as_written(run: Run, override: str) -> None:
-    outcome = run("analyse", AS2, "--set", override)
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", override)
     assert outcome.code == 2
     assert outcome.err.startswith("--set mission.latitude_deg: ")
 
@@ -258,10 +270,11 @@ def test_help_imports_nothing_heavy() -> None:
         "try:\n"
         "    main()\n"
         "finally:\n"
-        "    print(*sorted({name.partition('.')[0] for name in sys.modules}), file=sys.stderr)\n"
+        "    print(*sys.modules, file=sys.stderr)\n"
     )
+    commands = cli.cli.list_commands(click.Context(cli.cli))
     heavy = {"numpy", "casadi", "pandas", "matplotlib", "xarray", "scipy", "pydantic", "rich"}
-    for arguments in (["--help"], ["size", "--help"]):
+    for arguments in (["--help"], *([name, "--help"] for name in commands)):
         done = subprocess.run(
             [sys.executable, "-c", code, *arguments],
             capture_output=True,
@@ -271,7 +284,10 @@ def test_help_imports_nothing_heavy() -> None:
             env=environment(),
         )
         assert "Usage: solar-uav" in done.stdout
-        assert not heavy & set(done.stderr.split())
+        loaded = done.stderr.split()
+        assert not heavy & {name.partition(".")[0] for name in loaded}
+        own = [name for name in loaded if name.startswith("studies.cli.commands.")]
+        assert len(own) == len(arguments) - 1
 
 
 def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
@@ -311,27 +327,80 @@ def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
     assert b"Exception" not in said
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="pipes and signals of POSIX")
-def test_interrupted_sizing_leaves_nothing_behind(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "module", "function"),
+    [
+        (("analyse", AS2, "--csv", "a.csv"), "sizing.results.analysis", "analyse"),
+        (("size", DESIGN, "-m", "rafz-july", "--out", "a"), "sizing.optimisation.search", "size_aircraft"),  # noqa: E501
+        (("compare", AS2, "--no-design", "--out", "a"), "studies.models.comparison", "compare"),
+        (("ceiling", AS2, "--csv", "a.csv"), "sizing.altitude.ceiling", "highest_perpetual_altitude"),  # noqa: E501
+        (("published", "--markdown", "a.md"), "studies.validation.published", "comparisons"),
+        (("reproduce-report", "--out", "a"), "studies.validation.report_reproduction", "reproduce"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)  # fmt: skip
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_signal_ends_a_command_quietly(
+    tmp_path: Path, arguments: tuple[str, ...], module: str, function: str, name: str
+) -> None:
+    number = getattr(signal, name)
+    done = stopped(
+        tmp_path, arguments, f"{module}:{function}", f"os.kill(os.getpid(), {int(number)})"
+    )
+    assert done.returncode == 128 + number
+    assert (done.stdout, done.stderr.strip()) == ("", "")
+    assert files(tmp_path) == set()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path) -> None:
+    target = "studies.validation.published:comparisons"
+    done = stopped(tmp_path, ("published",), target, "swallow()")
+    assert done.returncode == 130
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
+    target = "studies.validation.published:comparisons"
+    done = stopped(tmp_path, ("published",), target, "stubborn()")
+    assert done.returncode == -signal.SIGINT
+    assert "Traceback" not in done.stderr
+
+
+def stopped(
+    folder: Path, arguments: tuple[str, ...], target: str, act: str
+) -> subprocess.CompletedProcess[str]:
+    """Outcome of a command in which a function was replaced by one that acts."""
+    module, function = target.split(":")
     code = (
-        "import os, signal, sys\n"
+        "import contextlib, importlib, os, signal, sys, time\n"
         # Python leaves an interrupt ignored that a background job of a shell was started with.
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "from sizing.optimisation import search\n"
         "from studies.cli.__main__ import main\n"
-        "search.size_aircraft = lambda *a, **k: os.kill(os.getpid(), signal.SIGINT)\n"
-        f"sys.argv = ['solar-uav', 'size', '{DESIGN}', '-m', 'rafz-july', '--out', 'design']\n"
+        "def swallow():\n"
+        "    with contextlib.suppress(KeyboardInterrupt):\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "    return []\n"
+        "def stubborn():\n"
+        "    try:\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "    finally:\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "        time.sleep(30)\n"
+        "def act(*arguments, **options):\n"
+        f"    return {act}\n"
+        f"importlib.import_module({module!r}).{function} = act\n"
+        f"sys.argv = ['solar-uav', *{arguments!r}]\n"
         "main()\n"
     )
-    done = subprocess.run(
+    return subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
         text=True,
         timeout=60,
         check=False,
-        cwd=tmp_path,
+        cwd=folder,
         env=environment(),
     )
-    assert done.returncode in (1, 130, -signal.SIGINT)
-    assert "Traceback" not in done.stderr
-    assert files(tmp_path) == set()

@@ -11,6 +11,7 @@ import pytest
 from command_line import Outcome, Run, files
 
 DESIGN = "atlantiksolar-design"
+LONGEST = ("--objective", "max_excess_time")
 
 SIZE_KEYS = {
     "wingspan_m",
@@ -29,7 +30,9 @@ SIZE_KEYS = {
 }
 SIZED_FILES = {
     "aircraft.yaml",
-    "result.json",
+    "mission.yaml",
+    "run.json",
+    "results.json",
     "scenarios.csv",
     "masses.csv",
     "cycle.png",
@@ -38,7 +41,7 @@ SIZED_FILES = {
 
 
 def test_sizing_as_json(run: Run) -> None:
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--json")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *LONGEST, "--json")
     assert (outcome.code, outcome.err) == (0, "")
     record = outcome.json()
     assert record.keys() >= SIZE_KEYS
@@ -48,6 +51,33 @@ def test_sizing_as_json(run: Run) -> None:
     assert record["active_constraints"]
     # The simulator has the last word on what the program found.
     assert record["objective"]["value"] == record["simulated"]["excess_time_h"]
+
+
+def test_the_least_mass_with_the_required_excess_time_is_what_is_sized_for(run: Run) -> None:
+    asked = ("size", DESIGN, "-m", "rafz-july", "--json")
+    record = run(*asked, "--set", "mission.required_excess_time_h=2").json()
+    assert record["objective"]["name"] == "min_mass"
+    assert record["objective"]["required_excess_time_h"] == 2.0
+    assert record["simulated"]["excess_time_h"] == pytest.approx(2.0, abs=0.1)
+    assert not [name for name in record["active_constraints"] if " at its " in name]
+    assert (
+        run(*asked, "--required-excess-time", "2").json()["total_mass_kg"]
+        == (record["total_mass_kg"])
+    )
+
+
+def test_a_sizing_without_sun_is_refused(run: Run, tmp_path: Path) -> None:
+    place = ("--set", "mission.latitude_deg=80", "--set", "mission.dates={on: 12-21}")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *place, "--out", "design")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "polar night: the sun never rises at 80 N, 21 Dec" in outcome.err
+    assert files(tmp_path) == set()
+
+
+def test_a_mission_must_be_given(run: Run) -> None:
+    outcome = run("size", DESIGN)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.splitlines()[-1] == "Error: Missing option '--mission' / '-m'."
 
 
 @pytest.mark.parametrize(
@@ -62,7 +92,7 @@ def test_objectives(run: Run, objective: str, key: str) -> None:
 
 
 def test_overrides_change_the_sizing(run: Run) -> None:
-    common = ("size", DESIGN, "-m", "rafz-july", "--json")
+    common = ("size", DESIGN, "-m", "rafz-july", *LONGEST, "--json")
     before = run(*common).json()
     denser = run(*common, "--set", "battery.specific_energy_wh_per_kg=400").json()
     loaded = run(*common, "--set", "mission.payload.mass_kg=1").json()
@@ -83,7 +113,7 @@ def test_sized_aircraft_flies_as_the_sizing_says(sized: tuple[Outcome, Path], ru
     assert files(folder) == SIZED_FILES
     assert files(folder.parent) == {"design"}
     record = outcome.json()
-    assert json.loads((folder / "result.json").read_text()) == record
+    assert json.loads((folder / "results.json").read_text()) == record
     aircraft = str(folder / "aircraft.yaml")
     assert run("validate", aircraft).code == 0
     flown = run("analyse", aircraft, "-m", "rafz-july", "--json").json()
@@ -112,7 +142,16 @@ def test_tables_and_figures_of_a_sizing(sized: tuple[Outcome, Path]) -> None:
 def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: Path) -> None:
     # At the pole in June the sun stays at 23 degrees: the battery is never needed.
     place = ("--set", "mission.latitude_deg=90", "--set", "mission.dates={on: 06-21}")
-    asked = ("size", DESIGN, "-m", "rafz-july", *place, "--sensitivities", "--cross-check")
+    asked = (
+        "size",
+        DESIGN,
+        "-m",
+        "rafz-july",
+        *LONGEST,
+        *place,
+        "--sensitivities",
+        "--cross-check",
+    )
     outcome = run(*asked, "--json", "--out", "pole")
     assert (outcome.code, outcome.err) == (0, "")
     record = outcome.json()
@@ -124,7 +163,7 @@ def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: P
     assert files(tmp_path / "pole") == SIZED_FILES
     text = run(*asked)
     assert (text.code, text.err) == (0, "")
-    assert "no end" in text.out
+    assert "unlimited excess time" in text.out
     assert re.search(r"\b(inf|nan)\b", text.out) is None
 
 

@@ -71,11 +71,11 @@ def test_loiter_correction_covers_both_models_and_says_how_wind_spreads(
 ) -> None:
     outcome = run("loiter-correction", "--json", "--markdown", "t.md")
     assert (outcome.code, outcome.err) == (0, "")
-    rows = outcome.json()
+    rows = outcome.json()["errors"]
     assert {row["model"] for row in rows} == {"CDM", "CAM"}
     for row in rows:
         # On a circle without wind no direction is another; with wind they differ.
         assert (row["half_range"] < 1e-9) == (row["wind_m_per_s"] == 0.0)
     winds = {row["wind_m_per_s"] for row in rows}
-    table = (tmp_path / "t.md").read_text(encoding="utf-8").splitlines()
-    assert len(table) == len(rows) / len(winds) + 2
+    text = (tmp_path / "t.md").read_text(encoding="utf-8")
+    assert text.count("\n|") + 1 == len(rows) / len(winds) + 2

@@ -45,7 +45,7 @@ AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
         ("[10, 5, 1]", "[10, 5]", "battery.charge_limit: state_of_charge and current_a must have the same length"),  # noqa: E501
         ("[0.8, 0.9, 1.0]", "[0.9, 0.8, 1.0]", "battery.charge_limit: state_of_charge must increase strictly"),  # noqa: E501
         # what YAML allows and a description must not hold
-        ("name: bird", "name: !!python/object/apply:os.getcwd []", ":1:7: name: explicit tags (!!python/object/apply:os.getcwd) are not allowed"),  # noqa: E501
+        ("name: bird", "name: !!python/object/apply:os.getcwd []", ":1:7: explicit tags (!!python/object/apply:os.getcwd) are not allowed"),  # noqa: E501
         ("power:\n", "<<: {a: 1}\npower:\n", ":23:1: merge keys (<<) are not allowed"),
         ("name: bird", "? [a]\n: b", "a key must be text (got a list)"),
         ("name: bird", "--- {}\n---\nname: bird", "only one document (---) is allowed per file"),
@@ -165,12 +165,48 @@ def test_unreadable_file(run: Run, tmp_path: Path) -> None:
     assert outcome == (2, "", "bird.yaml: cannot be read: permission denied\n")
 
 
-def test_mission_for_aircraft_and_the_reverse(run: Run, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ("analyse", "field.yaml"),
+            "field.yaml: is a mission, not an aircraft: missions are given with --mission",
+        ),
+        (
+            ("analyse", AS2, "-m", "bird.yaml"),
+            "bird.yaml: is an aircraft, not a mission: AIRCRAFT comes first",
+        ),
+        (
+            ("analyse", "field.yaml", "-m", "bird.yaml"),
+            "field.yaml: is a mission, and bird.yaml is an aircraft: swap the two",
+        ),
+        (
+            ("verify", "flight.csv", AS2),
+            f"Error: the aircraft comes first: verify {AS2} flight.csv",
+        ),
+        (
+            ("verify", "flight.ULG", "bird.yaml"),
+            "Error: the aircraft comes first: verify bird.yaml flight.ULG",
+        ),
+    ],
+)
+def test_files_in_each_others_place_are_named_in_one_line(
+    run: Run, tmp_path: Path, arguments: tuple[str, ...], said: str
+) -> None:
     (tmp_path / "bird.yaml").write_text(BIRD)
     (tmp_path / "field.yaml").write_text(FIELD)
-    outcome = run("analyse", "field.yaml", "-m", "bird.yaml")
+    (tmp_path / "flight.csv").write_text("time_s\n")
+    outcome = run(*arguments)
     assert (outcome.code, outcome.out) == (2, "")
-    assert "field.yaml:1:1: airframe: required key is missing" in outcome.err
+    lines = outcome.err.splitlines()
+    assert lines[-1] == said
+    assert [line for line in lines[:-1] if line] == [] or lines[0].startswith("Usage: ")
+
+
+def test_a_short_file_is_told_what_it_lacks(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bird.yaml").write_text("name: bird\n")
+    assert "bird.yaml:1:1: airframe: required key is missing" in run("analyse", "bird.yaml").err
+    outcome = run("analyse", AS2, "-m", "bird.yaml")
     assert "bird.yaml:1:1: latitude_deg: required key is missing" in outcome.err
 
 
@@ -235,7 +271,6 @@ def test_wrong_overrides(run: Run, override: str, said: str) -> None:
         (["--day-of-year", "0"], "'--day-of-year': 0 is not in the range 1<=x<=365"),
         (["--day-of-year", "366"], "'--day-of-year': 366 is not in the range 1<=x<=365"),
         (["--date", "07-01", "--day-of-year", "3"], "give --day-of-year or --date, not both"),
-        (["--latitude", "80", "--date", "12-21"], "polar night: the sun never rises at 80 N, 21"),
         (["--model", "XYZ"], "'--model': 'XYZ' is not one of"),
         (["--correction", "XYZ"], "'--correction': 'XYZ' is not one of"),
         (["--plot", "a.gif"], "'a.gif' must end in .png, .svg, .pdf"),

@@ -23,7 +23,7 @@ from solar.full_model import full_model
 from solar.geometry import ModuleGeometry, ModuleOutline
 from solar.power import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area
-from solar.sun import FloatArray
+from solar.types import FloatArray
 from studies.cli.__main__ import cli
 from studies.flight_logs.errors import Window, day_masks, moving_average, parse_window
 from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
@@ -31,6 +31,7 @@ from studies.flight_logs.verification import Verification, verify
 
 MORNING_S = START_UTC_S + 18.3 * 3600.0  # just before sunrise on 1 July
 ATTITUDE = ["roll_deg", "pitch_deg", "yaw_deg"]
+RUN = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
 
 
 class ModulesWithTail(SolarModules):
@@ -85,12 +86,12 @@ def made(**settings: Any) -> SyntheticLog:
 
 
 def verified(log: SyntheticLog, **options: Any) -> Verification:
-    return verify(log.log(), aircraft(), mission(), **options)
+    return verify(aircraft(), log.log(), mission(), **options)
 
 
 def without(log: SyntheticLog, *columns: str) -> Verification:
     table = log.table.drop(columns=list(columns))
-    return verify(log_from_table(table, "synthetic.csv"), aircraft(), mission())
+    return verify(aircraft(), log_from_table(table, "synthetic.csv"), mission())
 
 
 # ---- Errors
@@ -139,13 +140,13 @@ def test_moving_average_never_leaves_a_run() -> None:
 def test_all_models_agree_with_the_library_on_single_samples() -> None:
     """Chunks, areas and frames: each sample alone gives what the whole log gives."""
     log = made(start_utc_s=MORNING_S, duration_h=6.0).log()
-    result = verify(log, aircraft(), mission())
+    result = verify(aircraft(), log, mission())
     modules = aircraft().modules
     assert modules.geometry is not None
     assert log.attitude is not None
-    from solar.almanac import sun_position
     from solar.attitude import direction_cosines
     from solar.clearsky import clear_sky
+    from solar.sun import sun_position
 
     for place in (10, 3000, 9000):
         i = result.samples.index[place]
@@ -200,7 +201,7 @@ def test_ambient_temperature_of_log_then_mission_then_standard_air() -> None:
     plain = mission().model_copy(update={"air": type(mission().air)()})
 
     def warmest(table: pd.DataFrame, where: Mission) -> float:
-        detail = verify(log_from_table(table, "x"), aircraft(), where).samples.detail
+        detail = verify(aircraft(), log_from_table(table, "x"), where).samples.detail
         assert detail is not None
         return float(detail.module_temperature_c.max())
 
@@ -289,7 +290,7 @@ def test_limited_power_is_found_with_fewer_columns(missing: list[str]) -> None:
 def test_low_power_at_half_charge_is_not_blamed_on_the_battery() -> None:
     log = made(faults=Faults(battery_full=(24.0, 27.0)))
     table = log.table.assign(state_of_charge=0.5)
-    result = verify(log_from_table(table, "x.csv"), aircraft(), mission())
+    result = verify(aircraft(), log_from_table(table, "x.csv"), mission())
     assert "battery_full" not in [a.kind for a in result.anomalies]
     assert not result.excluded.any()
 
@@ -297,10 +298,10 @@ def test_low_power_at_half_charge_is_not_blamed_on_the_battery() -> None:
 def test_low_power_at_steady_tracker_voltage_is_not_blamed_on_the_tracker() -> None:
     log = made(faults=Faults(mppt=(18.5, 21.0)))
     steady = log.table.assign(mppt_voltage_v=20.0)
-    result = verify(log_from_table(steady, "x.csv"), aircraft(), mission())
+    result = verify(aircraft(), log_from_table(steady, "x.csv"), mission())
     assert "mppt_not_tracking" not in [a.kind for a in result.anomalies]
     (found,) = without(log, "mppt_voltage_v").anomalies
-    assert "no tracker voltage logged" in found.evidence
+    assert "no MPPT voltage logged" in found.evidence
 
 
 def test_gap_at_night_is_no_anomaly() -> None:
@@ -333,7 +334,7 @@ def test_aircraft_without_geometry() -> None:
         update={"modules": craft.modules.model_copy(update={"geometry": None})}
     )
     log = made(start_utc_s=MORNING_S, duration_h=2.0)
-    result = verify(log.log(), craft, mission())
+    result = verify(craft, log.log(), mission())
     assert "has no modules.geometry" in result.notes[0]
     with pytest.raises(ValueError, match="no module geometry"):
         synthetic_log(craft, mission(), Settings())
@@ -345,7 +346,7 @@ def test_tail_of_the_aircraft_shades() -> None:
 
     def result(**parts: Any) -> Verification:
         modules = ModulesWithTail(**plain, **parts)
-        return verify(log.log(), aircraft().model_copy(update={"modules": modules}), mission())
+        return verify(aircraft().model_copy(update={"modules": modules}), log.log(), mission())
 
     with_tail = result(geometry=geometry(), tail=TAIL).samples.detail
     assert with_tail is not None
@@ -428,12 +429,12 @@ def test_command_writes_everything(log_file: Path, tmp_path: Path) -> None:
     result = run(log_file, "--out", out, "--window", "5.7:5.8", "--window", "2015-07-01@8:8.1")
     assert result.exit_code == 0, result.output
     images = {"window-1.png", "window-2.png", "day-2015-07-01.png"}
-    assert {f.name for f in out.iterdir()} == images | {"samples.csv", "verification.json"}
+    assert {f.name for f in out.iterdir()} == images | RUN | {"samples.csv"}
     assert {f.name for f in out.parent.iterdir()} == {"out"}
     for name in images:
         assert (out / name).read_bytes().startswith(b"\x89PNG")
     table = pd.read_csv(out / "samples.csv")
-    record = json.loads((out / "verification.json").read_text())
+    record = json.loads((out / "results.json").read_text())
     assert len(table) == record["log"]["sunlit_samples"]
     used = table[table["excluded"] == 0]
     mean = record["days"][0]["models"]["FM"]["average_error_w"]
@@ -469,6 +470,22 @@ def test_figures_without_attitude() -> None:
     result = without(log, *ATTITUDE, "mppt_voltage_v")
     ((_, mask),) = day_masks(result.samples)
     assert len(plots.day_figure(result, result.days[0], mask).axes) == 1
+
+
+def test_result_prints_itself_and_reads_its_own_log(log_file: Path) -> None:
+    result = verify(aircraft(), log_file, windows=["5.71:5.79"])
+    assert result.mission == "rafz-28h"
+    text = str(result)
+    assert text.startswith(f"atlantiksolar-as2 against {log_file}")
+    for part in ("5.71 to 5.79 h (solar time)", "2015-07-01 (UTC)", "battery full", "not in the"):
+        assert part in text
+    assert repr(result) == f"<Verification: {result.headline()}>"
+    frame = result.to_frame()
+    assert len(frame) == result.to_dict()["log"]["sunlit_samples"]
+    assert frame["fm_w"].to_numpy() == pytest.approx(result.samples.modelled_w["FM"])
+    assert result.to_csv().count("\n") == len(frame) + 1
+    with pytest.raises(ValueError, match="must be a:b in solar hours"):
+        verify(aircraft(), log_file, windows=["9:8"])
 
 
 @pytest.mark.parametrize("text", ["9:8", "x"])

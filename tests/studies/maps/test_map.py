@@ -11,7 +11,8 @@ from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, performance, solar_day
+from sizing.performance import performance
+from sizing.sunlight import SolarModel, solar_day
 from studies.cli.__main__ import cli
 from studies.maps import feasibility as study
 
@@ -95,7 +96,7 @@ def test_cells_with_thermals_or_another_charger_are_those_of_analyses(
             cycle = performance(aircraft, rough, SolarModel("CDM"), day=lit).cycle
             assert found["excess_time"][i, j] == cycle.excess_time_h[0]
             assert found["charge_margin"][i, j] == cycle.charge_margin_h[0]
-            assert found["load_energy"][i, j] == cycle.account.load_wh[0]
+            assert found["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
 
 
 def test_models_with_attitude_are_mapped_too() -> None:
@@ -144,10 +145,11 @@ def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
 
 
 def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
-    axes, bar = study.map_figure(data).axes
+    figure = study.map_figure(data)
+    axes, bar = figure.axes
     assert axes.get_ylabel() == "latitude [deg]"
     assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
-    assert "CAM, uncorrected" in axes.get_title()
+    assert "CAM, uncorrected" in figure.get_suptitle()
     assert "[h]" in bar.get_ylabel()
 
 

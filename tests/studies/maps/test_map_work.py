@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -23,7 +24,7 @@ from missions.mission import Dates
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel
+from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import run as compute
 from studies.engine.workers import ProcessCrew, SerialCrew
@@ -231,6 +232,30 @@ def sized() -> xr.Dataset:
     asked = SizedMapConfiguration(DESIGN, JULY, SolarModel(), Objective.min_wingspan)
     job = map_jobs.sized_map_job(asked, latitudes, days)
     return map_jobs.sized_map_dataset(job, compute(job, SerialCrew()), latitudes, days)
+
+
+def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft() -> None:
+    """Each task brings its own copy of the aircraft; the worker keeps the programs of the last."""
+    asked = SizedMapConfiguration(DESIGN, JULY, SolarModel(), Objective.min_wingspan)
+    once = map_jobs.sized_map_chunk(asked, [(0.0, 172.0)])
+    # What was derived while it was used in this process travels along.
+    again = map_jobs.sized_map_chunk(pickle.loads(pickle.dumps(asked)), [(0.0, 172.0)])
+    assert once["status"].tolist() == again["status"].tolist() == [SizingStatus.cross_checked]
+    assert once["wingspan"].tolist() == again["wingspan"].tolist()
+
+
+@pytest.mark.slow
+def test_sized_map_is_the_same_whoever_computes_it(invoke: Any, tmp_path: Path) -> None:
+    asked = ["atlantiksolar-design", "--resize", "min_wingspan"]
+    asked += ["--latitudes", "-70:70:10", "--days", "1:365:15"]
+    maps = []
+    for name, options in (("some", []), ("one", ["--workers", "1"]), ("two", ["--workers", "2"])):
+        answer = invoke(*asked, "--out", f"{name}.nc", *options)
+        assert answer.exit_code == 0, answer.output
+        maps.append(xr.load_dataset(tmp_path / f"{name}.nc", engine="h5netcdf"))
+        assert not (maps[-1]["status"] == SizingStatus.failed).any()
+    xr.testing.assert_identical(maps[0], maps[1])
+    xr.testing.assert_identical(maps[0], maps[2])
 
 
 def test_cells_are_sizings_of_their_own(sized: xr.Dataset) -> None:

@@ -5,10 +5,12 @@ import pytest
 
 from missions.dates import day_of_year
 from missions.library import load_mission
+from missions.mission import UncertaintyMargins
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, perpetual_days, solar_day
+from sizing.performance import perpetual_days
+from sizing.sunlight import SolarModel, solar_day
 from studies.maps.season import Season, perpetual_flags, season_of
-from studies.models.solar_models import ModelDays, combinations
+from studies.models.solar_models import combinations
 
 AS2 = load_aircraft("atlantiksolar-as2")
 LOITER = load_mission("rafz-loiter")
@@ -62,18 +64,15 @@ def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
     assert season.first < day_of_year("06-21") < season.last
 
 
-def test_every_model_is_that_of_a_single_analysis() -> None:
-    scenarios = load_mission("central-europe-summer").scenarios()
-    sun = ModelDays(AS2, LOITER, scenarios)
-    for solar in combinations():
-        expected = solar_day(AS2, LOITER, solar, scenarios=scenarios)
-        found = sun.day(solar)
-        np.testing.assert_array_equal(found.time_h, expected.time_h)
-        np.testing.assert_array_equal(found.sunset_h, expected.sunset_h)
-        # The same operations in another order: the last digits may differ.
-        np.testing.assert_allclose(
-            found.specific_power_w_per_m2, expected.specific_power_w_per_m2, rtol=1e-12
-        )
+def test_margin_of_the_solar_model_shortens_the_season_as_it_does_in_an_analysis() -> None:
+    wary = LOITER.model_copy(
+        update={"uncertainty_margins": UncertaintyMargins(solar_model_sigmas=2.0)}
+    )
+    model = SolarModel("CAM", "report")
+    found = perpetual_flags(AS2, wary, 47.6, [model])[model]
+    every = perpetual_days(AS2, wary, 47.6, model)
+    np.testing.assert_array_equal(np.flatnonzero(found) + 1, every)
+    assert found.sum() < perpetual_flags(AS2, LOITER, 47.6, [model])[model].sum()
 
 
 def test_full_model_on_the_loiter_is_one_case_with_the_report() -> None:

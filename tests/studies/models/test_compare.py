@@ -17,24 +17,23 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel, performance, performance_of_designs
+from sizing.performance import performance, performance_of_designs
+from sizing.sunlight import SolarModel
 from studies.cli import __main__ as cli
 from studies.maps.season import Season
 from studies.models import comparison as study
 from studies.models.plots import comparison_figure, spans
-from studies.models.records import to_json
-from studies.models.summary import fate, sentence
-from studies.models.tables import markdown
 
 AS2, DESIGN, SUMMER = "atlantiksolar-as2", "atlantiksolar-design", "central-europe-summer"
 AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
-FILES = {"comparison.csv", "comparison.json", "comparison.png"}
+RUN = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
+FILES = RUN | {"comparison.csv", "comparison.png"}
 
 
 @pytest.fixture(scope="module")
 def designs() -> study.Comparison:
     models = [SolarModel("CDM"), SolarModel("CAM", "report"), SolarModel("FM", "report")]
-    return study.compare(AIRCRAFT, MISSION, models, required_excess_time_h=3.0)
+    return study.compare(AIRCRAFT, MISSION, models=models, required_excess_time_h=3.0)
 
 
 @pytest.fixture
@@ -63,9 +62,11 @@ def test_predictions_are_those_of_single_analyses(designs: study.Comparison) -> 
         p = case.prediction
         assert p.scenario == single.day.scenarios.label(worst)
         assert p.excess_time_h == pytest.approx(single.cycle.excess_time_h[worst], rel=1e-9)
-        assert p.solar_energy_wh == pytest.approx(single.cycle.account.solar_wh[worst], rel=1e-9)
+        assert p.solar_energy_wh == pytest.approx(
+            single.cycle.energy_budget.solar_wh[worst], rel=1e-9
+        )
         assert p.mean_solar_energy_wh == pytest.approx(
-            single.cycle.account.solar_wh.mean(), rel=1e-9
+            single.cycle.energy_budget.solar_wh.mean(), rel=1e-9
         )
         assert p.excess_time_low_h < p.excess_time_h < p.excess_time_high_h
 
@@ -115,17 +116,17 @@ def test_optimism_builds_too_small_and_the_reference_keeps_its_promise(
     assert full.judged.excess_time_h >= 3.0
 
 
-def test_sentence_of_the_designs_has_their_numbers(designs: study.Comparison) -> None:
+def test_headline_of_the_designs_has_their_numbers(designs: study.Comparison) -> None:
     cdm, full = designs.cases[0].built, designs.cases[2].built
     assert cdm is not None
     assert full is not None
     assert cdm.sizing.design is not None
     assert full.sizing.design is not None
     assert cdm.judged is not None
-    told = sentence(designs)
+    told = designs.headline()
     assert told.startswith(
         f"Sized with uncorrected CDM {DESIGN} gets a span of "
-        f"{cdm.sizing.design.variables.wingspan_m:.2f} m; judged by corrected FM it stays up "
+        f"{cdm.sizing.design.variables.wingspan_m:.2f} m; judged by corrected FM it remains "
     )
     assert f"at {cdm.judged.scenario}: it survives" in told
     assert told.endswith(
@@ -133,32 +134,32 @@ def test_sentence_of_the_designs_has_their_numbers(designs: study.Comparison) ->
     )
 
 
-def test_sentence_where_the_reference_is_the_only_case() -> None:
+def test_headline_where_the_reference_is_the_only_case() -> None:
     only = [SolarModel("FM", "report")]
-    built = study.compare(AIRCRAFT, MISSION, only, required_excess_time_h=3.0)
-    assert sentence(built).startswith(f"Sized with corrected FM {DESIGN} gets a span of 4.")
-    assert "judged" not in sentence(built)
-    as_given = study.compare(AIRCRAFT, MISSION, only, designs=False)
-    assert sentence(as_given).startswith(f"By corrected FM {DESIGN} flies for ever in every")
+    built = study.compare(AIRCRAFT, MISSION, models=only, required_excess_time_h=3.0)
+    assert built.headline().startswith(f"Sized with corrected FM {DESIGN} gets a span of 4.")
+    assert "judged" not in built.headline()
+    as_given = study.compare(AIRCRAFT, MISSION, models=only, design=False)
+    assert as_given.headline().startswith(f"By corrected FM {DESIGN} flies perpetually in every")
 
 
-def test_sentence_where_nothing_is_feasible() -> None:
+def test_headline_where_nothing_is_feasible() -> None:
     aircraft = load_aircraft(DESIGN, ["design_space.wingspan_m.maximum=4.1"])
-    both = study.compare(aircraft, MISSION, [SolarModel("CDM")], required_excess_time_h=3.0)
+    both = study.compare(aircraft, MISSION, models=[SolarModel("CDM")], required_excess_time_h=3.0)
     built = both.cases[0].built
     assert built is not None
     assert built.judged is not None
-    assert sentence(both) == (
+    assert both.headline() == (
         f"Sized with uncorrected CDM {DESIGN} gets a span of "
         f"{built.sizing.objective_value:.2f} m; judged by corrected FM it "
-        f"{fate(built.judged, 3.0)} (sized with corrected FM: no design)."
+        f"{built.judged.outcome(3.0)} (sized with corrected FM: no design)."
     )
-    none = study.compare(aircraft, MISSION, [SolarModel("CDM")], required_excess_time_h=9.0)
-    assert sentence(none) == (
+    none = study.compare(aircraft, MISSION, models=[SolarModel("CDM")], required_excess_time_h=9.0)
+    assert none.headline() == (
         f"Sized with uncorrected CDM, no design of {DESIGN} meets the requirements (sized with "
         "corrected FM: no design)."
     )
-    assert to_json(none, "")["cases"][0]["design"]["judged"] is None
+    assert none.to_dict()["cases"][0]["design"]["judged"] is None
     assert "no design" in str([t.get_text() for t in comparison_figure(none).axes[3].texts])
 
 
@@ -181,12 +182,48 @@ def test_season_over_the_years_end_is_drawn_in_two_parts() -> None:
     assert spans(Season(3, 0, None, None)) == []
 
 
-def test_markdown_has_a_row_for_each_case(designs: study.Comparison) -> None:
-    told = sentence(designs)
-    text = markdown(to_json(designs, told))
-    assert text.count("\n| C") == 2
-    assert text.count("\n| FM |") == 1
-    assert text.rstrip().endswith(told)
+def test_each_table_has_a_row_for_each_case(designs: study.Comparison) -> None:
+    for text in (table.to_markdown() for table in designs.tables()):
+        assert text.count("\n| C") == 2
+        assert text.count("\n| FM |") == 1
+
+
+def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -> None:
+    assert str(designs).startswith(f"{DESIGN} on {SUMMER}: 3 models, judged by corrected FM\n")
+    shown, told = (" ".join(str(text).split()) for text in (designs, designs.headline()))
+    assert told in shown
+    assert repr(designs) == f"<Comparison: {designs.headline()}>"
+    assert max(map(len, str(designs).splitlines())) <= 80
+    frame = designs.to_frame()
+    assert frame["model"].tolist() == ["CDM", "CAM", "FM"]
+    assert frame["design_judged_excess_time_h"].tolist() == [
+        case.built.judged.excess_time_h
+        for case in designs.cases
+        if case.built and case.built.judged
+    ]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"models": ["XM"]}, "model must be one of CDM, CAM, VM, FM .got 'XM'"),
+        ({"corrections": ["all"]}, "correction must be one of none, report, loiter .got 'all'"),
+        ({"objective": "fun"}, "objective must be one of min_wingspan, .* .got 'fun'"),
+        ({"objective": "longest_season"}, "objective must be one of .* .got 'longest_season'"),
+        ({"models": []}, "no model to compare"),
+    ],
+)
+def test_wrong_names_are_refused_at_the_call(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        study.compare(AIRCRAFT, MISSION, **options)
+
+
+@pytest.mark.parametrize(
+    "options", [{"models": ["FM"]}, {"corrections": ["loiter"]}, {"models": [SolarModel("VM")]}]
+)
+def test_what_needs_surfaces_is_refused_by_name_without_them(options: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"needs modules\.geometry of the aircraft"):
+        study.compare(load_aircraft("sky-sailor"), MISSION, **options)
 
 
 # ---- Command
@@ -203,7 +240,7 @@ def test_whole_comparison_as_json() -> None:
         assert cases[model, "loiter"]["income_above_reference"] == pytest.approx(0.0, abs=1e-9)
     assert cases["CDM", "none"]["season"]["days"] > cases["FM", "report"]["season"]["days"]
     assert all(c["design"] is None for c in record["cases"])
-    assert record["sentence"].startswith(f"By uncorrected CDM {AS2} flies for ever, with ")
+    assert record["sentence"].startswith(f"By uncorrected CDM {AS2} flies perpetually, with ")
 
 
 def test_table_for_the_terminal(in_folder: Path) -> None:
@@ -249,7 +286,7 @@ def test_folder_gets_all_files(in_folder: Path) -> None:
     table = pd.read_csv(in_folder / "new" / "comparison.csv")
     assert table["model"].tolist() == ["CDM", "FM"]
     assert {"excess_time_h", "season_days", "design_judged_endurance_h"} <= set(table)
-    record = json.loads((in_folder / "new" / "comparison.json").read_text())
+    record = json.loads((in_folder / "new" / "results.json").read_text())
     assert record["cases"][0]["design"]["wingspan_m"] == pytest.approx(
         table["design_wingspan_m"][0]
     )
@@ -336,14 +373,14 @@ def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path: Path, run: R
     ("objective", "name", "unit"),
     [("max_payload_mass", "payload_mass_kg", "kg"), ("max_payload_power", "payload_power_w", "W")],
 )
-def test_payload_is_compared_in_table_sentence_and_figure(
+def test_payload_is_compared_in_table_headline_and_figure(
     run: Run, tmp_path: Path, objective: str, name: str, unit: str
 ) -> None:
     options = ["--models", "CAM", "--corrections", "none", "--objective", objective]
     options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c"]
     outcome = run("compare", DESIGN, *options)
     assert (outcome.code, outcome.err) == (0, "")
-    record = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    record = json.loads((tmp_path / "c" / "results.json").read_text())
     built = record["cases"][0]["design"][name]
     assert built > 0.0
     assert f"[{unit}]" in outcome.out

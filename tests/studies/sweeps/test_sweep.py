@@ -21,9 +21,10 @@ from sizing.design import design_of
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import SolarModel, performance
+from sizing.performance import performance
+from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
-from studies.cli.library import LoadedAircraft, LoadedMission, open_aircraft, open_mission
+from studies.cli.files import LoadedAircraft, LoadedMission, open_aircraft, open_mission
 from studies.engine.workers import ProcessCrew, SerialCrew
 from studies.output.columns import SizingStatus
 from studies.sweeps import plots as sweep_plots

@@ -8,22 +8,24 @@ import numpy as np
 import pytest
 
 from missions.dates import day_of_year
-from missions.files.validation import load
+from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.performance import SolarModel, performance, perpetual_days
+from sizing.library import load_aircraft
+from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
+from sizing.sunlight import SolarModel
 
 
 def mission(name: str) -> Mission:
     with resources.as_file(resources.files("missions") / "library" / f"{name}.yaml") as path:
-        return load(path, Mission)
+        return load_mission(path)
 
 
 def as2() -> Aircraft:
     path = resources.files("sizing") / "library" / "atlantiksolar-as2.yaml"
     with resources.as_file(path) as file:
-        return load(file, Aircraft)
+        return load_aircraft(file)
 
 
 def test_cycle_of_the_81_hour_flight() -> None:

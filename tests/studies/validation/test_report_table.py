@@ -5,7 +5,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from sizing.performance import SolarModel, solar_day
+from sizing.sunlight import SolarModel, solar_day
 from solar.correction import REPORTED_ERRORS
 from studies.cli.__main__ import cli
 from studies.models.transfer import transferred_errors

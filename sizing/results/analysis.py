@@ -1,0 +1,322 @@
+"""Analysis of one aircraft on one mission: every scenario's cycle, and the flight if it has one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.dates import date_code
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
+from sizing.energy.cycle import Status
+from sizing.energy.endurance import Endurance
+from sizing.performance import Performance, performance
+from sizing.replay import CalendarRun, calendar_run
+from sizing.results.records import finite
+from sizing.results.tables import Result, Summary
+from sizing.sunlight import SolarModel, solar_day
+from solar._version import __version__
+from solar.names import CorrectionName, ModelName
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, repr=False)
+class Analysis(Result):
+    """Performance of an aircraft in the scenarios of a mission.
+
+    Attributes
+    ----------
+    aircraft, mission
+        What was analysed.
+    performance : Performance
+        Cycles of all scenarios.
+    low, high : Performance
+        The same with the solar power one RMS error of the model lower and higher.
+    flight : CalendarRun or None
+        Replay of the mission's launch, where it has one.
+    climb : ClimbPerformance or None
+        For a mission with climbs, which the three performances then have.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    performance: Performance
+    low: Performance
+    high: Performance
+    flight: CalendarRun | None
+    climb: ClimbPerformance | None = None
+
+    @property
+    def worst(self) -> int:
+        """Index of the scenario with the least excess time."""
+        return self.performance.worst_scenario()
+
+    @property
+    def excess_time_h(self) -> float:
+        """Excess time of the worst scenario [h]; infinite where it is unlimited."""
+        return float(self.performance.cycle.excess_time_h[self.worst])
+
+    @property
+    def is_perpetual(self) -> bool:
+        """Whether the aircraft flies perpetually in every scenario."""
+        return bool(np.all(self.performance.cycle.perpetual))
+
+    @cached_property
+    def endurances(self) -> list[Endurance | None]:
+        """Longest flight of every scenario; None where it is unlimited.
+
+        With climbs those at constant altitude, which are no longer.
+        """
+        if self.climb is None:
+            return self.performance.endurances()
+        unlimited = self.performance.cycle.perpetual
+        flights = self.climb.constant.endurances()
+        return [None if u else flight for u, flight in zip(unlimited, flights, strict=True)]
+
+    def headline(self) -> str:
+        """Aircraft, place and excess time in one line."""
+        from sizing.results.analysis_summary import headline
+
+        return headline(self)
+
+    def summary(self) -> Summary:
+        """What the terminal shows."""
+        from sizing.results.analysis_summary import summary
+
+        return summary(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Whole analysis, JSON-ready; the top level is the worst scenario."""
+        records = [scenario_record(self, i) for i in range(len(self.performance.cycle.status))]
+        design, solar = self.performance.design, self.performance.solar
+        airspeed = design.airspeed_m_per_s
+        wind = self.mission.wind_m_per_s
+        result = records[self.worst] | {
+            "aircraft": self.aircraft.name,
+            "mission": self.mission.name,
+            "model": solar.model,
+            "correction": solar.correction,
+            "total_mass_kg": finite(design.total_mass_kg),
+            "battery_energy_wh": finite(design.battery_energy_wh),
+            "propulsion_power_w": finite(design.propulsion_power_w),
+            "airspeed_m_per_s": None if airspeed is None else finite(airspeed),
+            "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
+            "version": __version__,
+            "scenarios": records,
+        }
+        if self.flight is not None:
+            result["flight"] = flight_record(self.flight)
+        return result
+
+    def to_frame(self) -> pd.DataFrame:
+        """Metrics of every scenario, one row each; infinite where unlimited."""
+        import pandas as pd
+
+        cycle, day = self.performance.cycle, self.performance.day
+        endurance = [np.inf if e is None else float(e.endurance_h) for e in self.endurances]
+        return pd.DataFrame(
+            {
+                "latitude_deg": day.scenarios.latitude_deg,
+                "day_of_year": day.scenarios.day_of_year,
+                "status": [_status_name(int(status)) for status in cycle.status],
+                "excess_time_h": cycle.excess_time_h,
+                "charge_margin_h": cycle.charge_margin_h,
+                "endurance_h": endurance,
+                "minimum_state_of_charge": cycle.minimum_state_of_charge,
+                "solar_energy_wh": cycle.energy_budget.solar_wh,
+                "load_energy_wh": cycle.energy_budget.load_wh,
+            }
+        )
+
+    def trajectory(self) -> pd.DataFrame:
+        """Power and state of charge over the cycle of every scenario, one row per node of time."""
+        import pandas as pd
+
+        perf = self.performance
+        scenarios = perf.day.scenarios
+        nodes = len(perf.day.time_h)
+        table = pd.DataFrame(
+            {
+                "latitude_deg": np.repeat(scenarios.latitude_deg, nodes),
+                "day_of_year": np.repeat(scenarios.day_of_year, nodes),
+                "time_solar_h": np.tile(perf.day.time_h, len(scenarios)),
+                "solar_power_w": perf.solar_power_w.ravel(),
+                "load_w": perf.load_w.ravel(),
+                "energy_wh": perf.cycle.energy_wh.ravel(),
+                "state_of_charge": perf.cycle.energy_wh.ravel()
+                / float(perf.design.battery_energy_wh),
+            }
+        )
+        if self.climb is not None:
+            flown = self.climb.climb
+            table["altitude_m"] = flown.altitude_m[:, flown.nodes].ravel()
+        return table
+
+
+def analyse(
+    aircraft: Aircraft,
+    mission: Mission,
+    *,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    replay: bool = True,
+) -> Analysis:
+    """Analyse how long an aircraft flies on a mission.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+    mission : Mission
+        Its latitudes and dates are the scenarios.
+    model : {"CAM", "CDM", "VM", "FM"}
+        Solar power model; VM and FM need module surfaces and a flight path.
+    correction : {"none", "report", "loiter"}
+        Correction of the model's systematic error.
+    replay : bool
+        Fly the mission's launch on the calendar, if it has one.
+
+    Returns
+    -------
+    Analysis
+
+    Raises
+    ------
+    ValueError
+        For an unknown model or correction, or a model that lacks surfaces or path.
+    ImpossibleDesignError
+        If a parametric aircraft cannot carry its own mass.
+    """
+    solar = SolarModel(model, correction)
+    rms = solar.rms_relative
+    factors = (1.0 - rms, 1.0, 1.0 + rms)
+    if mission.climb is not None:
+        down, climbs, up = (
+            climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
+        )
+        three = (climbs.performance, down.performance, up.performance)
+        return Analysis(aircraft, mission, *three, flight=None, climb=climbs)
+    day = solar_day(aircraft, mission, solar)
+    low, centre, high = (
+        performance(aircraft, mission, solar, day=day.scaled(factor)) for factor in factors
+    )
+    fly = replay and mission.launch is not None
+    flight = calendar_run(aircraft, mission, solar) if fly else None
+    return Analysis(aircraft, mission, centre, low, high, flight)
+
+
+def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
+    """Metrics of one scenario, JSON-ready.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    index : int
+        Number of the scenario.
+
+    Returns
+    -------
+    dict
+    """
+    perf, endurance = analysis.performance, analysis.endurances[index]
+    cycle, account = perf.cycle, perf.cycle.energy_budget
+    lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
+    record = {
+        "excess_time_h": finite(cycle.excess_time_h[index]),
+        "charge_margin_h": finite(cycle.charge_margin_h[index]),
+        "endurance_h": None if endurance is None else finite(endurance.endurance_h),
+        "best_launch_h": None if endurance is None else finite(endurance.launch_h),
+        "minimum_state_of_charge": finite(cycle.minimum_state_of_charge[index]),
+        "status": _status_name(int(cycle.status[index])),
+        "sunrise_h": finite(perf.day.sunrise_h[index]) if lit else None,
+        "sunset_h": finite(perf.day.sunset_h[index]) if lit else None,
+        "equal_power_morning_h": finite(cycle.equal_power_morning_h[index]),
+        "equal_power_evening_h": finite(cycle.equal_power_evening_h[index]),
+        "full_charge_h": finite(cycle.full_charge_h[index]),
+        "power_out_w": finite(np.broadcast_to(perf.nominal_load_w, cycle.status.shape)[index]),
+        "solar_energy_wh": finite(account.solar_wh[index]),
+        "load_energy_wh": finite(account.load_wh[index]),
+        "curtailed_energy_wh": finite(account.curtailed_wh[index]),
+        "model": perf.solar.model,
+        "correction": perf.solar.correction,
+        "latitude_deg": finite(perf.day.scenarios.latitude_deg[index]),
+        "day_of_year": int(perf.day.scenarios.day_of_year[index]),
+        "date": date_code(int(perf.day.scenarios.day_of_year[index])),
+        "uncertainty": uncertainty_record(analysis.low, analysis.high, index),
+    }
+    if analysis.climb is not None:
+        record["climb"] = climb_record(analysis.climb, analysis.mission, index)
+    return record
+
+
+def uncertainty_record(low: Performance, high: Performance, index: int) -> dict[str, Any]:
+    """Excess time of a scenario under the RMS error of the solar power model, JSON-ready.
+
+    Parameters
+    ----------
+    low, high : Performance
+        With the solar power one RMS error lower and higher.
+    index : int
+        Number of the scenario.
+
+    Returns
+    -------
+    dict
+    """
+    return {
+        "solar_power_rms_relative": low.solar.rms_relative,
+        "excess_time_low_h": finite(low.cycle.excess_time_h[index]),
+        "excess_time_high_h": finite(high.cycle.excess_time_h[index]),
+    }
+
+
+def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
+    """What climbing does in one scenario, JSON-ready.
+
+    Parameters
+    ----------
+    climbs : ClimbPerformance
+    mission : Mission
+        A mission with climbs.
+    index : int
+        Number of the scenario.
+
+    Returns
+    -------
+    dict
+    """
+    assert mission.climb is not None
+    flown, account = climbs.climb, climbs.climb.energy_budget
+    return {
+        "strategy": mission.climb.strategy,
+        "ceiling_m": mission.climb.ceiling_m,
+        "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
+        "gliding_h": finite(flown.gliding_h[index]),
+        "stored_height_wh": finite(flown.maximum_potential_energy_wh[index]),
+        "climb_energy_wh": finite(account.climb_electric_wh[index]),
+        "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
+        "gain_in_excess_time_h": finite(climbs.gain_h[index]),
+    }
+
+
+def flight_record(flight: CalendarRun) -> dict[str, Any]:
+    """Replayed flight, JSON-ready; clock times are local hours since the launch day's midnight."""
+    return {
+        "launch": f"{flight.launch.date} {flight.launch.time_local}",
+        "utc_offset_h": flight.launch.utc_offset_h,
+        "duration_h": float(flight.clock_h[-1] - flight.clock_h[0]),
+        "full_charge_clock_h": list(flight.full_charge_clock_h),
+        "minimum_state_of_charge": flight.minimum_state_of_charge,
+        "final_state_of_charge": float(flight.state_of_charge[-1]),
+        "empty_clock_h": flight.empty_clock_h,
+    }
+
+
+def _status_name(status: int) -> str:
+    """Status for users; a cycle without any solar power is one of the limited ones."""
+    return Status.limited.name if status == Status.never_lit else Status(status).name

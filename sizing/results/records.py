@@ -1,0 +1,67 @@
+"""Numbers of results as JSON writes them, and times as people read them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from missions.dates import date_label
+from sizing.results.tables import MISSING, UNLIMITED
+
+
+def finite(value: Any) -> float | None:
+    """Number for JSON: null where it is infinite or not defined."""
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Record with null for numbers that are infinite or not defined."""
+    return {
+        name: finite(value) if isinstance(value, float) else value for name, value in record.items()
+    }
+
+
+def hours(value: float | None, missing: str = MISSING) -> str:
+    """Hours with two decimals; ``missing`` stands for what does not exist.
+
+    Parameters
+    ----------
+    value : float or None
+        Duration [h].
+    missing : str
+        Text for None; see :data:`sizing.results.tables.UNLIMITED`.
+
+    Returns
+    -------
+    str
+    """
+    if value is not None and math.isinf(value):
+        return UNLIMITED
+    return missing if value is None else f"{value:.2f} h"
+
+
+def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:
+    """Hours as a clock reading.
+
+    Parameters
+    ----------
+    clock_h : float or None
+        Hours since midnight [h].
+    first_day : int, optional
+        Day of year of that midnight; with it, hours beyond 24 carry their date.
+
+    Returns
+    -------
+    str
+        ``-`` where there is no such time.
+    """
+    if clock_h is None or not math.isfinite(clock_h):
+        return MISSING
+    minutes = round(clock_h * 60.0)
+    days, rest = divmod(minutes, 24 * 60)
+    reading = f"{rest // 60:02d}:{rest % 60:02d}"
+    if first_day is None:
+        return "24:00" if days == 1 and rest == 0 else reading
+    return f"{date_label(first_day + days)} {reading}"

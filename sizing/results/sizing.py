@@ -1,0 +1,465 @@
+"""Sizing of an aircraft for a mission, with all that is asked about it: ``size``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.dates import date_code
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import Design, DesignVariables, FlightConditions
+from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.optimisation.coverage import WidestRange, widest_range
+from sizing.optimisation.cross_check import CrossCheck, cross_check
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.relaxations import Relaxation, relaxations
+from sizing.optimisation.result import SizingResult, SizingStatus
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.sensitivity import (
+    ConstraintMultiplier,
+    Sensitivity,
+    constraint_multipliers,
+    sensitivities,
+)
+from sizing.performance import Performance, performance_of_designs
+from sizing.results.analysis import uncertainty_record
+from sizing.results.records import finite, finite_values
+from sizing.results.tables import Result, Summary
+from sizing.sunlight import SolarModel, solar_day
+from solar._version import __version__
+from solar.names import CorrectionName, ModelName
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, repr=False)
+class SizingStudy(Result):
+    """A sizing and what was asked about it.
+
+    Attributes
+    ----------
+    aircraft, mission, solar
+        What was sized, for what, and by which solar power model.
+    result : SizingResult
+        Optimum, or the requirements that cannot be met.
+    low, high : Performance or None
+        Optimum with the solar power one RMS error of the model lower and higher.
+    coverage : WidestRange or None
+        Range of days or latitudes, for the objectives that have one.
+    relaxations : tuple
+        Single changes that would make an infeasible sizing feasible.
+    sensitivities, multipliers : list or None
+        What parameters and constraints are worth at the optimum, where asked for.
+    cross_check : CrossCheck or None
+        Optimality cross-check by simulation, where asked for.
+    without_margins : Performance or None
+        Optimum without the mission's uncertainty margins, where it has any.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    result: SizingResult
+    low: Performance | None = None
+    high: Performance | None = None
+    coverage: WidestRange | None = None
+    relaxations: tuple[Relaxation, ...] = ()
+    sensitivities: list[Sensitivity] | None = field(default=None)
+    multipliers: list[ConstraintMultiplier] | None = field(default=None)
+    cross_check: CrossCheck | None = None
+    without_margins: Performance | None = None
+
+    @property
+    def status(self) -> SizingStatus:
+        """How the sizing ended: ``optimal``, ``infeasible`` or ``not_converged``."""
+        return self.result.status
+
+    @property
+    def feasible(self) -> bool:
+        """Whether an optimum was found."""
+        return self.result.feasible
+
+    @property
+    def objective(self) -> Objective:
+        """What was optimised."""
+        return self.result.objective
+
+    @property
+    def design(self) -> Design | None:
+        """Masses and power of the optimum."""
+        return self.result.design
+
+    @property
+    def variables(self) -> DesignVariables | None:
+        """Wingspan, aspect ratio, battery mass, module area ... of the optimum."""
+        return None if self.result.design is None else self.result.design.variables
+
+    def sized_aircraft(self) -> Aircraft:
+        """Aircraft with the optimum put in, ready to be analysed or written to a file.
+
+        Raises
+        ------
+        ValueError
+            Where no optimum was found.
+        """
+        return Aircraft.model_validate(self._sized_data())
+
+    def sized_mission(self) -> Mission:
+        """Mission with the payload that the optimum carries.
+
+        Raises
+        ------
+        ValueError
+            Where no optimum was found.
+        """
+        design = self._optimum()
+        power_w = design.variables.payload_power_w or self.mission.payload.power_w
+        carried = {"mass_kg": design.masses.payload, "power_w": power_w}
+        payload = self.mission.payload.model_copy(update=carried)
+        return self.mission.model_copy(update={"payload": payload})
+
+    def _optimum(self) -> Design:
+        if self.result.design is None:
+            raise ValueError(f"the sizing is {self.status.label}: it has no design")
+        return self.result.design
+
+    def _sized_data(self) -> dict[str, Any]:
+        """Aircraft's file as data, the optimum put in."""
+        variables = self._optimum().variables
+        data = self.aircraft.model_dump(mode="json", exclude_unset=True)
+        data["name"] = f"{data['name']}-sized"
+        data["airframe"]["wingspan_m"] = variables.wingspan_m
+        data["airframe"]["aspect_ratio"] = variables.aspect_ratio
+        data["battery"]["mass_kg"] = variables.battery_mass_kg
+        data["modules"]["area_m2"] = variables.module_area_m2
+        if variables.lift_coefficient is not None:
+            data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
+        return data
+
+    def headline(self) -> str:
+        """Aircraft, mission, verdict and objective in one line."""
+        from sizing.results.sizing_summary import headline
+
+        return headline(self)
+
+    def summary(self) -> Summary:
+        """What the terminal shows."""
+        from sizing.results.sizing_summary import summary
+
+        return summary(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it, JSON-ready; what only an optimum has is null without one."""
+        record = _result_record(self.result, self.aircraft, self.mission)
+        record |= {"model": self.solar.model, "correction": self.solar.correction}
+        record["uncertainty"] = None
+        if self.low is not None and self.high is not None and self.result.simulated is not None:
+            worst = self.result.simulated.worst_scenario()
+            record["uncertainty"] = uncertainty_record(self.low, self.high, worst)
+        if self.coverage is not None:
+            record["range"] = _range_record(self.coverage)
+        if self.status is SizingStatus.infeasible:
+            record["relaxations"] = [
+                {**finite_values(one.__dict__), "text": one.text} for one in self.relaxations
+            ]
+        if self.sensitivities is not None:
+            record["sensitivities"] = sensitivity_records(self.sensitivities)
+        if self.multipliers is not None:
+            record["constraint_multipliers"] = [dict(one.__dict__) for one in self.multipliers]
+        if self.cross_check is not None:
+            record["cross_check"] = finite_values(self.cross_check.__dict__)
+        if self.without_margins is not None:
+            record["as_assumed"] = _reached(self.without_margins)
+        return record
+
+    def to_frame(self) -> pd.DataFrame:
+        """Design as rows of quantity, value and unit.
+
+        Raises
+        ------
+        ValueError
+            Where no optimum was found.
+        """
+        import pandas as pd
+
+        from sizing.results.sizing_summary import design_rows
+
+        self._optimum()
+        return pd.DataFrame(design_rows(self), columns=["quantity", "value", "unit"])
+
+    def masses(self) -> pd.DataFrame:
+        """Mass budget, one row per item."""
+        import pandas as pd
+
+        masses = self._optimum().masses._asdict()
+        return pd.DataFrame({"item": list(masses), "mass_kg": list(masses.values())})
+
+    def scenarios(self) -> pd.DataFrame:
+        """Metrics of the optimum in every scenario, one row each."""
+        import pandas as pd
+
+        self._optimum()
+        perf = self.result.simulated
+        assert perf is not None
+        scenarios, cycle = perf.day.scenarios, perf.cycle
+        return pd.DataFrame(
+            {
+                "latitude_deg": scenarios.latitude_deg,
+                "day_of_year": scenarios.day_of_year,
+                "excess_time_h": cycle.excess_time_h,
+                "charge_margin_h": cycle.charge_margin_h,
+                "minimum_state_of_charge": cycle.minimum_state_of_charge,
+                "solar_energy_wh": cycle.energy_budget.solar_wh,
+                "load_energy_wh": cycle.energy_budget.load_wh,
+            }
+        )
+
+
+def size(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective | str = Objective.min_mass,
+    *,
+    required_excess_time_h: float | None = None,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    with_sensitivities: bool = False,
+    with_cross_check: bool = False,
+) -> SizingStudy:
+    """Find the best design of a parametric aircraft for a mission, or say why there is none.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        A parametric one; its ``design_space`` bounds what is chosen.
+    mission : Mission
+        All of its latitudes and dates must be flown.
+    objective : Objective or str
+        ``min_mass``, ``min_wingspan``, ``max_excess_time``, ``max_payload_mass``,
+        ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``.
+    required_excess_time_h : float, optional
+        Excess time that every scenario must have [h], instead of the mission's.
+    model : {"CAM", "CDM", "VM", "FM"}
+        Solar power model.
+    correction : {"none", "report", "loiter"}
+        Correction of the model's systematic error.
+    with_sensitivities : bool
+        Also what each technology parameter and constraint is worth.
+    with_cross_check : bool
+        Also try to beat the optimum with thousands of other designs in the simulator.
+
+    Returns
+    -------
+    SizingStudy
+
+    Raises
+    ------
+    TypeError
+        For a measured aircraft.
+    ValueError
+        For an unknown objective, model or correction.
+    """
+    wanted, solar = checked_objective(objective), SolarModel(model, correction)
+    problems = SizingProblems(aircraft)
+    coverage = None
+    options: dict[str, Any] = {
+        "required_excess_time_h": required_excess_time_h,
+        "problems": problems,
+    }
+    if wanted.of_range:
+        coverage = widest_range(aircraft, mission, wanted, solar, **options)
+        result = coverage.sizing
+    else:
+        result = size_aircraft(aircraft, mission, wanted, solar, **options)
+    asked = (aircraft, mission, result, solar)
+    relaxed: tuple[Relaxation, ...] = ()
+    if result.status is SizingStatus.infeasible and not wanted.of_range:
+        relaxed = tuple(relaxations(*asked, problems=problems))
+    worth = with_sensitivities and result.feasible
+    low, high = _under_model_error(*asked)
+    return SizingStudy(
+        *(aircraft, mission, solar, result, low, high, coverage, relaxed),
+        sensitivities=sensitivities(*asked) if worth else None,
+        multipliers=constraint_multipliers(result) if worth else None,
+        cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
+        without_margins=_without_margins(*asked),
+    )
+
+
+def checked_objective(objective: Objective | str) -> Objective:
+    """Objective of a name.
+
+    Raises
+    ------
+    ValueError
+        For another name, with those that exist.
+    """
+    try:
+        return Objective(objective)
+    except ValueError:
+        allowed = ", ".join(Objective)
+        raise ValueError(f"objective must be one of {allowed} (got {objective!r})") from None
+
+
+def _under_model_error(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
+) -> tuple[Performance | None, Performance | None]:
+    """Optimum with the solar power one RMS error of the model lower and higher."""
+    if result.design is None or result.simulated is None:
+        return None, None
+    low, high = (
+        performance_of_designs(
+            aircraft,
+            result.simulated.mission,
+            result.design.variables,
+            solar,
+            day=result.simulated.day.scaled(factor),
+        )
+        for factor in (1.0 - solar.rms_relative, 1.0 + solar.rms_relative)
+    )
+    return low, high
+
+
+def _without_margins(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
+) -> Performance | None:
+    """Optimum without the mission's uncertainty margins; None where the mission has none."""
+    if result.design is None or result.simulated is None or not mission.uncertainty_margins.given:
+        return None
+    plain = mission.without_margins()
+    day = solar_day(aircraft, plain, solar, scenarios=result.simulated.day.scenarios)
+    return performance_of_designs(aircraft, plain, result.design.variables, solar, day=day)
+
+
+def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
+    record: dict[str, Any] = {
+        "status": result.status.name,
+        "aircraft": aircraft.name,
+        "mission": mission.name,
+        "objective": {
+            "name": result.objective.value,
+            "value": None if result.objective_value is None else finite(result.objective_value),
+            "required_excess_time_h": result.required_excess_time_h,
+        },
+        "active_constraints": list(result.active_constraints),
+        "violated_requirements": [
+            {"requirement": v.requirement, "shortfall": v.shortfall, "text": v.text}
+            for v in result.violations
+        ],
+        "solver": {
+            "iterations": result.solver.iterations,
+            "time_s": result.solver.time_s,
+            "build_time_s": result.solver.build_time_s,
+            "solves": result.solver.solves,
+            "message": result.solver.message,
+        },
+        "version": __version__,
+    }
+    record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
+    record["quantities"] = None
+    if result.design is not None:
+        conditions = FlightConditions.of(mission).with_payload_of(result.design.variables)
+        flown = DesignInFlight(aircraft, result.design, conditions)
+        record["quantities"] = {name: float(of(flown)) for name, of in QUANTITIES.items()}
+    return record | _design_record(result.design) | _simulated_record(result.simulated)
+
+
+def _nearest_record(perf: Performance) -> dict[str, Any]:
+    """Design that comes closest to an infeasible requirement, and what it reaches."""
+    worst = perf.worst_scenario()
+    return {
+        **{name: float(value) for name, value in perf.design.variables.chosen().items()},
+        "total_mass_kg": finite(perf.design.total_mass_kg),
+        "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
+        "worst_scenario": perf.day.scenarios.label(worst),
+    }
+
+
+def _design_record(design: Design | None) -> dict[str, Any]:
+    if design is None:
+        keys = (*DesignVariables._fields, "total_mass_kg", "masses_kg", "wing_area_m2")
+        return dict.fromkeys((*keys, "airspeed_m_per_s", "propulsion_power_w"))
+    return {
+        **design.variables._asdict(),
+        "total_mass_kg": design.total_mass_kg,
+        "masses_kg": design.masses._asdict(),
+        "wing_area_m2": design.wing_area_m2,
+        "airspeed_m_per_s": design.airspeed_m_per_s,
+        "propulsion_power_w": design.propulsion_power_w,
+    }
+
+
+def _simulated_record(perf: Performance | None) -> dict[str, Any]:
+    if perf is None:
+        return {"power_out_w": None, "worst_scenario": None, "simulated": None}
+    worst = perf.worst_scenario()
+    scenarios = perf.day.scenarios
+    return {
+        "power_out_w": float(perf.nominal_load_w.ravel()[0]),
+        "worst_scenario": {
+            "latitude_deg": float(scenarios.latitude_deg[worst]),
+            "day_of_year": int(scenarios.day_of_year[worst]),
+            "label": scenarios.label(worst),
+        },
+        "simulated": {
+            **_reached(perf),
+            "total_mass_kg": float(perf.design.total_mass_kg),
+            "model": perf.solar.model,
+            "correction": perf.solar.correction,
+        },
+    }
+
+
+def _reached(perf: Performance) -> dict[str, Any]:
+    """What a design reaches in its worst scenario."""
+    worst = int(np.argmin(perf.cycle.excess_time_h))
+    return {
+        "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
+        "charge_margin_h": finite(perf.cycle.charge_margin_h[worst]),
+        "minimum_state_of_charge": finite(perf.cycle.minimum_state_of_charge[worst]),
+    }
+
+
+def _range_record(coverage: WidestRange) -> dict[str, Any]:
+    season = coverage.sizing.objective is Objective.longest_season
+    first, last = coverage.first, coverage.last
+    if season and first is not None and last is not None:
+        ends = {"from": date_code(int(first)), "to": date_code(int(last))}
+        return {**ends, "days": int(coverage.extent)}
+    return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
+
+
+def sensitivity_records(found: list[Sensitivity]) -> list[dict[str, Any]]:
+    """Sensitivities, JSON-ready, most important first."""
+    return [finite_values({**one.__dict__, "per_percent": one.per_percent}) for one in found]
+
+
+def sized_yaml(study: SizingStudy, source: str) -> str:
+    """Sized aircraft as a file that the other commands accept.
+
+    Parameters
+    ----------
+    study : SizingStudy
+        With an optimum.
+    source : str
+        File or name that the aircraft came from, for the heading.
+
+    Returns
+    -------
+    str
+    """
+    from missions.files.writing import to_yaml
+
+    carried, result = study.sized_mission().payload, study.result
+    header = (
+        f"# Sized by solar-uav {__version__} from {source} for the mission {study.mission.name}.\n"
+        f"# Objective: {result.objective.value}, required excess time "
+        f"{result.required_excess_time_h:g} h.\n"
+        f"# Payload, to be set on the mission: {carried.mass_kg:.6g} kg, {carried.power_w:.6g} W.\n"
+    )
+    return header + to_yaml(study._sized_data())

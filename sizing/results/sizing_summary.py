@@ -1,0 +1,253 @@
+"""Text of a sizing: design and masses, limits, how sure it is; or why there is none."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from missions.dates import date_label, day_of_year
+from missions.mission import latitude_label
+from sizing.optimisation.cross_check import CrossCheck
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import RELATIVE_TOLERANCE, SizingStatus
+from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.results.analysis_summary import uncertainty_line
+from sizing.results.records import hours
+from sizing.results.sizing import SizingStudy
+from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
+from solar.names import ATTITUDE_MODELS
+
+_SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
+# Solar power on the report's morning: 7 % less airspeed changes FM by 0.4 %.
+_AIRSPEED_TOLERANCE = 0.05
+
+
+def headline(study: SizingStudy) -> str:
+    """Aircraft, mission, verdict and objective in one line."""
+    objective, value = study.objective, study.result.objective_value
+    text = f"{study.aircraft.name} sized for {study.mission.name}: {_verdict(study)}"
+    if study.feasible:
+        text += f", {objective.label} {with_unit(value, '.4g', objective)}"
+    return text
+
+
+def summary(study: SizingStudy) -> Summary:
+    """What is shown of a sizing, in the order in which it is read."""
+    record = study.to_dict()
+    title = f"{study.aircraft.name} sized for {study.mission.name} ({study.objective.value})"
+    blocks: list[Any] = [Line(f"{title}: {_verdict(study)}", "strong")]
+    if study.design is None:
+        return Summary((*blocks, *_without_design(study, record)))
+    at_bounds = [name for name in study.result.active_constraints if " at its " in name]
+    if at_bounds:
+        blocks.append(Line("at the end of the design space: " + "; ".join(at_bounds), "warning"))
+    blocks.append((_design_table(study, record), _mass_table(record)))
+    limits = [name for name in study.result.active_constraints if name not in at_bounds]
+    if limits:
+        blocks.append("limited by: " + "; ".join(limits))
+    blocks += _confidence(study, record)
+    if study.coverage is not None and study.coverage.first is not None:
+        blocks.append(_range_text(record["range"]))
+    solver = study.result.solver
+    solves = f"{solver.solves} solve{'s' if solver.solves > 1 else ''}"
+    times = f"{1000 * solver.time_s:.0f} ms (built in {1000 * solver.build_time_s:.0f} ms)"
+    blocks.append(Line(f"{solver.iterations} iterations, {solves}, {times}", "faint"))
+    if study.sensitivities is not None:
+        blocks.append(sensitivity_table(study.sensitivities, study.objective))
+    if study.multipliers:
+        blocks.append(multiplier_table(study.multipliers, study.objective))
+    if study.cross_check is not None:
+        blocks.append(cross_check_line(study.cross_check, study.objective))
+    return Summary(tuple(blocks))
+
+
+def _verdict(study: SizingStudy) -> str:
+    return study.status.label
+
+
+def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
+    """Requirements that are missed, what holds the design back, and what would help."""
+    blocks: list[Any] = [f"  {one.requirement}: {one.text}" for one in study.result.violations]
+    if study.result.active_constraints:
+        blocks.append("  held back by: " + "; ".join(study.result.active_constraints))
+    if study.status is not SizingStatus.infeasible or study.coverage is not None:
+        return blocks
+    if not study.relaxations:
+        return [*blocks, "no single parameter that was tried would make it feasible"]
+    blocks.append("feasible with one of these, all else unchanged:")
+    return [*blocks, *(f"  {one.text}" for one in study.relaxations)]
+
+
+def design_rows(study: SizingStudy) -> list[tuple[str, float, str]]:
+    """Design as rows of quantity, value and unit."""
+    record = study.to_dict()
+    quantities = record["quantities"]
+    rows = [
+        ("wingspan", record["wingspan_m"], "m"),
+        ("aspect ratio", record["aspect_ratio"], ""),
+        ("battery mass", record["battery_mass_kg"], "kg"),
+        ("module area", record["module_area_m2"], "m2"),
+        ("total mass", record["total_mass_kg"], "kg"),
+        ("airspeed", record["airspeed_m_per_s"], "m/s"),
+        ("stall speed", quantities["stall_speed_m_per_s"], "m/s"),
+        ("wing loading", quantities["wing_loading_kg_per_m2"], "kg/m2"),
+        ("climb rate at rated power", quantities["climb_rate_m_per_s"], "m/s"),
+        ("load", record["power_out_w"], "W"),
+    ]
+    return [(name, math.nan if value is None else float(value), unit) for name, value, unit in rows]
+
+
+_FORMS = {"m": ".3f", "": ".2f", "kg": ".3f", "m2": ".3f", "m/s": ".2f", "kg/m2": ".2f", "W": ".1f"}
+
+
+def _design_table(study: SizingStudy, record: dict[str, Any]) -> Table:
+    rows = [
+        (name, f"{value:{_FORMS[unit]}} {unit}".rstrip())
+        for name, value, unit in design_rows(study)
+    ]
+    simulated = record["simulated"]
+    where = record["worst_scenario"]["label"]
+    rows.append((f"excess time, {where}", hours(simulated["excess_time_h"], UNLIMITED)))
+    rows.append(("min. state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"))
+    return facts("", rows)
+
+
+def _mass_table(record: dict[str, Any]) -> Table:
+    masses = [(item, f"{mass:.3f} kg") for item, mass in record["masses_kg"].items()]
+    return facts("", [("mass budget", ""), *masses])
+
+
+def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
+    """How far the answer may be trusted: the model's error, margins, and the path's airspeed."""
+    blocks: list[Any] = []
+    if record["uncertainty"] is not None:
+        blocks.append(Line(uncertainty_line(record), "faint"))
+        low = record["uncertainty"]["excess_time_low_h"]
+        required = max(study.result.required_excess_time_h, 0.0)
+        if low is not None and low < required and not study.mission.uncertainty_margins.given:
+            blocks.append(
+                Line(
+                    f"on the edge: one RMS error less solar power misses the required "
+                    f"{required:g} h; to size with that margin: "
+                    "--set mission.uncertainty_margins.solar_model_sigmas=1",
+                    "warning",
+                )
+            )
+    if study.without_margins is not None:
+        reached = hours(record["as_assumed"]["excess_time_h"], UNLIMITED)
+        blocks.append(f"without the mission's uncertainty margins the excess time is {reached}")
+    flown = getattr(study.mission.flight_path, "airspeed_m_per_s", None)
+    on_path = study.solar.model in ATTITUDE_MODELS or study.solar.correction == "loiter"
+    airspeed = record["airspeed_m_per_s"]
+    if on_path and flown is not None and abs(airspeed / flown - 1.0) > _AIRSPEED_TOLERANCE:
+        blocks.append(
+            f"solar power is that of the mission's flight path at {flown:g} m/s, not at the "
+            f"design's {airspeed:.1f} m/s: set flight_path.airspeed_m_per_s"
+        )
+    return blocks
+
+
+def _range_text(found: dict[str, Any]) -> str:
+    if "days" in found:
+        ends = " to ".join(date_label(day_of_year(found[end])) for end in ("from", "to"))
+        return f"season: {ends}, {found['days']} days"
+    ends = " to ".join(latitude_label(found[end]) for end in ("from_deg", "to_deg"))
+    return f"latitudes: {ends}, {found['width_deg']:g} degrees"
+
+
+def with_unit(value: float | None, digits: str, objective: Objective) -> str:
+    """Value of an objective with its unit; an excess time may be unlimited.
+
+    Parameters
+    ----------
+    value : float or None
+    digits : str
+        Format, such as ``.4g``.
+    objective : Objective
+
+    Returns
+    -------
+    str
+    """
+    if value is None or math.isnan(value):
+        return MISSING
+    return UNLIMITED if math.isinf(value) else f"{value:{digits}} {objective.unit}"
+
+
+def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
+    """What each technology parameter is worth, most important first.
+
+    Parameters
+    ----------
+    found : list of Sensitivity
+    objective : Objective
+
+    Returns
+    -------
+    Table
+    """
+    unit = objective.unit
+    columns = (
+        Column("parameter"),
+        Column("value", form=".4g"),
+        Column("per_percent", f"{unit} per +1 %", form="+.4f"),
+        Column("elasticity", form="+.3f"),
+    )
+    rows = [
+        (one.parameter.removeprefix("airframe."), one.value, one.per_percent, one.elasticity)
+        for one in found[:_SENSITIVITIES]
+    ]
+    notes = () if rows else (f"none: {objective.label} is unlimited",)
+    return Table(f"sensitivities of {objective.value}", columns, tuple(rows), notes)
+
+
+def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) -> Table:
+    """What relaxing each constraint gains, by its multiplier.
+
+    Parameters
+    ----------
+    found : list of ConstraintMultiplier
+    objective : Objective
+
+    Returns
+    -------
+    Table
+    """
+    columns = (
+        Column("constraint"),
+        Column("gain", f"gain in {objective.unit}", form=".3g"),
+        Column("step", "per relaxation by"),
+    )
+    rows = [(one.constraint, one.gain, one.step) for one in found]
+    return Table("what relaxing a constraint gains", columns, tuple(rows))
+
+
+def cross_check_line(check: CrossCheck, objective: Objective) -> str:
+    """Whether a search by simulation found a better design; a search is no proof.
+
+    Parameters
+    ----------
+    check : CrossCheck
+    objective : Objective
+
+    Returns
+    -------
+    str
+    """
+    better = check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
+    found = (
+        f"the best of them has {with_unit(check.best_found, '.5g', objective)} "
+        f"({check.found_by}), better by {with_unit(check.advantage, '.2g', objective)}"
+        if better
+        else "none is better by more than the tolerance"
+    )
+    fine = f"has {with_unit(check.fine_step_value, '.5g', objective)}"
+    if math.isnan(check.fine_step_value):
+        fine = "misses its requirement"
+    elif math.isinf(check.fine_step_value):
+        fine = f"has unlimited {objective.label}"
+    verdict = "passed" if check.cross_checked else "NOT passed"
+    return (
+        f"optimality cross-check {verdict}: {check.designs_tried} designs tried, {found}; with a "
+        f"time step of one minute the optimum {fine}"
+    )

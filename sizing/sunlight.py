@@ -1,0 +1,323 @@
+"""Sunlight on an aircraft: specific power of its solar modules over a mission's scenarios.
+
+A solar power model gives the power per area of module; its systematic error is corrected, and the
+mission's uncertainty margin is taken off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.loiter_power import mean_power_on_path
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from solar.correction import correction
+from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
+from solar.power import horizontal_specific_power
+from solar.sun import declination, sun_times
+from solar.types import FloatArray
+
+DEFAULT_STEP_H = 1.0 / 12.0
+
+
+@dataclass(frozen=True)
+class SolarModel:
+    """Which solar power model is believed, and how its systematic error is treated."""
+
+    model: ModelName = "CAM"
+    correction: CorrectionName = "none"
+
+    @property
+    def rms_relative(self) -> float:
+        """RMS error of the model relative to the mean measured power [-]."""
+        return correction(self.model, self.correction).rms_relative
+
+
+UNCORRECTED_CAM = SolarModel()
+
+
+@dataclass(frozen=True)
+class SolarDay:
+    """Specific power over the day in each scenario: all that a design needs of the sun.
+
+    ``specific_power_w_per_m2`` has the shape ``(scenario, time)``; ``sunrise_h`` and ``sunset_h``
+    are those of the geometric sun [solar h].
+    """
+
+    scenarios: Scenarios
+    time_h: FloatArray
+    specific_power_w_per_m2: FloatArray
+    sunrise_h: FloatArray
+    sunset_h: FloatArray
+
+    @classmethod
+    def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
+        """Scenarios of several days with the same time axis, one day after the other."""
+        return cls(
+            Scenarios(
+                np.concatenate([d.scenarios.latitude_deg for d in days]),
+                np.concatenate([d.scenarios.day_of_year for d in days]),
+            ),
+            days[0].time_h,
+            np.concatenate([d.specific_power_w_per_m2 for d in days]),
+            np.concatenate([d.sunrise_h for d in days]),
+            np.concatenate([d.sunset_h for d in days]),
+        )
+
+    def scaled(self, factor: float) -> SolarDay:
+        """Same day with all power multiplied by a factor."""
+        return replace(self, specific_power_w_per_m2=self.specific_power_w_per_m2 * factor)
+
+    def at(self, indices: ArrayLike) -> SolarDay:
+        """Same day in some of its scenarios."""
+        some = np.asarray(indices, int)
+        of = self.scenarios
+        return SolarDay(
+            Scenarios(of.latitude_deg[some], of.day_of_year[some]),
+            self.time_h,
+            self.specific_power_w_per_m2[some],
+            np.asarray(self.sunrise_h)[some],
+            np.asarray(self.sunset_h)[some],
+        )
+
+
+def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
+    """Nodes from 0 to 24 h, at most ``step_h`` apart.
+
+    Raises
+    ------
+    ValueError
+        If the step is not between 1 s and 1 h.
+    """
+    if not 1.0 / 3600.0 <= step_h <= 1.0:
+        raise ValueError(f"step_h must be from 1/3600 to 1 (got {step_h:g})")
+    return np.linspace(0.0, 24.0, int(np.ceil(24.0 / step_h - 1e-9)) + 1)
+
+
+class Sunlight:
+    """Sunlight on an aircraft in some scenarios, by any solar power model.
+
+    Each model is evaluated once, however many days are asked of it; corrections only scale.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Whose solar modules they are.
+    mission : Mission
+        Altitude, air, wind, flight path and uncertainty margins.
+    scenarios : Scenarios, optional
+        Latitudes and days of the year; those of the mission by default.
+    step_h : float
+        Largest step of the time axis [h].
+    """
+
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        scenarios: Scenarios | None = None,
+        *,
+        step_h: float = DEFAULT_STEP_H,
+    ) -> None:
+        self.aircraft, self.mission = aircraft, mission
+        self.scenarios = mission.scenarios() if scenarios is None else scenarios
+        self.time_h = day_axis_h(step_h)
+        self._power: dict[ModelName, FloatArray] = {}
+
+    def modelled_power(self, model: ModelName) -> FloatArray:
+        """Uncorrected specific power [W/m2], shape ``(scenario, time)``: :func:`modelled_power`."""
+        if model not in self._power:
+            self._power[model] = modelled_power(
+                self.aircraft, self.mission, model, self.scenarios, self.time_h
+            )
+        return self._power[model]
+
+    def loiter_ratio(self, model: ModelName) -> FloatArray:
+        """Daily energy of the Full Model on the flight path over that of a model, per scenario.
+
+        The single numbers of the report hold for one morning; this ratio holds for the latitude,
+        the day, the wind and the path at hand. It is 1 where no sun is seen. Shape
+        ``(scenario, 1)``.
+        """
+        if model == "FM":
+            return np.ones((len(self.scenarios), 1))
+        modelled_wh, full_wh = (
+            np.trapezoid(self.modelled_power(name), self.time_h, axis=-1) for name in (model, "FM")
+        )
+        lit = modelled_wh > 0.0
+        return np.where(lit, full_wh / np.where(lit, modelled_wh, 1.0), 1.0)[:, np.newaxis]
+
+    def day(self, solar: SolarModel) -> SolarDay:
+        """Specific power by a model, corrected and less the mission's margin.
+
+        Raises
+        ------
+        ValueError
+            If the model or its correction lacks the aircraft's module geometry or the mission's
+            flight path.
+        """
+        power = self.modelled_power(solar.model)
+        if solar.correction == "loiter":
+            power = power * self.loiter_ratio(solar.model)
+        factor = self.mission.pessimistic_power_factor(solar.model, solar.correction)
+        corrected = power if factor == 1.0 else power * factor
+        latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
+        times = sun_times(latitude_deg, declination(day))
+        return SolarDay(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h)
+
+
+def solar_day(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    scenarios: Scenarios | None = None,
+    step_h: float = DEFAULT_STEP_H,
+) -> SolarDay:
+    """Specific power of an aircraft's modules in the mission's (or other) scenarios.
+
+    Parameters
+    ----------
+    aircraft, mission, scenarios, step_h
+        As for :class:`Sunlight`.
+    solar : SolarModel
+        Solar power model and its correction.
+
+    Returns
+    -------
+    SolarDay
+        Power corrected and less the mission's margin.
+
+    Raises
+    ------
+    ValueError
+        If the model or its correction lacks the aircraft's module geometry or the mission's flight
+        path, or the step is not between 1 s and 1 h.
+    """
+    return Sunlight(aircraft, mission, scenarios, step_h=step_h).day(solar)
+
+
+def modelled_power(
+    aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
+) -> FloatArray:
+    """Specific power of a model, uncorrected, over scenarios and time.
+
+    CDM and CAM see one horizontal surface (:func:`solar.power.horizontal_specific_power`); VM and
+    FM are averaged over the mission's flight path (:mod:`missions.loiter_power`).
+
+    Parameters
+    ----------
+    aircraft, mission
+        Solar modules, and where they fly.
+    model : {"CDM", "CAM", "VM", "FM"}
+        Solar power model.
+    scenarios : Scenarios
+        Latitudes and days of the year.
+    time_h : ndarray, shape (time,)
+        Local solar time [h].
+
+    Returns
+    -------
+    ndarray, shape (scenario, time)
+        Electric power per area of module [W/m2].
+
+    Raises
+    ------
+    ValueError
+        If VM or FM lack the aircraft's module geometry or the mission's flight path.
+    """
+    latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
+    if model not in ATTITUDE_MODELS:
+        # In memory the time comes first: the simulator marches over it, all scenarios at once.
+        column = time_h[:, np.newaxis]
+        return _specific_power(aircraft, mission, model, latitude_deg, day, column).T
+    return np.stack(
+        [
+            _specific_power(aircraft, mission, model, float(latitude), noon, time_h)
+            for latitude, noon in zip(latitude_deg, day, strict=True)
+        ]
+    )
+
+
+def power_on_calendar(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    day_of_year: FloatArray,
+    time_solar_h: FloatArray,
+) -> FloatArray:
+    """Specific power at a mission's single latitude while the date advances, corrected.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`solar_day`.
+    day_of_year, time_solar_h : ndarray, shape (time,)
+        Fractional day of year and local solar time [h] at each instant.
+
+    Returns
+    -------
+    ndarray, shape (time,)
+        Electric power per area of module [W/m2].
+
+    Raises
+    ------
+    ValueError
+        As :func:`solar_day`.
+    """
+    latitude = mission.latitudes()[0]
+    power = _specific_power(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
+    if solar.correction == "loiter":
+        days, place = np.unique(np.floor(day_of_year).astype(int), return_inverse=True)
+        scenarios = Scenarios(np.full(len(days), latitude), (days - 1) % 365 + 1)
+        ratio = Sunlight(aircraft, mission, scenarios).loiter_ratio(solar.model)
+        power = power * ratio[place, 0]
+    return power * mission.pessimistic_power_factor(solar.model, solar.correction)
+
+
+def _specific_power(
+    aircraft: Aircraft,
+    mission: Mission,
+    model: ModelName,
+    latitude_deg: float | FloatArray,
+    day_of_year: ArrayLike,
+    time_solar_h: FloatArray,
+) -> FloatArray:
+    """Uncorrected power by any model [W/m2]; VM and FM take a single latitude."""
+    modules = aircraft.modules
+    if model not in ATTITUDE_MODELS:
+        return horizontal_specific_power(
+            latitude_deg,
+            day_of_year,
+            time_solar_h,
+            cell=modules,
+            module_temperature_c=mission.module_temperature_c(),
+            altitude_m=mission.altitude_m,
+            clearness=mission.pessimistic_clearness,
+            sky=mission.sky,
+            model=model,
+        )
+    if modules.geometry is None:
+        raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
+    if mission.flight_path is None:
+        raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
+    return mean_power_on_path(
+        model,
+        float(latitude_deg),
+        day_of_year,
+        time_solar_h,
+        geometry=modules.geometry,
+        cell=modules,
+        path=mission.flight_path,
+        wind=mission.wind,
+        ambient_temperature_c=float(mission.air_state().temperature_c),
+        module_temperature_c=mission.module_temperature_c(),
+        altitude_m=mission.altitude_m,
+        clearness=mission.pessimistic_clearness,
+        sky=mission.sky,
+        shading=modules.shading,
+    )

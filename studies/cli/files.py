@@ -1,0 +1,312 @@
+"""Aircraft and missions of the command line: validated, with the lines they came from."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from importlib import resources
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+from click.core import ParameterSource
+
+from missions.files.errors import OVERRIDE, InputError, Problem, file_error
+from missions.files.overrides import with_overrides
+from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
+from missions.files.validation import validate
+from missions.files.writing import write_files_atomically
+from missions.files.yaml import Document
+from missions.library import MISSION_PREFIX
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.library import with_resolved_airfoil
+from sizing.sunlight import SolarModel
+from studies.output.run_folder import InputFile, RunFolder, RunInputs
+
+T = TypeVar("T")
+
+_AIRCRAFT_PREFIX = "aircraft."
+_YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg")
+_A_KIND: dict[Kind, str] = {"aircraft": "an aircraft", "mission": "a mission"}
+_OTHER: dict[Kind, Kind] = {"aircraft": "mission", "mission": "aircraft"}
+
+
+@dataclass(frozen=True)
+class LoadedAircraft:
+    """A validated aircraft, the document it came from, and the checksum of its file."""
+
+    aircraft: Aircraft
+    document: Document
+    sha256: str | None = None
+
+
+@dataclass(frozen=True)
+class LoadedMission:
+    """A validated mission, the document it came from, and the checksum of its file."""
+
+    mission: Mission
+    document: Document
+    sha256: str | None = None
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a command is asked about: an aircraft on a mission under a solar power model."""
+
+    craft: LoadedAircraft
+    where: LoadedMission
+    mission_is_default: bool = False
+    solar: SolarModel = dataclasses.field(default_factory=SolarModel)
+
+    @property
+    def aircraft(self) -> Aircraft:
+        """Validated aircraft."""
+        return self.craft.aircraft
+
+    @property
+    def mission(self) -> Mission:
+        """Validated mission."""
+        return self.where.mission
+
+    @property
+    def title(self) -> str:
+        """Aircraft and mission in one line, which says so where nobody chose the mission."""
+        chosen = " (default mission)" if self.mission_is_default else ""
+        return f"{self.aircraft.name} on {self.mission.name}{chosen}"
+
+    def named(self, record: Mapping[str, Any]) -> dict[str, Any]:
+        """Record of a result with the names of aircraft and mission, JSON-ready."""
+        return {
+            **record,
+            "aircraft": self.aircraft.name,
+            "mission": self.mission.name,
+            "mission_is_default": self.mission_is_default,
+        }
+
+    def with_mission(self, **values: Any) -> Case:
+        """Case on a mission with other values, checked as the file's own are.
+
+        Parameters
+        ----------
+        **values
+            New values by key of the mission.
+
+        Raises
+        ------
+        InputError
+            If a value is not one that the mission file may have.
+        """
+        document = with_overrides(self.where.document, values, prefix=MISSION_PREFIX)
+        mission = LoadedMission(validate(document, Mission), document, self.where.sha256)
+        return dataclasses.replace(self, where=mission)
+
+    def inputs(self, **others: Path) -> RunInputs:
+        """Everything that a folder of results keeps of what went in.
+
+        Parameters
+        ----------
+        **others
+            Further files that were read, by what they are.
+        """
+        craft, where = self.craft, self.where
+        files = {
+            "aircraft": InputFile(craft.document.source, craft.sha256),
+            "mission": InputFile(where.document.source, where.sha256),
+            **{kind: InputFile.of(path) for kind, path in others.items()},
+        }
+        return RunInputs(craft.document.data, where.document.data, self.solar, files)
+
+
+class WrongKindError(InputError):
+    """A mission given as an aircraft, or the reverse."""
+
+    def __init__(self, source: str, found: Kind) -> None:
+        self.source, self.found = source, found
+        message = f"is {_A_KIND[found]}, not {_A_KIND[_OTHER[found]]}"
+        hint = "missions are given with --mission" if found == "mission" else "AIRCRAFT comes first"
+        super().__init__([Problem(source, None, None, "", f"{message}: {hint}")])
+
+
+def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Sort ``key=value`` overrides into those of the aircraft and those of the mission."""
+    of_mission = [o for o in overrides if o.startswith(MISSION_PREFIX)]
+    of_aircraft = [o.removeprefix(_AIRCRAFT_PREFIX) for o in overrides if o not in of_mission]
+    return of_aircraft, [o.removeprefix(MISSION_PREFIX) for o in of_mission]
+
+
+def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAircraft:
+    """Read an aircraft by name or path; ``overrides`` are ``dotted.key=value`` texts."""
+    _refuse_keys_of_missions(overrides)
+    found = with_resolved_airfoil(_find("aircraft", name_or_path))
+    document = with_overrides(found, overrides)
+    return LoadedAircraft(
+        validate(document, Aircraft), document, _checksum("aircraft", name_or_path)
+    )
+
+
+def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMission:
+    """Read a mission by name or path; ``overrides`` are ``dotted.key=value`` texts."""
+    document = with_overrides(_find("mission", name_or_path), overrides, prefix=MISSION_PREFIX)
+    return LoadedMission(validate(document, Mission), document, _checksum("mission", name_or_path))
+
+
+def load(
+    aircraft: str,
+    mission: str | None,
+    overrides: Sequence[str] = (),
+    *,
+    model: str = "CAM",
+    correction: str = "none",
+) -> Case:
+    """Load what the options of a command name, and report what is wrong with it together.
+
+    Parameters
+    ----------
+    aircraft : str
+        Name, path of a file, or folder that ``--out`` wrote: its mission, model and correction
+        then stand in for options that are not given.
+    mission : str or None
+        Name or path of a file; None only with a folder.
+    overrides : sequence of str
+        ``key=value`` of the aircraft, or of the mission behind ``mission.``.
+    model, correction : str
+        Solar power model.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the files and the overrides.
+    """
+    is_default = _is_default("mission")
+    folder = RunFolder.at(aircraft)
+    if folder is not None:
+        aircraft = folder.aircraft
+        if is_default:
+            mission, is_default = folder.mission, False
+        model = folder.model if _is_default("model") else model
+        correction = folder.correction if _is_default("correction") else correction
+    if mission is None:
+        raise click.UsageError("Missing option '--mission' / '-m'.")
+    of_aircraft, of_mission = split_overrides(overrides)
+    errors: list[InputError] = []
+    craft = _attempt(partial(open_aircraft, aircraft, of_aircraft), errors)
+    where = _attempt(partial(open_mission, mission, of_mission), errors)
+    if craft is None or where is None:
+        raise _joined(errors)
+    solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
+    return Case(craft, where, is_default, solar)
+
+
+def refuse_swapped_log(aircraft: str, log_file: str) -> None:
+    """Refuse a log where the aircraft is meant, and the reverse.
+
+    Parameters
+    ----------
+    aircraft, log_file : str
+        As given on the command line.
+    """
+    named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
+    if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
+        raise click.UsageError(f"the aircraft comes first: verify {log_file} {aircraft}")
+
+
+def write_starters(name: str, folder: Path) -> list[Path]:
+    """Write ``NAME.yaml`` and ``NAME-mission.yaml``; existing files are never overwritten.
+
+    Parameters
+    ----------
+    name : str
+        Name of the aircraft, or of its file.
+    folder : Path
+        Where the files go.
+
+    Returns
+    -------
+    list of Path
+        The aircraft's file and the mission's.
+
+    Raises
+    ------
+    InputError
+        If the name is not one for a file, or one of the files exists.
+    """
+    suffix = next((s for s in _YAML if name.lower().endswith(s)), "")
+    name = name[: len(name) - len(suffix)]
+    if re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name) is None:
+        raise file_error(name, "a name has letters, digits, '-', '_' and '.', at most 64 of them")
+    contents = {
+        folder / f"{name}.yaml": _template("aircraft").replace("NAME", name),
+        folder / f"{name}-mission.yaml": _template("mission").replace("NAME", name),
+    }
+    taken = [path for path in contents if path.exists()]
+    if taken:
+        message = "exists already and is not overwritten"
+        raise _joined([file_error(path.name, message) for path in taken])
+    write_files_atomically({path: text.encode() for path, text in contents.items()})
+    return list(contents)
+
+
+def _template(kind: Kind) -> str:
+    folder = resources.files("studies").joinpath("templates")
+    return folder.joinpath(f"{kind}.yaml").read_text(encoding="utf-8")
+
+
+def _attempt(read: Callable[[], T], errors: list[InputError]) -> T | None:
+    try:
+        return read()
+    except InputError as error:
+        errors.append(error)
+        return None
+
+
+def _joined(errors: Sequence[InputError]) -> InputError:
+    """All problems as one error; two files in each other's place are one mistake."""
+    swapped = [error for error in errors if isinstance(error, WrongKindError)]
+    if len(swapped) == 2:
+        first, second = (_A_KIND[error.found] for error in swapped)
+        message = f"is {first}, and {swapped[1].source} is {second}: swap the two"
+        return file_error(swapped[0].source, message)
+    return InputError([problem for error in errors for problem in error.problems])
+
+
+def _is_default(option: str) -> bool:
+    """Whether nobody gave an option of the command that runs."""
+    context = click.get_current_context(silent=True)
+    if context is None:
+        return False
+    return context.get_parameter_source(option) is ParameterSource.DEFAULT
+
+
+def _find(kind: Kind, name_or_path: str) -> Document:
+    """Document of an aircraft or a mission; one of the other kind is refused by its keys."""
+    document = find_document(kind, name_or_path)
+    own, other = (Aircraft, Mission) if kind == "aircraft" else (Mission, Aircraft)
+    keys = set(document.data)
+    if len(keys & set(other.model_fields)) > len(keys & set(own.model_fields)):
+        raise WrongKindError(document.source, _OTHER[kind])
+    return document
+
+
+def _checksum(kind: Kind, name_or_path: str) -> str | None:
+    """SHA-256 of a file that was read; None for a pipe, which cannot be read again."""
+    if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
+        return hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
+    return InputFile.of(Path(name_or_path)).sha256
+
+
+def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
+    """Tell a key of the mission that lacks its prefix from one that is misspelt."""
+    of_missions = Mission.model_fields.keys() - Aircraft.model_fields.keys()
+    problems = []
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        if key.partition(".")[0] in of_missions:
+            message = f"is a key of the mission: write {MISSION_PREFIX}{key}"
+            problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
+    if problems:
+        raise InputError(problems)

@@ -1,0 +1,87 @@
+"""Results of a command: to the terminal, as JSON, and into files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from missions.files.writing import write_files_atomically
+from sizing.results.tables import Result, Summary, Table
+from studies.cli.files import Case
+from studies.cli.options import print_json
+from studies.output.formats import image_format
+from studies.output.plots import to_bytes
+from studies.output.terminal import console, show
+
+
+def tell(
+    case: Case,
+    record: Any,
+    shown: Result | Summary | Table | Callable[[Console], None],
+    *,
+    as_json: bool = False,
+    out_dir: str | None = None,
+) -> None:
+    """Print a result: aircraft and mission first, which JSON has among its keys.
+
+    Parameters
+    ----------
+    case : Case
+        What the command was asked about.
+    record : JSON-ready
+        Result as :meth:`Case.named` made it.
+    shown : Result, Summary, Table or callable
+        Result itself, or what prints its tables on a console.
+    as_json : bool
+        Whether JSON is asked for.
+    out_dir : str, optional
+        Folder that was written, to be named.
+    """
+    if as_json:
+        print_json(record)
+        return
+    screen = console()
+    screen.print(case.title, style="dim")
+    if isinstance(shown, Result | Summary | Table):
+        show(shown)
+    else:
+        shown(screen)
+    if out_dir is not None:
+        screen.print(f"written to {out_dir}")
+
+
+def write_results(
+    data_file: str | None,
+    data: Callable[[], bytes],
+    plot_file: str | None,
+    draw: Callable[[], Figure],
+) -> None:
+    """Make and write those of both files that were asked for; if one cannot be, neither is.
+
+    Parameters
+    ----------
+    data_file, plot_file : str or None
+        Names of the files; None where one is not asked for.
+    data, draw : callable
+        Make the content of the one, and the figure of the other.
+
+    Raises
+    ------
+    OutputError
+        If one of the files cannot be written.
+    """
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    if data_file is not None:
+        contents[data_file] = data()
+    if plot_file is not None:
+        contents[plot_file] = figure_bytes(draw(), plot_file)
+    write_files_atomically(contents)
+
+
+def figure_bytes(figure: Figure, path: str) -> bytes:
+    """Figure in the format that its file name asks for, which was checked before."""
+    return to_bytes(figure, image_format(path) or "png")

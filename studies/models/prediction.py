@@ -1,0 +1,201 @@
+"""What a solar power model says of an aircraft on a mission, in numbers and in one clause."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sizing.energy.cycle import Status
+from sizing.performance import Performance
+from sizing.results.records import finite
+from sizing.sunlight import SolarDay
+
+# Excess time that is missing by less than is printed is not missing [h].
+_MET_H = 0.005
+# Nights from which on a flight ends by what is lost from day to day.
+_MANY_NIGHTS = 10
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a model says of an aircraft in its worst scenario on a mission.
+
+    Attributes
+    ----------
+    scenario, latitude_deg, day_of_year
+        The worst scenario: its label, latitude [deg] and day.
+    several_scenarios : bool
+        Whether the mission has others.
+    status : Status
+        How the cycle of the worst scenario ends.
+    excess_time_h, excess_time_low_h, excess_time_high_h : float
+        Excess time [h], infinite where it is unlimited, and the same with the solar power one RMS
+        error of the model lower and higher.
+    minimum_state_of_charge : float
+        Of the cycle [-].
+    charge_margin_h, endurance_h : float
+        Charge margin, and endurance from the best launch [h]; infinite where unlimited.
+    nights : int
+        Nights that the longest flight survives.
+    polar_day, enough_sun : bool
+        Whether the sun does not set, and whether solar power rises above the load at any time.
+    solar_energy_wh, mean_solar_energy_wh : float
+        Solar energy of a day: of the worst scenario, and the mean of all [Wh].
+    """
+
+    scenario: str
+    latitude_deg: float
+    day_of_year: int
+    several_scenarios: bool
+    status: Status
+    excess_time_h: float
+    excess_time_low_h: float
+    excess_time_high_h: float
+    minimum_state_of_charge: float
+    charge_margin_h: float
+    endurance_h: float
+    nights: int
+    polar_day: bool
+    enough_sun: bool
+    solar_energy_wh: float
+    mean_solar_energy_wh: float
+
+    @property
+    def perpetual(self) -> bool:
+        """Whether the flight is perpetual in every scenario."""
+        return self.status in (Status.perpetual, Status.always_lit)
+
+    def outcome(self, required_excess_time_h: float = 0.0) -> str:
+        """What becomes of the aircraft in its worst scenario, as a clause without its subject."""
+        at, excess_h = self.scenario, self.excess_time_h
+        if self.status is Status.always_lit:
+            return "flies perpetually, as solar power always exceeds the load"
+        if self.status is not Status.perpetual:
+            return f"remains airborne {duration(self.endurance_h)} at {at}: {self._reason()}"
+        if excess_h < required_excess_time_h - _MET_H:
+            return (
+                f"flies perpetually, but with {excess_h:.2f} h of excess time at {at} instead of "
+                f"the required {required_excess_time_h:g} h"
+            )
+        where = " in every scenario" if self.several_scenarios else ""
+        return f"flies perpetually{where}, with {excess_h:.1f} h of excess time at {at}"
+
+    def _reason(self) -> str:
+        """Why the flight ends."""
+        if self.status is Status.never_lit:
+            return "there is no solar power"
+        if not self.enough_sun:
+            return "solar power never reaches the load"
+        if self.polar_day:
+            return "the sun does not set, but the battery does not last through its low hours"
+        if self.nights >= _MANY_NIGHTS or not np.isfinite(self.endurance_h):
+            return "the days return slightly less than the nights take"
+        if self.nights == 0:
+            return "it does not survive the night"
+        nights = "1 night" if self.nights == 1 else f"{self.nights} nights"
+        return f"it survives {nights} and not the next"
+
+    def to_dict(self) -> dict[str, Any]:
+        """All but what only the outcome needs, JSON-ready; null where a number is infinite."""
+        return {
+            "status": self.status.name,
+            "worst_scenario": {
+                "latitude_deg": self.latitude_deg,
+                "day_of_year": self.day_of_year,
+                "label": self.scenario,
+            },
+            "excess_time_h": finite(self.excess_time_h),
+            "excess_time_low_h": finite(self.excess_time_low_h),
+            "excess_time_high_h": finite(self.excess_time_high_h),
+            "minimum_state_of_charge": self.minimum_state_of_charge,
+            "charge_margin_h": self.charge_margin_h,
+            "endurance_h": finite(self.endurance_h),
+            "solar_energy_wh": self.solar_energy_wh,
+            "mean_solar_energy_wh": self.mean_solar_energy_wh,
+        }
+
+
+def predict(simulate: Callable[[SolarDay], Performance], day: SolarDay) -> Prediction:
+    """Judge an aircraft by its worst scenario.
+
+    Parameters
+    ----------
+    simulate : callable
+        Performance of the aircraft under the sun of some scenarios.
+    day : SolarDay
+        Sun in all scenarios of the mission.
+
+    Returns
+    -------
+    Prediction
+    """
+    perf = simulate(day)
+    worst = perf.worst_scenario()
+    alone, cycle, rms = day.at([worst]), perf.cycle, perf.solar.rms_relative
+    margins = simulate(SolarDay.joined([alone.scaled(1.0 - rms), alone.scaled(1.0 + rms)]))
+    low, high = margins.cycle.excess_time_h
+    flight = None if cycle.perpetual[worst] else simulate(alone).endurances()[0]
+    morning_h = float(cycle.equal_power_morning_h[worst])
+    endurance_h = np.inf if flight is None else float(flight.endurance_h)
+    launch_h = 0.0 if flight is None else float(flight.launch_h)
+    solar_wh = np.asarray(cycle.energy_budget.solar_wh)
+    return Prediction(
+        scenario=day.scenarios.label(worst),
+        latitude_deg=float(day.scenarios.latitude_deg[worst]),
+        day_of_year=int(day.scenarios.day_of_year[worst]),
+        several_scenarios=len(day.scenarios) > 1,
+        status=Status(int(cycle.status[worst])),
+        excess_time_h=float(cycle.excess_time_h[worst]),
+        excess_time_low_h=float(low),
+        excess_time_high_h=float(high),
+        minimum_state_of_charge=float(cycle.minimum_state_of_charge[worst]),
+        charge_margin_h=float(cycle.charge_margin_h[worst]),
+        endurance_h=endurance_h,
+        nights=nights_survived(launch_h, endurance_h, morning_h),
+        polar_day=float(alone.sunset_h[0] - alone.sunrise_h[0]) >= 24.0,
+        enough_sun=bool(np.isfinite(morning_h)),
+        solar_energy_wh=float(solar_wh[worst]),
+        mean_solar_energy_wh=float(solar_wh.mean()),
+    )
+
+
+def nights_survived(launch_h: float, endurance_h: float, morning_h: float) -> int:
+    """Nights within a flight, each flown from midnight or before to the morning's equal power.
+
+    Parameters
+    ----------
+    launch_h, morning_h : float
+        Solar times [h]; the flight starts on the day from 0 to 24 h. Without a morning of equal
+        power (NaN) no night ends.
+    endurance_h : float
+        Length of the flight [h]; of an unlimited one no nights are counted.
+
+    Returns
+    -------
+    int
+    """
+    if not np.all(np.isfinite([endurance_h, morning_h])):
+        return 0
+    return max(0, int((launch_h + endurance_h - morning_h) // 24.0))
+
+
+def duration(hours: float, day: str = " days") -> str:
+    """Length of a flight: hours up to three days, then days with two significant digits.
+
+    Parameters
+    ----------
+    hours : float
+        Length [h]; infinite if longer than a year.
+    day : str
+        Unit of days, with a space before it.
+
+    Returns
+    -------
+    str
+    """
+    if not np.isfinite(hours):
+        return "more than a year"
+    return f"{hours:.1f} h" if hours < 72.0 else f"{float(f'{hours / 24.0:.1e}'):g}{day}"

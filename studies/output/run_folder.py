@@ -1,0 +1,171 @@
+"""Folders of results: what was asked, of what, by which software, and what came out.
+
+Every command that has ``--out FOLDER`` writes these files, beside tables and figures of its own:
+
+* ``aircraft.yaml`` and ``mission.yaml``: as analysed or sized, overrides applied
+* ``run.json``: command line, versions, date, and the checksums of the files that went in
+* ``results.json``: what ``--json`` prints
+
+Such a folder stands for its aircraft on its mission wherever a command takes an aircraft.
+"""
+
+from __future__ import annotations
+
+import copy
+import datetime
+import hashlib
+import json
+import os
+import platform
+import shlex
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from missions.files.errors import file_error
+from missions.files.writing import to_yaml, write_folder
+from sizing.sunlight import SolarModel
+from solar._version import __version__
+from solar.names import CORRECTION_NAMES, MODEL_NAMES
+
+__all__ = ["InputFile", "RunFolder", "RunInputs", "write_run_folder"]
+
+AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
+POLAR = "polar.csv"
+_LIBRARIES = ("casadi", "numpy", "pandas", "pydantic", "scipy", "xarray")
+
+
+@dataclass(frozen=True)
+class InputFile:
+    """A file that went in: its name, and its SHA-256 where it can be read again."""
+
+    source: str
+    sha256: str | None
+
+    @classmethod
+    def of(cls, path: Path) -> InputFile:
+        """File at a path; one that is no regular file, such as a pipe, has no checksum."""
+        data = path.read_bytes() if path.is_file() else None
+        return cls(str(path), None if data is None else hashlib.sha256(data).hexdigest())
+
+
+@dataclass(frozen=True)
+class RunInputs:
+    """What a command computed from.
+
+    Parameters
+    ----------
+    aircraft, mission : mapping
+        Content of the files with overrides applied.
+    solar : SolarModel
+        Model and correction that were chosen.
+    files : mapping
+        The files themselves, by what they are.
+    """
+
+    aircraft: Mapping[str, Any]
+    mission: Mapping[str, Any]
+    solar: SolarModel
+    files: Mapping[str, InputFile]
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """What a folder of results offers to other commands: two files, model and correction."""
+
+    aircraft: str
+    mission: str
+    model: str
+    correction: str
+
+    @classmethod
+    def at(cls, path: str) -> RunFolder | None:
+        """Read a folder of results; None where the path is not one.
+
+        Raises
+        ------
+        InputError
+            If its ``run.json`` is not the record of a run.
+        """
+        folder = Path(path)
+        if not os.path.isfile(folder / RUN):  # noqa: PTH113 - takes any text for a path
+            return None
+        try:
+            record = json.loads((folder / RUN).read_text(encoding="utf-8"))
+            model, correction = record["model"], record["correction"]
+        except (OSError, ValueError, KeyError, TypeError):
+            model = correction = None
+        if model not in MODEL_NAMES or correction not in CORRECTION_NAMES:
+            raise file_error(str(folder / RUN), "is not the record of a run of solar-uav")
+        return cls(str(folder / AIRCRAFT), str(folder / MISSION), model, correction)
+
+
+def write_run_folder(
+    folder: Path, inputs: RunInputs, record: Any, extra: Mapping[str, bytes]
+) -> None:
+    """Write a folder of results whole or not at all; existing files of these names are replaced.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if need be.
+    inputs : RunInputs
+        What the command computed from, or made: a sized aircraft.
+    record : JSON-ready
+        Content of ``results.json``.
+    extra : mapping
+        Further files, such as tables and figures, by name.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    """
+    aircraft, polar = _with_polar(inputs.aircraft)
+    files = dict(inputs.files)
+    if polar is not None:
+        extra = {**extra, POLAR: polar.read_bytes()}
+        files["airfoil"] = InputFile.of(polar)
+    contents = {
+        AIRCRAFT: _described(aircraft, files["aircraft"]),
+        MISSION: _described(inputs.mission, files["mission"]),
+        RUN: _json_bytes(_run_record(inputs.solar, files)),
+        RESULTS: _json_bytes(record),
+        **extra,
+    }
+    write_folder(folder, contents)
+
+
+def _json_bytes(record: Any) -> bytes:
+    """Record as strict JSON."""
+    return (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
+
+
+def _described(data: Mapping[str, Any], file: InputFile) -> bytes:
+    return f"# Written by solar-uav {__version__} from {file.source}\n{to_yaml(data)}".encode()
+
+
+def _with_polar(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], Path | None]:
+    """Aircraft whose airfoil's table, if it has one of its own, lies beside it; and that table."""
+    airfoil = (aircraft["airframe"].get("aerodynamics") or {}).get("airfoil", "")
+    if not airfoil.endswith(".csv"):
+        return aircraft, None
+    data = copy.deepcopy(dict(aircraft))
+    data["airframe"]["aerodynamics"]["airfoil"] = POLAR
+    return data, Path(airfoil)
+
+
+def _run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, Any]:
+    return {
+        "command": shlex.join(["solar-uav", *sys.argv[1:]]),
+        "version": __version__,
+        "date_utc": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "model": solar.model,
+        "correction": solar.correction,
+        "inputs": {kind: vars(file) for kind, file in files.items()},
+        "python": platform.python_version(),
+        "libraries": {name: metadata.version(name) for name in _LIBRARIES},
+    }

@@ -1,0 +1,266 @@
+"""What README and documentation print is what happens: commands, output, Python."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import pytest
+from command_line import Run
+from documented import Block, Command, blocks, disagreement, inline_commands, inline_options
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+# Far above what a command takes, so that a busy machine does not fail the test.
+TIMEOUT_S = 300
+
+
+def blocks_that(holds: Callable[[Block], bool], pages: list[Path] = PAGES) -> list[Block]:
+    return [block for page in pages for block in blocks(page) if holds(block)]
+
+
+def pages_with(holds: Callable[[Block], bool]) -> list[Path]:
+    return [page for page in PAGES if blocks_that(holds, [page])]
+
+
+def is_run(block: Block) -> bool:
+    return block.not_run is None and bool(block.commands())
+
+
+def is_python(block: Block) -> bool:
+    """Whether the block is Python that is run for its own sake, not for the file it makes."""
+    return block.not_run is None and block.language == "python" and not block.makes
+
+
+def in_subprocess(words: list[str], folder: Path | None = None) -> tuple[int, str, str]:
+    done = subprocess.run(
+        words,
+        cwd=folder,
+        env=dict(os.environ, MPLBACKEND="Agg"),
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+# As it is installed: worker processes import the program again, which a test is not.
+SOLAR_UAV = [str(Path(sys.executable).with_name("solar-uav"))]
+
+
+def make_wrong_aircraft(folder: Path) -> None:
+    """The file of ``solar-uav init`` with two mistakes."""
+    code, _, err = in_subprocess([*SOLAR_UAV, "init", "bad"], folder)
+    assert code == 0, err
+    path = folder / "bad.yaml"
+    text = path.read_text(encoding="utf-8")
+    for old, new in (
+        ("wingspan_m: 4.0 ", "wingspann_m: 4.0 "),
+        ("discharge_efficiency: 0.97", "discharge_efficiency: 1.2"),
+    ):
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    path.write_text(text, encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Files that commands need, each made once by the Python of a page."""
+    folder = tmp_path_factory.mktemp("made")
+
+    def file(name: str) -> Path:
+        path = folder / name
+        if path.exists():
+            return path
+        if name == "bad.yaml":
+            make_wrong_aircraft(folder)
+            return path
+        (block,) = blocks_that(lambda block: name in block.makes)
+        code, _, err = in_subprocess([sys.executable, "-c", block.text], folder)
+        assert code == 0, err
+        return path
+
+    return file
+
+
+class Player:
+    """Runs the commands of a page in the current folder and collects what is wrong."""
+
+    def __init__(
+        self, run: Run, monkeypatch: pytest.MonkeyPatch, made: Callable[[str], Path]
+    ) -> None:
+        self.run = run
+        self.monkeypatch = monkeypatch
+        self.made = made
+        self.wrong: list[str] = []
+
+    def play(self, block: Block) -> None:
+        for name in block.needs:
+            if not Path(name).exists():
+                shutil.copy(self.made(name), name)
+        printed = "".join(self._play_command(block, command) for command in block.commands())
+        for text in block.printed:
+            if disagreement(f"...\n{text}\n...", printed) is not None:
+                self.wrong.append(f"{block}: not printed: {text}")
+
+    def _play_command(self, block: Block, command: Command) -> str:
+        variables, words, target = command.words()
+        with self.monkeypatch.context() as patch:
+            patch.setenv("COLUMNS", variables.get("COLUMNS", "80"))
+            if words[0] != "solar-uav":
+                code, out, err = in_subprocess([sys.executable, *words[1:]])
+            elif "--resize" in words:  # with as many processes as there are cores
+                code, out, err = in_subprocess([*SOLAR_UAV, *words[1:]])
+            else:
+                code, out, err = self.run(*words[1:])
+        if target is not None:
+            Path(target).write_text(out, encoding="utf-8")
+        at = f"{block}: {command.text.strip()}"
+        if code != block.exit_code:
+            self.wrong.append(f"{at}\n  exit code {code}, not {block.exit_code}: {err[-400:]}")
+        if "Traceback" in out + err:
+            self.wrong.append(f"{at}\n  {(out + err)[-400:]}")
+        if "cells failed" in err or "points failed" in err:
+            self.wrong.append(f"{at}\n  {err[-400:]}")
+        if command.claimed is not None:
+            found = [disagreement(command.claimed, text) for text in (out, out + err)]
+            if None not in found:
+                self.wrong.append(f"{at}\n  {found[0]}")
+        return out + err
+
+
+@pytest.mark.parametrize("page", pages_with(is_run), ids=lambda page: page.stem)
+def test_commands_of_the_page_print_what_it_says(
+    page: Path,
+    run: Run,
+    made: Callable[[str], Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / "docs" / "images").mkdir(parents=True)
+    player = Player(run, monkeypatch, made)
+    for block in blocks(page):
+        if is_run(block):
+            player.play(block)
+    assert not player.wrong, "\n".join(["", *player.wrong])
+
+
+@pytest.mark.parametrize("block", blocks_that(lambda block: block.not_run is not None), ids=str)
+def test_block_that_is_not_run_says_why_and_names_what_exists(block: Block) -> None:
+    assert block.not_run, f"{block}: no reason"
+    for command in block.commands():
+        assert not unknown_options(command.text), f"{block}: {command.text}"
+
+
+def test_every_block_is_run_or_says_why_not() -> None:
+    for block in blocks_that(lambda block: block.not_run is None):
+        if block.language in ("sh", "text"):
+            before = [other for other in blocks(block.page) if other.output == block.text]
+            assert block.commands() or before, f"{block} is neither commands nor their output"
+        for command in block.commands():
+            _, words, _ = command.words()
+            assert words[0] == "solar-uav" or words[:2] == ["python", "-m"], f"{block}: {words}"
+
+
+@pytest.mark.parametrize("page", pages_with(is_python), ids=lambda page: page.stem)
+def test_python_of_the_page_runs(page: Path, tmp_path: Path) -> None:
+    """Each block in a file of its own, all in one process but those that start workers."""
+    names = []
+    for number, block in enumerate(blocks_that(is_python, [page])):
+        path = tmp_path / f"block{number}.py"
+        # Lines count as on the page, so that a traceback names the place.
+        path.write_text("\n" * block.line + block.text, encoding="utf-8")
+        names.append(path.name)
+    alone = [name for name in names if "__main__" in (tmp_path / name).read_text("utf-8")]
+    together = [name for name in names if name not in alone]
+    run_all = f"import runpy\nfor name in {together}: runpy.run_path(name)"
+    for arguments in (["-c", run_all], *([name] for name in alone)):
+        code, _, err = in_subprocess([sys.executable, *arguments], tmp_path)
+        assert code == 0, err
+
+
+def command_tree() -> dict[str, click.Command]:
+    from studies.cli.__main__ import cli
+
+    context = click.Context(cli)
+    found = {name: cli.get_command(context, name) for name in cli.list_commands(context)}
+    return {name: command for name, command in found.items() if command is not None}
+
+
+def options_of(command: click.Command) -> set[str]:
+    return {name for p in command.params for name in (*p.opts, *p.secondary_opts)} | {"--help"}
+
+
+def unknown_options(text: str) -> set[str]:
+    """Options in a call that its command does not have, and the command if there is none."""
+    words = text.replace("[", " ").replace("]", " ").split()
+    if not words or words[0] != "solar-uav" or len(words) == 1:
+        return set()
+    if words[1].startswith("-") or words[1] == "COMMAND":
+        return set()
+    command = command_tree().get(words[1])
+    if command is None:
+        return {words[1]}
+    named = {word.partition("=")[0].rstrip(".") for word in words[2:] if word.startswith("-")}
+    return {name for name in named if name.startswith("--")} - options_of(command)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_calls_within_the_text_name_commands_and_options_that_exist(page: Path) -> None:
+    for text in inline_commands(page):
+        assert not unknown_options(text), f"{page.name}: `{text}`"
+
+
+# Options of other programs that the pages name.
+FOREIGN = {
+    "CONTRIBUTING.md": {"--airfoil", "--out", "--check", "--markdown", "--count", "--dist"},
+    "performance.md": {"--markdown", "--json"},
+    "maps.md": {"--long"},
+    "scale.md": {"--scheduler"},
+    "validation.md": {"--count"},
+}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_options_within_the_text_exist(page: Path) -> None:
+    known = set().union(*(options_of(command) for command in command_tree().values()))
+    named = inline_options(page) - FOREIGN.get(page.name, set())
+    assert named <= known | {"--version"}, f"{page.name}: {sorted(named - known)}"
+
+
+@pytest.mark.parametrize(
+    ("claimed", "actual"),
+    [
+        ("mass 4.14 kg", "mass │ 4.15 kg"),
+        ("22 iterations, 3 ms", "25 iterations, 17 ms"),
+        ("...\nb 2\n...", "a 1\nb 2\nc 3"),
+        ("a\n...\nc", "a b b c"),
+    ],
+)
+def test_claims_that_agree(claimed: str, actual: str) -> None:
+    assert disagreement(claimed, actual) is None
+
+
+@pytest.mark.parametrize(
+    ("claimed", "actual"),
+    [
+        ("mass 4.14 kg", "mass 4.16 kg"),
+        ("mass 4.14 kg", "mass 4.140 kg"),
+        ("12 cells", "13 cells"),
+        ("a", "a b"),
+        ("b", "a b"),
+        ("...\nb 2\nd", "a 1\nb 2\nc 3"),
+        ("a\n...\nc\nb", "a b b c"),
+        ("a b", "a"),
+    ],
+)
+def test_claims_that_do_not_agree(claimed: str, actual: str) -> None:
+    assert disagreement(claimed, actual) is not None

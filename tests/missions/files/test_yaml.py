@@ -1,0 +1,291 @@
+"""Tests of the parser of YAML text: its subset, its places and its limits."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+from missions.files import yaml as reading
+from missions.files.errors import InputError
+from missions.files.yaml import parse_yaml, read_yaml
+
+
+def parse_problem(text: str) -> str:
+    with pytest.raises(InputError) as caught:
+        parse_yaml(text, "a.yaml")
+    return str(caught.value)
+
+
+@pytest.fixture(params=["libyaml", "python"])
+def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    if request.param == "python":
+        monkeypatch.setattr(reading, "_Loader", reading._loader(yaml.SafeLoader))
+    elif not hasattr(yaml, "CSafeLoader"):
+        pytest.skip("PyYAML without libyaml")
+    return str(request.param)
+
+
+# ---- values and places ----
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("true", True),
+        ("False", False),
+        ("null", None),
+        ("~", None),
+        ("", None),
+        ("7", 7),
+        ("+7", 7),
+        ("-0", 0),
+        ("2.50", 2.5),
+        (".5", 0.5),
+        ("1.", 1.0),
+        ("1e5", 1e5),
+        ("1e-3", 1e-3),
+        ("1.5E+3", 1.5e3),
+        ("1e999", math.inf),
+        (".inf", math.inf),
+        ("-.INF", -math.inf),
+        ("12:30", "12:30"),
+        ("12:30:45", "12:30:45"),
+        ("2015-06-21", "2015-06-21"),
+        ("no", "no"),
+        ("on", "on"),
+        ("y", "y"),
+        ("010", "010"),
+        ("0o17", "0o17"),
+        ("0x1F", "0x1F"),
+        ("1_000", "1_000"),
+        ("=", "="),
+        ("inf", "inf"),
+        ("nan", "nan"),
+        ("'2.9'", "2.9"),
+        ('"true"', "true"),
+        ("''", ""),
+        ("|-\n  7", "7"),
+    ],
+)
+def test_scalars(parser: str, text: str, value: object) -> None:
+    data = parse_yaml(f"a: {text}\n", "a.yaml").data
+    assert data == {"a": value}
+    assert type(data["a"]) is type(value)
+
+
+def test_not_a_number_is_a_float() -> None:
+    assert math.isnan(parse_yaml("a: .nan", "a.yaml").data["a"])
+
+
+def test_marks_tell_keys_from_values(parser: str) -> None:
+    document = parse_yaml("a: 1\nb:\n  c: [5, 6]\n  d:\n", "a.yaml")
+    assert document.key_marks == {
+        ("a",): (1, 1),
+        ("b",): (2, 1),
+        ("b", "c"): (3, 3),
+        ("b", "d"): (4, 3),
+    }
+    assert document.value_marks == {
+        (): (1, 1),
+        ("a",): (1, 4),
+        ("b",): (3, 3),
+        ("b", "c"): (3, 6),
+        ("b", "c", 0): (3, 7),
+        ("b", "c", 1): (3, 10),
+        ("b", "d"): (4, 5),
+    }
+
+
+def test_byte_order_mark_is_no_part_of_the_text(parser: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_bytes(b"\xef\xbb\xbfa: 1\n")
+    document = read_yaml(path)
+    assert document.data == {"a": 1}
+    assert document.key_marks["a",] == (1, 1)
+
+
+# ---- text that is refused ----
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: !!float 1", "a.yaml:1:4: explicit tags (!!float) are not allowed"),
+        ("a: !x {b: 1}", "a.yaml:1:4: explicit tags (!x) are not allowed"),
+        ("a: !!set [b]", "a.yaml:1:4: explicit tags (!!set) are not allowed"),
+        ("a: ! 1", "a.yaml:1:4: explicit tags (!) are not allowed"),
+        (
+            "a:\n  <<: {b: 1}",
+            "a.yaml:2:3: a: merge keys (<<) are not allowed; write the keys out",
+        ),
+        ("1: a", "a.yaml:1:1: a key must be text (got 1); put it in quotes"),
+        ("true: a", "a.yaml:1:1: a key must be text (got true); put it in quotes"),
+        ("? [a]\n: b", "a.yaml:1:3: a key must be text (got a list)"),
+        ("? {a: 1}\n: b", "a.yaml:1:3: a key must be text (got a mapping)"),
+        ("a: 1\nb: 2\na: 3", "a.yaml:3:1: a: duplicate key (first at line 1)"),
+        ("a: {b: 1, b: 2}", "a.yaml:1:11: a.b: duplicate key (first at line 1)"),
+        ("a: 1\n---\nb: 2", "a.yaml:2:1: only one document (---) is allowed per file"),
+        ("", "a.yaml: the file is empty; it must hold a mapping (key: value)"),
+        ("# only words\n", "a.yaml: the file is empty; it must hold a mapping (key: value)"),
+        ("---\n", "a.yaml: the file is empty; it must hold a mapping (key: value)"),
+        ("- 1\n", "a.yaml:1:1: the top level must be a mapping (key: value), not a list"),
+        (
+            "\nwords\n",
+            "a.yaml:2:1: the top level must be a mapping (key: value), "
+            "not the single value 'words'",
+        ),
+        (
+            "~",
+            "a.yaml:1:1: the top level must be a mapping (key: value), not the single value null",
+        ),
+        ("a: &x [1, *x]", "a.yaml:1:4: a: an alias refers to a value that contains it"),
+        ("a: &x\n  b: *x", "a.yaml:1:4: a: an alias refers to a value that contains it"),
+        ("a: 1\nb: x\x07y", "a.yaml:2:5: character U+0007 is not allowed"),
+        ("a: \ud800", "a.yaml:1:4: character U+D800 is not allowed"),
+    ],
+)
+def test_refused_text(parser: str, text: str, message: str) -> None:
+    assert parse_problem(text) == message
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("a: [1, 2", "a.yaml:"),
+        ("a: 'open", "a.yaml:1:"),
+        ("a: 1\n b: 2", "a.yaml:2:"),
+        ("a: @b", "a.yaml:1:4: "),
+        ("a: b: c", "a.yaml:1:5: "),
+        ("a: *x", "a.yaml:1:4: "),
+        ("a: &x 1\nb: &x 2", "a.yaml:2:4: "),
+        ("%YAML 3.0\n---\na: 1", "a.yaml:1:1: "),
+    ],
+)
+def test_syntax_errors_have_a_place(parser: str, text: str, place: str) -> None:
+    message = parse_problem(text)
+    assert message.startswith(place)
+    assert "is not valid YAML: " in message
+    assert "\n" not in message
+
+
+def test_open_brackets_tell_where_they_start(parser: str) -> None:
+    assert parse_problem("b: 1\na: [1,\n2\n\n").endswith(" (it starts at line 2)")
+
+
+def test_tabs_get_a_hint(parser: str) -> None:
+    message = parse_problem("a:\n\tb: 1")
+    assert message.startswith("a.yaml:2:1: is not valid YAML: ")
+    assert message.endswith("; indent with spaces, not tabs")
+    assert parse_problem("\ufeffa:\n\tb: 1") == message
+
+
+def test_all_structural_problems_come_together() -> None:
+    lines = parse_problem("a: 1\na: 2\n3: x\nb: {<<: 1}").splitlines()
+    assert [line.split(":")[1] for line in lines] == ["2", "3", "4"]
+
+
+# ---- guards against hostile files ----
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a: " + "[" * 50_000, "a: " + "{" * 50_000, "- " * 50_000, "? " * 50_000, "[a, " * 50_000],
+)
+def test_deep_nesting_is_refused(parser: str, text: str) -> None:
+    assert "nested too deeply (at most 40 levels)" in parse_problem(text)
+
+
+def test_forty_levels_are_allowed() -> None:
+    assert parse_yaml("a: " + "[" * 39 + "]" * 39, "a.yaml").data
+    assert "nested too deeply" in parse_problem("a: " + "[" * 40 + "]" * 40)
+
+
+def test_nesting_through_aliases_is_refused() -> None:
+    lines = ["k0: &k0 " + "[" * 38 + "]" * 38]
+    lines += [f"k{n}: &k{n} " + "[" * 30 + f"*k{n - 1}" + "]" * 30 for n in range(1, 40)]
+    message = parse_problem("\n".join(lines))
+    assert message.startswith("a.yaml:1:")
+    assert "nested too deeply" in message
+
+
+def test_alias_bomb_is_refused_at_once() -> None:
+    lines = ["k0: &k0 [x, x, x, x, x, x, x, x, x, x]"]
+    lines += [f"k{n}: &k{n} [" + ", ".join([f"*k{n - 1}"] * 5) + "]" for n in range(1, 10)]
+    start = time.perf_counter()
+    message = parse_problem("\n".join(lines))
+    assert time.perf_counter() - start < 0.5
+    assert "too many values after the expansion of aliases" in message
+
+
+def test_too_many_aliases_are_refused() -> None:
+    assert parse_yaml("a: &x 1\nb: [" + "*x, " * 50 + "]", "a.yaml").data["b"] == [1] * 50
+    message = parse_problem("a: &x 1\nb: [" + "*x, " * 51 + "]")
+    assert "too many aliases (at most 50)" in message
+
+
+def test_too_many_values_are_refused() -> None:
+    assert "too many values in one file" in parse_problem("a: [" + "1," * 50_001 + "]")
+
+
+def test_large_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "large.yaml"
+    # Cut at the limit, this text ends in half a character.
+    path.write_text("a: 1\n#" + "é" * 600_000, encoding="utf-8")
+    with pytest.raises(InputError, match=r"large\.yaml: is too large \(at most 1 MB\)"):
+        read_yaml(path)
+    assert parse_problem("a: " + "é" * 600_000) == "a.yaml: is too large (at most 1 MB)"
+
+
+# ---- files ----
+
+
+def read_problem(path: Path) -> str:
+    with pytest.raises(InputError) as caught:
+        read_yaml(path)
+    return str(caught.value)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    path = tmp_path / "none.yaml"
+    assert read_problem(path) == f"{path}: no such file"
+
+
+def test_folder(tmp_path: Path) -> None:
+    assert read_problem(tmp_path) == f"{tmp_path}: is a folder, not a file"
+
+
+def test_unreadable_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refuse)
+    path = tmp_path / "a.yaml"
+    assert read_problem(path) == f"{path}: cannot be read: permission denied"
+
+
+def test_path_through_a_file(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert "cannot be read: not a directory" in read_problem(tmp_path / "file" / "a.yaml")
+
+
+def test_file_name_that_cannot_be() -> None:
+    assert read_problem(Path("a\0b")) == r"a\x00b: is not a valid file name"
+
+
+def test_file_name_outside_unicode() -> None:
+    message = read_problem(Path("a\udcff.yaml"))
+    assert message.encode("utf-8") == rb"a\udcff.yaml: no such file"
+
+
+@pytest.mark.parametrize(
+    ("raw", "place"),
+    [(b"a: 1\nb: \xe9t\xe9\n", "2:4: is not UTF-8 text (byte 0xe9)"), (b"\xff\xfea\0", "1:1: ")],
+)
+def test_other_encodings_are_refused(tmp_path: Path, raw: bytes, place: str) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_bytes(raw)
+    assert read_problem(path).startswith(f"{path}:{place}")

@@ -1,0 +1,130 @@
+"""What ``analyse`` and ``size`` return: the same numbers as text, frame and dictionary."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+from sizing.aircraft import Aircraft
+from sizing.results.analysis import Analysis
+from sizing.results.sizing import SizingStudy
+
+
+@pytest.fixture(scope="module")
+def design() -> Aircraft:
+    return sizing.load_aircraft("atlantiksolar-design")
+
+
+@pytest.fixture(scope="module")
+def analysis(design: Aircraft) -> Analysis:
+    mission = missions.load_mission("central-europe-summer")
+    return sizing.analyse(design, mission, model="CAM", correction="report")
+
+
+@pytest.fixture(scope="module")
+def sized(design: Aircraft) -> SizingStudy:
+    mission = missions.load_mission("central-europe-summer")
+    return sizing.size(design, mission, "min_wingspan", required_excess_time_h=3.0)
+
+
+def test_an_analysis_prints_itself(analysis: Analysis) -> None:
+    text, one_line = str(analysis), repr(analysis)
+    assert "atlantiksolar-design on central-europe-summer" in text
+    assert "\n" not in one_line
+    assert f"{analysis.excess_time_h:.2f} h" in one_line
+    assert f"{analysis.excess_time_h:.2f} h" in text
+    assert "<table>" in analysis._repr_html_()
+
+
+def test_an_analysis_has_the_same_numbers_as_frame_and_dictionary(analysis: Analysis) -> None:
+    frame, record = analysis.to_frame(), analysis.to_dict()
+    json.dumps(record, allow_nan=False)
+    assert len(frame) == len(record["scenarios"])
+    for row, scenario in zip(frame.to_dict("records"), record["scenarios"], strict=True):
+        for key in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge", "day_of_year"):
+            assert row[key] == scenario[key]
+    assert record["excess_time_h"] == analysis.excess_time_h == frame["excess_time_h"].min()
+    trajectory = analysis.trajectory()
+    assert trajectory["state_of_charge"].between(0.0, 1.0).all()
+
+
+def test_a_sizing_prints_itself_in_25_lines_of_80_columns(sized: SizingStudy) -> None:
+    lines = str(sized).splitlines()
+    assert len(lines) <= 25
+    assert max(map(len, lines)) <= 80
+    assert "\n" not in repr(sized)
+    assert "wingspan" in repr(sized)
+    assert "<table>" in sized._repr_html_()
+
+
+def test_a_design_on_the_edge_says_so_and_names_the_way_out(sized: SizingStudy) -> None:
+    record = sized.to_dict()["uncertainty"]
+    assert record["excess_time_low_h"] < 3.0 < record["excess_time_high_h"]
+    text = " ".join(str(sized).split())
+    assert "on the edge: one RMS error less solar power misses the required 3 h" in text
+    key, value = text.split("--set mission.")[1].split()[0].split("=")
+    mission = missions.load_mission("central-europe-summer", {key: float(value)})
+    safe = sizing.size(sized.aircraft, mission, "min_wingspan", required_excess_time_h=3.0)
+    # Sized at the low end of the error, it has what is required there, to the search's tolerance.
+    assert safe.to_dict()["simulated"]["excess_time_h"] == pytest.approx(3.0, abs=0.02)
+    assert "on the edge" not in str(safe)
+
+
+def test_a_sized_aircraft_flies_as_the_sizing_says(sized: SizingStudy) -> None:
+    flown = sizing.analyse(sized.sized_aircraft(), sized.sized_mission())
+    simulated = sized.to_dict()["simulated"]
+    assert flown.excess_time_h == pytest.approx(simulated["excess_time_h"], rel=1e-9)
+    frame = sized.to_frame().set_index("quantity")
+    assert frame["value"]["wingspan"] == sized.sized_aircraft().airframe.wingspan_m
+    assert sized.masses()["mass_kg"].sum() == pytest.approx(frame["value"]["total mass"])
+    assert sized.scenarios()["excess_time_h"].min() == simulated["excess_time_h"]
+
+
+def test_a_variable_at_its_bound_is_said_first(design: Aircraft) -> None:
+    mission = missions.load_mission("rafz-july")
+    largest = sizing.size(design, mission, "max_excess_time")
+    second = str(largest).splitlines()[1]
+    assert second.startswith("at the end of the design space: ")
+    assert "wingspan_m at its maximum" in second
+
+
+def test_an_infeasible_sizing_has_no_design_and_says_why(design: Aircraft) -> None:
+    mission = missions.load_mission("central-europe-summer", {"clearness": 0.3})
+    none = sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
+    assert none.status == "infeasible"
+    assert not none.feasible
+    assert "infeasible" in repr(none)
+    with pytest.raises(ValueError, match="the sizing is infeasible: it has no design"):
+        none.to_frame()
+    assert none.to_dict()["violated_requirements"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"objective": "least_mass"}, "objective must be one of max_excess_time, min_wingspan"),
+        ({"model": "XX"}, "must be one of CDM, CAM, VM, FM"),
+        ({"correction": "best"}, "must be one of none, report, loiter"),
+    ],
+)
+def test_names_are_checked_at_the_call(
+    design: Aircraft, options: dict[str, str], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        sizing.size(design, missions.load_mission("rafz-july"), **options)
+
+
+def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual() -> None:
+    aircraft = sizing.load_aircraft("atlantiksolar-as2")
+    analysis = sizing.analyse(aircraft, missions.load_mission("rafz-july"))
+    assert analysis.is_perpetual
+    assert np.isinf(analysis.to_frame()["endurance_h"][0])
+    assert analysis.to_dict()["endurance_h"] is None
+    short = sizing.analyse(aircraft, missions.load_mission("rafz-july", ["dates={on: 12-21}"]))
+    assert not short.is_perpetual
+    assert math.isfinite(short.to_frame()["endurance_h"][0])

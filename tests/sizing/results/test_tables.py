@@ -1,0 +1,81 @@
+"""Tables and summaries: one description, the same content for every reader."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import pandas as pd
+import pytest
+
+from sizing.results.tables import Column, Line, Summary, Table, facts
+
+COLUMNS = (Column("item"), Column("mass_kg", "mass", "kg", ".3f"))
+MASSES = Table("mass budget", COLUMNS, (("structure", 0.7081), ("battery", None)), ("a note",))
+
+
+def test_text_has_headings_with_units_values_and_notes() -> None:
+    lines = MASSES.to_text().splitlines()
+    assert lines[0].strip() == "mass budget"
+    assert lines[1].split() == ["item", "mass", "[kg]"]
+    assert lines[3].split() == ["structure", "0.708"]
+    assert lines[4].split() == ["battery", "-"]
+    assert lines[5] == "a note"
+
+
+def test_numbers_are_aligned_to_the_right() -> None:
+    lines = MASSES.to_text().splitlines()
+    assert len(lines[3]) == len(lines[1])
+
+
+def test_text_keeps_to_its_width_without_losing_words() -> None:
+    words = [f"word{i}" for i in range(40)]
+    text = Summary((" ".join(words), MASSES)).to_text(width=30)
+    assert max(map(len, text.splitlines())) <= 30
+    assert all(word in text.split() for word in words)
+
+
+def test_values_are_text_for_people() -> None:
+    column = Column("excess_time_h", "excess time", "h", ".2f")
+    assert column.heading == "excess time [h]"
+    assert [column.text(v) for v in (1.0, None, math.nan, math.inf, -math.inf, "x", True)] == [
+        *("1.00", "-", "-", "unlimited", "-unlimited", "x", "yes")
+    ]
+    assert Column("share", form="{:.0%} of it").text(0.5) == "50% of it"
+
+
+def test_csv_and_frame_keep_all_digits_under_the_columns_names() -> None:
+    frame = MASSES.to_frame()
+    assert list(frame.columns) == ["item", "mass_kg"]
+    assert frame["mass_kg"][0] == 0.7081
+    assert frame.attrs == {"title": "mass budget", "units": {"mass_kg": "kg"}}
+    pd.testing.assert_frame_equal(
+        pd.read_csv(io.StringIO(MASSES.to_csv())), pd.DataFrame(frame), check_dtype=False
+    )
+
+
+def test_markdown_is_a_table_whatever_the_cells_hold() -> None:
+    lines = Table("", COLUMNS, (("a|b", 1.0),)).to_markdown().splitlines()
+    assert lines == ["| item | mass [kg] |", "| --- | ---: |", "| a\\|b | 1.000 |"]
+
+
+def test_html_escapes_names() -> None:
+    page = Summary((Line("<b>", "strong"), facts("", [("<script>", "&")]))).to_html()
+    assert "<script>" not in page
+    assert "&lt;script&gt;" in page
+    assert "<p>&lt;b&gt;</p>" in page
+
+
+def test_names_are_text_and_never_markup() -> None:
+    assert "[bold]x[/bold] :smile:" in Summary(("[bold]x[/bold] :smile:",)).to_text()
+    assert "[red]" in facts("[red]", [("[link]", "v")]).to_text()
+
+
+def test_tables_stand_side_by_side_where_there_is_room() -> None:
+    left, right = facts("", [("wingspan", "4 m")]), facts("", [("battery", "2 kg")])
+    assert Summary(((left, right),)).to_text().splitlines() == ["wingspan  4 m     battery  2 kg"]
+
+
+def test_a_row_of_another_length_is_refused() -> None:
+    with pytest.raises(ValueError, match="mass budget: a row has 1 values for 2 columns"):
+        Table("mass budget", COLUMNS, (("structure",),))

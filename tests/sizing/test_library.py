@@ -1,0 +1,89 @@
+"""Tests of reading aircraft, and of the files that theirs name."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+import pytest
+
+from missions.files.errors import InputError
+from missions.files.shipped import find_document
+from missions.files.validation import validate
+from missions.files.writing import to_yaml
+from missions.files.yaml import parse_yaml
+from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.library import load_aircraft
+
+WING = {"model": "wing_polar", "design_aspect_ratio": 18.5, "design_reynolds": 158_000.0}
+SHIPPED = resources.files("sizing").joinpath("data", "polars", "e214.csv").read_text("utf-8")
+
+
+def airfoil_of(aircraft: Aircraft) -> str:
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    assert isinstance(aircraft.airframe.aerodynamics, WingPolar)
+    return aircraft.airframe.aerodynamics.airfoil
+
+
+def write_bird(file: Path, airfoil: str) -> None:
+    """Write an aircraft whose wing has an airfoil."""
+    data = find_document("aircraft", "atlantiksolar-design").data
+    data["airframe"]["aerodynamics"] = {**WING, "airfoil": airfoil}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(to_yaml(data), encoding="utf-8")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder with an aircraft and its polar beside it; the working folder is another one."""
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    write_bird(tmp_path / "hangar" / "bird.yaml", "polars/own.csv")
+    (tmp_path / "hangar" / "polars").mkdir()
+    own = tmp_path / "hangar" / "polars" / "own.csv"
+    own.write_text(SHIPPED, encoding="utf-8")
+    return tmp_path / "hangar"
+
+
+@pytest.mark.parametrize("name", ["../hangar/bird.yaml", "{folder}/bird.yaml"])
+def test_polar_is_looked_for_beside_the_file_that_names_it(folder: Path, name: str) -> None:
+    aircraft = load_aircraft(name.format(folder=folder))
+    assert airfoil_of(aircraft) == str(folder / "polars" / "own.csv")
+
+
+def test_polar_of_an_override_is_looked_for_in_the_working_folder(folder: Path) -> None:
+    Path("mine.csv").write_text(SHIPPED, encoding="utf-8")
+    override = "airframe.aerodynamics.airfoil=mine.csv"
+    assert airfoil_of(load_aircraft(folder / "bird.yaml", [override])) == str(
+        Path.cwd() / "mine.csv"
+    )
+    with pytest.raises(InputError, match=r"hangar.none\.csv"):
+        load_aircraft(folder / "bird.yaml", ["airframe.aerodynamics.airfoil=../hangar/none.csv"])
+
+
+def test_shipped_airfoils_keep_their_names(folder: Path) -> None:
+    (folder / "e214").write_text("no polar", encoding="utf-8")
+    write_bird(folder / "plain.yaml", "e214")
+    assert airfoil_of(load_aircraft(folder / "plain.yaml")) == "e214"
+
+
+def test_missing_polar_is_named_with_its_folder(folder: Path) -> None:
+    write_bird(folder / "bird.yaml", "none.csv")
+    with pytest.raises(InputError, match=rf"cannot read '{folder}/none\.csv'"):
+        load_aircraft(folder / "bird.yaml")
+
+
+def test_copy_of_a_file_elsewhere_finds_the_polar(folder: Path) -> None:
+    """What a command writes from the data of a file, as a sized aircraft, goes to other folders."""
+    document = find_document("aircraft", str(folder / "bird.yaml"))
+    copied = validate(parse_yaml(to_yaml(document.data), "copy"), Aircraft)
+    assert airfoil_of(copied) == str(folder / "polars" / "own.csv")
+
+
+def test_text_that_only_looks_like_a_file_stays(folder: Path) -> None:
+    text = (folder / "bird.yaml").read_text("utf-8")
+    (folder / "bird.yaml").write_text(
+        f"description: own.csv\n{text}".replace("\ndescription", "\n# ")
+    )
+    assert load_aircraft(folder / "bird.yaml").description == "own.csv"

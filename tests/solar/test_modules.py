@@ -1,0 +1,235 @@
+"""Component-efficiency curves and the technology of the solar modules."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy.interpolate import PchipInterpolator
+
+from solar.modules import Curve, IncidenceTable, SolarCell, shipped_curve
+
+SHIPPED = ("incidence_sunpower_glass", "low_light_sunpower_c60")
+
+
+@st.composite
+def curves(draw: st.DrawFn) -> Curve:
+    grid = draw(st.lists(st.integers(-1000, 1000), min_size=2, max_size=8, unique=True))
+    y = draw(st.lists(st.floats(-100.0, 100.0), min_size=len(grid), max_size=len(grid)))
+    return Curve(x=tuple(value / 10.0 for value in sorted(grid)), y=tuple(y))
+
+
+# ---- Interpolation
+
+
+@given(curves())
+def test_curve_passes_through_its_points(curve: Curve) -> None:
+    # Rounding, relative to values of up to 100.
+    assert curve(curve.x) == pytest.approx(np.array(curve.y), abs=1e-9)
+
+
+@given(curves(), st.floats(0.0, 1.0))
+def test_curve_stays_between_neighbouring_points(curve: Curve, share: float) -> None:
+    for (x0, x1), (y0, y1) in zip(pairwise(curve.x), pairwise(curve.y), strict=True):
+        value = float(curve(x0 + share * (x1 - x0)))
+        assert min(y0, y1) - 1e-9 <= value <= max(y0, y1) + 1e-9  # rounding only
+
+
+@given(curves(), st.floats(0.0, 1e6))
+def test_curve_is_constant_outside_its_points(curve: Curve, beyond: float) -> None:
+    assert curve(curve.x[0] - beyond) == pytest.approx(curve.y[0], abs=1e-9)
+    assert curve(curve.x[-1] + beyond) == pytest.approx(curve.y[-1], abs=1e-9)
+
+
+def test_curve_reproduces_a_straight_line() -> None:
+    line = Curve(x=(0.0, 1.0, 4.0, 10.0), y=(1.0, 3.0, 9.0, 21.0))
+    x = np.linspace(0.0, 10.0, 37)
+    assert line(x) == pytest.approx(1.0 + 2.0 * x)
+
+
+@given(curves(), st.integers(0, 2**32 - 1))
+def test_curve_is_the_interpolant_of_scipy(curve: Curve, seed: int) -> None:
+    x = np.random.default_rng(seed).uniform(curve.x[0], curve.x[-1], 50)
+    x = np.concatenate((x, curve.x, np.nextafter(curve.x[1:], -np.inf)))
+    expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y))(x)
+    # The same polynomials, summed in another order: rounding of values up to 100.
+    np.testing.assert_allclose(curve(x), expected, rtol=1e-12, atol=1e-11)
+
+
+def test_curve_with_points_close_together_is_searched() -> None:
+    curve = Curve(x=(0.0, 1e-6, 1.0), y=(0.0, 1.0, 2.0))
+    x = np.array([0.0, 5e-7, 1e-6, 0.5, 1.0])
+    expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y))(x)
+    np.testing.assert_allclose(curve(x), expected, rtol=1e-12)
+
+
+def test_curve_keeps_the_shape_of_its_argument() -> None:
+    curve = Curve(x=(0.0, 1.0), y=(0.0, 1.0))
+    assert curve(0.5).shape == ()
+    assert curve(np.zeros((2, 3, 4))).shape == (2, 3, 4)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"x": (0.0, 1.0), "y": (0.0,)}, "at least 2"),
+        ({"x": (0.0,), "y": (0.0,)}, "at least 2"),
+        ({"x": (0.0, 1.0, 2.0), "y": (0.0, 1.0)}, "must match"),
+        ({"x": (0.0, 0.0), "y": (0.0, 1.0)}, "increase strictly"),
+        ({"x": (1.0, 0.0), "y": (0.0, 1.0)}, "increase strictly"),
+        ({"x": (0.0, 1.0), "y": (0.0, float("nan"))}, "finite"),
+        ({"x": (0.0, float("inf")), "y": (0.0, 1.0)}, "finite"),
+        ({"x": (0.0, "1"), "y": (0.0, 1.0)}, "valid number"),
+        ({"x": (0.0, True), "y": (0.0, 1.0)}, "valid number"),
+        ({"x": (0.0, 1.0), "y": (0.0, 1.0), "z": 1.0}, "Extra inputs"),
+    ],
+)
+def test_bad_curves_are_refused(table: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        Curve(**table)
+
+
+# ---- Shipped curves
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_curves_are_relative_efficiencies(name: str) -> None:
+    curve = shipped_curve(name)
+    assert all(0.0 <= value <= 1.0 for value in curve.y)
+    steps = np.diff(curve(np.linspace(curve.x[0], curve.x[-1], 500)))
+    assert np.all(steps >= 0.0) or np.all(steps <= 0.0)
+
+
+def test_shipped_curves_are_one_at_standard_test_conditions() -> None:
+    assert shipped_curve("incidence_sunpower_glass")(0.0) == 1.0  # normal incidence
+    assert shipped_curve("low_light_sunpower_c60")(1000.0) == 1.0  # 1000 W/m2
+
+
+@pytest.mark.parametrize(("aoi_deg", "published"), [(45, 0.97), (60, 0.915), (80, 0.56), (90, 0.0)])
+def test_incidence_curve_is_the_published_one(aoi_deg: float, published: float) -> None:
+    assert shipped_curve("incidence_sunpower_glass")(aoi_deg) == pytest.approx(published)
+
+
+@pytest.mark.parametrize(("irradiance", "published"), [(50, 0.913), (200, 0.966), (800, 0.999)])
+def test_low_light_curve_is_the_published_one(irradiance: float, published: float) -> None:
+    assert shipped_curve("low_light_sunpower_c60")(irradiance) == pytest.approx(published)
+
+
+def test_unknown_curve_is_refused() -> None:
+    with pytest.raises(FileNotFoundError):
+        shipped_curve("no_such_curve")
+
+
+# ---- Module efficiencies
+
+
+def test_temperature_efficiency_of_the_verification_flight() -> None:
+    # Oettershagen's report, late-morning flight: 96 % at 37 C, rounded to the per cent.
+    assert SolarCell().temperature_efficiency(37.0) == pytest.approx(0.96, abs=0.005)
+
+
+def test_temperature_efficiency_is_one_at_standard_test_conditions() -> None:
+    assert SolarCell().temperature_efficiency(25.0) == 1.0
+
+
+@given(st.floats(0.0, 0.01), st.floats(-100.0, 200.0))
+def test_temperature_efficiency_falls_linearly_and_never_below_zero(
+    coefficient: float, temperature: float
+) -> None:
+    cell = SolarCell(temperature_coefficient_per_k=coefficient)
+    here = float(cell.temperature_efficiency(temperature))
+    hotter = float(cell.temperature_efficiency(temperature + 10.0))
+    assert here >= hotter >= 0.0
+    assume(hotter > 0.0)
+    # Rounding only: values near one, subtracted.
+    assert here - hotter == pytest.approx(10.0 * coefficient, abs=1e-12)
+
+
+def test_temperature_efficiency_ends_at_zero() -> None:
+    # 0.3 %/K uses the efficiency up 333 K above 25 C.
+    assert SolarCell().temperature_efficiency([358.0, 359.0, 1000.0])[1:] == pytest.approx(0.0)
+
+
+@given(st.floats(-1.0, 1.0))
+def test_incidence_efficiency_is_a_fraction_and_zero_from_behind(cosine: float) -> None:
+    value = SolarCell().incidence_efficiency(cosine)
+    assert 0.0 <= value <= 1.0
+    if cosine <= 0.0:
+        assert value == pytest.approx(0.0, abs=1e-12)  # rounding at 90 degrees
+
+
+def test_incidence_efficiency_takes_the_angle_of_its_cosine() -> None:
+    aoi_deg = np.array([0.0, 15.0, 45.0, 70.0, 87.0])
+    published = np.array([1.0, 0.997, 0.97, 0.76, 0.34])
+    efficiency = SolarCell().incidence_efficiency(np.cos(np.radians(aoi_deg)))
+    assert efficiency == pytest.approx(published)
+
+
+def test_incidence_efficiency_bears_a_cosine_just_above_one() -> None:
+    # Products of unit vectors exceed one by rounding.
+    assert SolarCell().incidence_efficiency(1.0 + 1e-12) == 1.0
+
+
+def test_incidence_efficiency_follows_the_table_of_the_user() -> None:
+    table = IncidenceTable(aoi_deg=(0.0, 60.0, 90.0), relative_efficiency=(1.0, 0.5, 0.0))
+    cell = SolarCell(incidence=table)
+    assert cell.incidence_efficiency(0.5) == pytest.approx(0.5)
+    assert SolarCell().incidence_efficiency(0.5) == pytest.approx(0.915)
+
+
+def test_diffuse_efficiency_is_the_mean_incidence_efficiency_of_the_sky() -> None:
+    cell = SolarCell()
+    aoi = np.linspace(0.0, np.pi / 2.0, 2001)
+    # Mean over the area of the sky's half sphere, as Oettershagen's report defines it.
+    mean = np.trapezoid(cell.incidence_efficiency(np.cos(aoi)) * np.sin(aoi), aoi)
+    # Half of that area is beyond 60 degrees, where the eleven points read off a figure follow the
+    # steep end of the curve only to some per cent.
+    assert mean == pytest.approx(cell.diffuse_efficiency, abs=0.04)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {"aoi_deg": (0.0, 90.0), "relative_efficiency": (1.0,)},
+        {"aoi_deg": (0.0, 45.0, 90.0), "relative_efficiency": (1.0, 0.0)},
+        {"aoi_deg": (90.0, 0.0), "relative_efficiency": (0.0, 1.0)},
+        {"aoi_deg": (0.0, 91.0), "relative_efficiency": (1.0, 0.0)},
+        {"aoi_deg": (-1.0, 90.0), "relative_efficiency": (1.0, 0.0)},
+        {"aoi_deg": (0.0, 90.0), "relative_efficiency": (100.0, 0.0)},  # per cent
+        {"aoi_deg": (0.0, 90.0), "relative_efficiency": (1.0, float("nan"))},
+        {"aoi_rad": (0.0, 1.5), "relative_efficiency": (1.0, 0.0)},
+    ],
+)
+def test_bad_incidence_tables_are_refused(table: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError):
+        IncidenceTable(**table)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"efficiency_stc": 23.7},  # per cent
+        {"efficiency_stc": 0.0},
+        {"mppt_efficiency": 1.01},
+        {"camber_efficiency": -0.1},
+        {"diffuse_efficiency": float("nan")},
+        {"temperature_coefficient_per_k": -0.003},
+        {"efficiency_stc": "0.2"},
+        {"efficiency_stc": True},
+        {"efficiency": 0.2},
+    ],
+)
+def test_bad_cells_are_refused(change: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError, match=next(iter(change))):
+        SolarCell(**change)
+
+
+def test_cells_do_not_change() -> None:
+    cell = SolarCell()
+    with pytest.raises(ValidationError, match="frozen"):
+        cell.efficiency_stc = 0.5  # type: ignore[misc]

@@ -1,0 +1,202 @@
+"""Folders of results: complete, and good for the next command."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import BIRD, FIELD, Run, edited, files
+
+DESIGN = "atlantiksolar-design"
+COMMON = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
+
+
+def contents(folder: Path) -> tuple[Any, Any]:
+    return tuple(json.loads((folder / name).read_text()) for name in ("run.json", "results.json"))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        (),
+        ("--required-excess-time", "3"),
+        ("--objective", "max_payload_mass", "--required-excess-time", "1"),
+        ("--objective", "max_payload_power", "--required-excess-time", "1"),
+        ("--model", "FM", "--objective", "min_wingspan"),
+        ("--model", "CDM", "--correction", "report", "--set", "mission.clearness=0.9"),
+        ("--set", "mission.payload.mass_kg=0.4", "--set", "power.avionics_w=8"),
+        ("--set", "mission.uncertainty_margins.solar_model_sigmas=1"),
+    ],
+    ids=" ".join,
+)
+def test_the_folder_of_a_sizing_gives_the_excess_time_of_the_sizing(
+    run: Run, tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", *options, "--out", "a/design", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    sized = outcome.json()
+    folder = tmp_path / "a" / "design"
+    assert contents(folder)[1] == sized
+    assert run("validate", "a/design/aircraft.yaml", "a/design/mission.yaml").code == 0
+    flown = run("analyse", "a/design", "--json").json()
+    simulated = sized["simulated"]
+    # The mass is closed anew for the file: the tolerance is that of the closure.
+    assert flown["excess_time_h"] == pytest.approx(simulated["excess_time_h"], abs=1e-3)
+    assert flown["total_mass_kg"] == pytest.approx(simulated["total_mass_kg"], rel=1e-6)
+    for key in ("model", "correction"):
+        assert flown[key] == simulated[key]
+    assert flown["mission"] == "rafz-july"
+    assert flown["mission_is_default"] is False
+
+
+@pytest.mark.parametrize(
+    ("objective", "mission"),
+    [("longest_season", "rafz-28h"), ("widest_latitude_band", "rafz-28h")],
+)
+def test_the_folder_of_a_range_gives_its_worst_scenario(
+    run: Run, objective: str, mission: str
+) -> None:
+    asked = ("--objective", objective, "--required-excess-time", "2", "--out", "wide", "--json")
+    sized = run("size", DESIGN, "-m", mission, *asked).json()
+    flown = run("analyse", "wide", "--json").json()
+    assert len(flown["scenarios"]) > 10
+    assert flown["excess_time_h"] == pytest.approx(sized["simulated"]["excess_time_h"], abs=1e-3)
+
+
+def test_options_come_before_what_the_folder_says(run: Run) -> None:
+    run("size", DESIGN, "-m", "rafz-july", "--model", "CDM", "--out", "design")
+    other = run("analyse", "design", "--model", "CAM", "-m", "central-europe-summer", "--json")
+    record = other.json()
+    assert (record["model"], record["mission"]) == ("CAM", "central-europe-summer")
+    moved = run("analyse", "design", "--date", "12-21", "--json").json()
+    assert (moved["model"], moved["day_of_year"]) == ("CDM", 355)
+    assert run("size", "design", "--json").json()["mission"] == "rafz-july"
+
+
+def test_the_record_of_a_run(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "field.yaml").write_text(FIELD)
+    run("size", DESIGN, "-m", "field.yaml", "--set", "mission.clearness=0.95", "--out", "design")
+    record, _ = contents(tmp_path / "design")
+    assert record["command"] == (
+        f"solar-uav size {DESIGN} -m field.yaml --set mission.clearness=0.95 --out design"
+    )
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00", record["date_utc"])
+    shipped = resources.files("sizing").joinpath("library", f"{DESIGN}.yaml").read_bytes()
+    assert record["inputs"] == {
+        "aircraft": {
+            "source": f"{DESIGN} (shipped)",
+            "sha256": hashlib.sha256(shipped).hexdigest(),
+        },
+        "mission": {
+            "source": "field.yaml",
+            "sha256": hashlib.sha256(FIELD.encode()).hexdigest(),
+        },
+    }
+    assert record.keys() >= {"version", "python", "libraries", "model", "correction"}
+    assert record["libraries"].keys() >= {"numpy", "casadi"}
+    assert "clearness: 0.95" in (tmp_path / "design" / "mission.yaml").read_text()
+
+
+def test_a_polar_of_ones_own_goes_with_the_folder(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    polar = resources.files("sizing").joinpath("data", "polars", "sd7037.csv").read_text()
+    (tmp_path / "mine.csv").write_text(polar)
+    aerodynamics = (
+        "airframe.aerodynamics={model: wing_polar, airfoil: mine.csv, design_aspect_ratio: 18.5, "
+        "design_reynolds: 200000}"
+    )
+    asked = ("size", DESIGN, "-m", "rafz-july", "--set", aerodynamics, "--out", "design", "--json")
+    sized = run(*asked)
+    assert (sized.code, sized.err) == (0, "")
+    (tmp_path / "mine.csv").unlink()
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    flown = run("analyse", "../design", "--json").json()
+    assert flown["excess_time_h"] == pytest.approx(
+        sized.json()["simulated"]["excess_time_h"], abs=1e-3
+    )
+    record, _ = contents(tmp_path / "design")
+    assert record["inputs"]["airfoil"] == {
+        "source": "mine.csv",
+        "sha256": hashlib.sha256(polar.encode()).hexdigest(),
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "own"),
+    [
+        (("compare", "sky-sailor", "--no-design"), {"comparison.csv", "comparison.png"}),
+        (("reproduce-report",), {"report.md", "report.png"}),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_every_folder_is_complete(
+    run: Run, tmp_path: Path, arguments: tuple[str, ...], own: set[str]
+) -> None:
+    outcome = run(*arguments, "--out", "results", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(tmp_path / "results") == COMMON | own
+    assert contents(tmp_path / "results")[1] == outcome.json()
+    flown = run("analyse", "results", "--json").json()
+    assert (flown["aircraft"], flown["mission"]) == (
+        outcome.json()["aircraft"],
+        outcome.json()["mission"],
+    )
+
+
+def test_a_folder_that_is_not_one_of_results(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    assert run("analyse", "empty").err == "empty: is a folder, not a file\n"
+    (tmp_path / "broken").mkdir()
+    for text in ("", "[]", "{}", '{"model": "XYZ", "correction": "none"}'):
+        (tmp_path / "broken" / "run.json").write_text(text)
+        outcome = run("analyse", "broken")
+        assert (outcome.code, outcome.out) == (2, "")
+        assert outcome.err == "broken/run.json: is not the record of a run of solar-uav\n"
+
+
+def test_an_infeasible_sizing_writes_no_folder(run: Run, tmp_path: Path) -> None:
+    outcome = run(
+        "size", DESIGN, "-m", "rafz-july", "--required-excess-time", "500", "--out", "design"
+    )
+    assert outcome.code == 1
+    assert "written to" not in outcome.out
+    assert files(tmp_path) == set()
+
+
+def test_a_table_beside_the_aircraft_is_found_from_anywhere(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    polar = resources.files("sizing").joinpath("data", "polars", "sd7037.csv").read_text()
+    craft = run("show", DESIGN).out
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "wing.csv").write_text(polar)
+    start = craft.index("  aerodynamics:")
+    end = start + re.search(r"\n(?=  \w|\w)", craft[start:]).start()  # type: ignore[union-attr]
+    aerodynamics = (
+        "  aerodynamics: {model: wing_polar, airfoil: wing.csv, design_aspect_ratio: 18.5, "
+        "design_reynolds: 200000}"
+    )
+    (folder / "craft.yaml").write_text(craft[:start] + aerodynamics + craft[end:])
+    outcome = run("analyse", "mine/craft.yaml", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    monkeypatch.chdir(folder)
+    assert run("analyse", "craft.yaml", "--json").json() == outcome.json()
+    assert run("validate", "craft.yaml").code == 0
+
+
+def test_a_measured_aircraft_in_a_folder(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bird.yaml").write_text(edited(BIRD, "avionics_w: 6.0", "avionics_w: 5.0"))
+    (tmp_path / "field.yaml").write_text(FIELD)
+    before = run("analyse", "bird.yaml", "-m", "field.yaml", "--json").json()
+    run("compare", "bird.yaml", "-m", "field.yaml", "--no-design", "--out", "bird")
+    after = run("analyse", "bird", "--json").json()
+    assert after == before

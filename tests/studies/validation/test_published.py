@@ -1,0 +1,46 @@
+"""Published numbers and the report's means as results that print themselves."""
+
+from __future__ import annotations
+
+import pytest
+
+from studies.validation import published as study
+from studies.validation.report_reproduction import Reproduction, reference, reproduce
+
+
+@pytest.fixture(scope="module")
+def result() -> study.Published:
+    return study.published()
+
+
+def test_every_number_is_met(result: study.Published) -> None:
+    assert result.met
+    assert result.headline().startswith(f"{len(result.numbers)} of {len(result.numbers)} ")
+
+
+def test_text_has_a_table_for_each_source_and_fits_the_terminal(result: study.Published) -> None:
+    text = str(result)
+    for number in result.numbers:
+        assert number.source in text
+    assert max(map(len, text.splitlines())) <= 80
+    assert len(result.to_frame()) == len(result.to_dict()) == len(result.numbers)
+
+
+def test_a_missed_number_counts() -> None:
+    missed = study.Number("mass", "a book", "kg", 1.0, 1.2, 0.1)
+    assert study.Published((missed,)).headline() == "0 of 1 published numbers are met"
+    assert not study.Published((missed,)).met
+
+
+def test_largest_difference_from_the_report_is_the_headline() -> None:
+    aircraft, mission = reference()
+    models = {"CDM": 117.35, "CAM": 104.89, "VM": 97.65, "FM": 97.87 * 1.02}
+    result = Reproduction(aircraft, mission, models, (35.3, 140.5 * 0.95, 204.7))  # type: ignore[arg-type]  # names of models
+    assert "within 5.0 % of the report's" in result.headline()
+    assert result.to_dict()["windows"][0]["published_w"] == 35.3
+
+
+def test_assumptions_are_varied_on_request() -> None:
+    result = reproduce(*reference())
+    assert result.varied == ()
+    assert len(result.tables()) == 1
