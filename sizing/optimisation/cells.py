@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, Masses, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
 from sizing.optimisation.energy_constraints import never_dark
 from sizing.optimisation.objectives import Objective
@@ -155,8 +155,8 @@ def size_cells(
         "payload_power_w": each(payload_power_w, mission.payload.power_w),
     }
     day = solar_day(aircraft, mission, solar, scenarios=scenarios)
-    solver = ProgramSolver(problems, mission, day)
-    return _Cells(solver, solar, objective, required, payload, seed, scenarios_per_cell).run()
+    solver = ProgramSolver(problems, mission, solar, day)
+    return _Cells(solver, objective, required, payload, seed, scenarios_per_cell).run()
 
 
 class _CellSearch(Search):
@@ -180,19 +180,17 @@ class _Cells:
     def __init__(
         self,
         solver: ProgramSolver,
-        solar: SolarModel,
         objective: Objective,
         required_h: FloatArray,
         payload: dict[str, FloatArray],
         seed: int,
         each: int,
     ) -> None:
-        self.solver, self.solar, self.objective = solver, solar, objective
-        self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
+        self.solver, self.objective, self.day = solver, objective, solver.day
         self.required_h, self.payload, self.seed = required_h, payload, seed
         self.each = each
         self.count = len(self.day.scenarios) // each
-        self.own = variables_of(self.aircraft)
+        self.own = variables_of(solver.aircraft)
         self.last: Solution | None = None
 
     def run(self) -> CellSizings:
@@ -264,17 +262,15 @@ class _Cells:
 
     # --- the simulator -------------------------------------------------------------------------
 
-    def _scenarios_of(self, cells: NDArray[np.int_]) -> NDArray[np.int_]:
-        return (cells[:, np.newaxis] * self.each + np.arange(self.each)).ravel()
-
     def _performance(self, variables: DesignVariables, cells: NDArray[np.int_]) -> Performance:
         """Performance of designs in their cells; the scenarios of a cell are the last axis."""
+        scenarios = (cells[:, np.newaxis] * self.each + np.arange(self.each)).ravel()
         perf = performance_of_pairs(
-            self.aircraft,
-            self.mission,
+            self.solver.aircraft,
+            self.solver.mission,
             variables.mapped(lambda v: np.repeat(v, self.each)),
-            self.solar,
-            day=self.day.at(self._scenarios_of(cells)),
+            self.solver.solar,
+            day=self.day.at(scenarios),
         )
         return _by_cell(perf, self.each)
 
@@ -283,8 +279,9 @@ class _Cells:
         return value if self.objective.maximised else -value
 
     def _sound(self, perf: Performance) -> NDArray[np.bool_]:
+        solver = self.solver
         return meets_requirements(
-            self.aircraft, perf.design, self.solver.conditions, tolerance=ROW_TOLERANCE
+            solver.aircraft, perf.design, solver.conditions, tolerance=ROW_TOLERANCE
         )
 
     def _simulated(self, searches: Sequence[Search]) -> list[Simulated]:
@@ -377,26 +374,17 @@ def _by_cell(perf: Performance, each: int) -> Performance:
     """Performance of pairs as that of cells: one design each, their scenarios as the last axis."""
 
     def first(value: Value) -> Value:
+        if isinstance(value, tuple):  # design, variables and masses
+            return type(value)._make(first(one) for one in value)  # type: ignore[attr-defined]  # named
         return np.asarray(value)[::each] if np.ndim(value) else value
 
-    def gathered(values: FloatArray) -> FloatArray:
-        return values.reshape(-1, each)
-
-    design, cycle = perf.design, perf.cycle
+    of_cells = ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")
+    gathered = {name: getattr(perf.cycle, name).reshape(-1, each) for name in of_cells}
     return replace(
         perf,
-        design=design._replace(
-            variables=design.variables.mapped(first),
-            masses=Masses(*(first(mass) for mass in design.masses)),
-            **{name: first(getattr(design, name)) for name in _DESIGN_NUMBERS},
-        ),
+        design=first(perf.design),
         nominal_load_w=first(perf.nominal_load_w),
-        cycle=replace(
-            cycle,
-            excess_time_h=gathered(cycle.excess_time_h),
-            charge_margin_h=gathered(cycle.charge_margin_h),
-            minimum_state_of_charge=gathered(cycle.minimum_state_of_charge),
-        ),
+        cycle=replace(perf.cycle, **gathered),
     )
 
 
@@ -409,11 +397,4 @@ _NUMBERS = (
     "minimum_state_of_charge",
     "airspeed_m_per_s",
     "load_w",
-)
-_DESIGN_NUMBERS = (
-    "total_mass_kg",
-    "battery_energy_wh",
-    "propulsion_power_w",
-    "constant_power_w",
-    "airspeed_m_per_s",
 )

@@ -43,22 +43,11 @@ from solar.types import FloatArray
 
 Effort = Literal["quick", "steady", "patient", "next"]
 
-_IPOPT_EFFORTS: dict[Effort, dict[str, Any]] = {
-    "quick": {
-        "ipopt.hessian_approximation": "limited-memory",
-        "ipopt.mu_strategy": "monotone",
-        "ipopt.max_iter": 120,
-    },
-    "steady": {
-        "ipopt.hessian_approximation": "exact",
-        "ipopt.mu_strategy": "monotone",
-        "ipopt.max_iter": 300,
-    },
-    "patient": {
-        "ipopt.hessian_approximation": "exact",
-        "ipopt.mu_strategy": "adaptive",
-        "ipopt.max_iter": 600,
-    },
+# Hessian, strategy of the barrier and most iterations of the interior-point method.
+_IPOPT_EFFORTS: dict[Effort, tuple[str, str, int]] = {
+    "quick": ("limited-memory", "monotone", 120),
+    "steady": ("exact", "monotone", 300),
+    "patient": ("exact", "adaptive", 600),
 }
 
 _COMMON_OPTIONS = {
@@ -70,7 +59,7 @@ _COMMON_OPTIONS = {
     "no_nlp_grad": True,
 }
 
-_IPOPT_OPTIONS = _COMMON_OPTIONS | {
+_IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.tol": 1e-8,
@@ -200,7 +189,12 @@ class SizingProblem:
             if effort == "next":
                 solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, _SQP_OPTIONS)
             else:
-                options: dict[str, Any] = _IPOPT_OPTIONS | _IPOPT_EFFORTS[effort]
+                hessian, barrier, iterations = _IPOPT_EFFORTS[effort]
+                options = _IPOPT_OPTIONS | {
+                    "ipopt.hessian_approximation": hessian,
+                    "ipopt.mu_strategy": barrier,
+                    "ipopt.max_iter": iterations,
+                }
                 solver = ca.nlpsol("sizing", "ipopt", self.symbols, options)
             self._solvers[effort] = solver
         return self._solvers[effort]

@@ -153,7 +153,7 @@ class _Relaxations:
         held = {label.partition(" (")[0] for label in result.active_constraints}
         self.in_the_way = self.others_missed | held
         self.day = result.nearest.day
-        self.solver = ProgramSolver(problems, mission, self.day)
+        self.solver = ProgramSolver(problems, mission, solar, self.day)
         self.start = result.nearest.design.variables.mapped(float)
         self.program = problems.of(_BLOCKS)
         self.technology = [v.name for v in self.program.of_role(Role.technology)]

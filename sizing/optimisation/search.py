@@ -41,7 +41,7 @@ from sizing.optimisation.solver import (
     ProgramSolver,
     Solution,
 )
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import Performance
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
 __all__ = ["Search", "SizingResult", "run", "size_aircraft"]
@@ -302,8 +302,8 @@ def size_aircraft(
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    solver = ProgramSolver(problems, mission, lit)
-    asked = (solver, solar, objective, required, start)
+    solver = ProgramSolver(problems, mission, solar, lit)
+    asked = (solver, objective, required, start)
     unlimited = None
     if never_dark(lit).all() and (required > 0.0 or objective is Objective.max_excess_time):
         unlimited = _Sizing(*asked, explain=False, battery=False).run()
@@ -358,7 +358,6 @@ class _Sizing:
     def __init__(
         self,
         solver: ProgramSolver,
-        solar: SolarModel,
         objective: Objective,
         required_h: float,
         start: DesignVariables | None = None,
@@ -367,14 +366,13 @@ class _Sizing:
         battery: bool = True,
     ) -> None:
         self.explain, self.battery = explain, battery
-        self.solver, self.solar = solver, solar
-        self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
+        self.solver, self.aircraft, self.day = solver, solver.aircraft, solver.day
         self.objective, self.required_h = objective, required_h
         self.start = variables_of(self.aircraft) if start is None else start
         self.restarts = 0
 
     def run(self) -> SizingResult:
-        first = self._performance(self.start)
+        first = self.solver.performance(self.start)
         count = len(self.day.scenarios)
         self.search = Search(
             ProblemInstance.of(self.objective, self.required_h, battery=self.battery),
@@ -429,13 +427,8 @@ class _Sizing:
 
     # --- the simulator -----------------------------------------------------------------------
 
-    def _performance(self, variables: DesignVariables) -> Performance:
-        return performance_of_designs(
-            self.aircraft, self.mission, variables, self.solar, day=self.day
-        )
-
     def _simulated(self, solution: Solution) -> Simulated:
-        perf = self._performance(solution.design)
+        perf = self.solver.performance(solution.design)
         value = float(objective_value(self.objective, perf))
         return simulated(self.solver, perf, value if self.objective.maximised else -value)
 
@@ -444,7 +437,7 @@ class _Sizing:
         self.search.previous, self.search.solution = None, solution
         run([self.search], lambda some: [self._simulated(one.current) for one in some])
         if self.search.best is None:
-            return self._failure(self._performance(solution.design))
+            return self._failure(self.solver.performance(solution.design))
         return self._optimal(*self.search.best)
 
     # --- verdicts ----------------------------------------------------------------------------
@@ -452,7 +445,7 @@ class _Sizing:
     def _failure(self, nearest: Performance) -> SizingResult:
         if not self.explain:
             return self._given_up(nearest)
-        grid = promising_designs(self.aircraft, self.mission, self.solar, self.day)
+        grid = promising_designs(self.aircraft, self.solver.mission, self.solver.solar, self.day)
         return self._explained(grid or [variables_of(self.aircraft)])
 
     def _explained(self, starts: list[DesignVariables]) -> SizingResult:
@@ -462,10 +455,11 @@ class _Sizing:
         return self._explained_by_least_missed(starts)
 
     def _explained_by_largest_excess(self, starts: list[DesignVariables]) -> SizingResult:
-        mission = least_mission(self.mission, self.objective)
-        solver = ProgramSolver(self.solver.problems, mission, self.day)
-        largest = _Sizing(solver, self.solar, Objective.max_excess_time, 0.0).run()
-        self.solver.add(solver)
+        own = self.solver
+        mission = least_mission(own.mission, self.objective)
+        solver = ProgramSolver(own.problems, mission, own.solar, own.day)
+        largest = _Sizing(solver, Objective.max_excess_time, 0.0).run()
+        own.add(solver)
         verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
         if verdict is not None:
             return self._failed(verdict)
@@ -488,7 +482,7 @@ class _Sizing:
         found = (self._solve(starts, instance, effort=e) for e in _LEAST_MISSED_EFFORTS)
         least = next((solution for solution in found if solution is not None), None)
         if least is None:
-            return self._restarted(starts, self._performance(starts[0]))
+            return self._restarted(starts, self.solver.performance(starts[0]))
         missed, nearest = least.missed(), self._simulated(least)
         assert nearest.performance is not None
         if not missed or self.search.accepts(nearest):
@@ -507,7 +501,7 @@ class _Sizing:
             return self._given_up(nearest)
         self.restarts += 1
         if self.restarts > _RESTARTS:
-            return self._given_up(self._performance(solution.design))
+            return self._given_up(self.solver.performance(solution.design))
         return self._settled(solution)
 
     def _given_up(self, nearest: Performance) -> SizingResult:

@@ -24,7 +24,8 @@ from sizing.optimisation.problem import (
     SizingProblems,
     Variable,
 )
-from sizing.sunlight import SolarDay
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import SolarDay, SolarModel
 from solar.types import FloatArray
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
@@ -207,12 +208,16 @@ class ProgramSolver:
         Programs of the aircraft.
     mission : Mission
         Conditions of flight.
+    solar : SolarModel
+        Solar power model and its correction.
     day : SolarDay
         Sun in every scenario that may fill a block.
     """
 
-    def __init__(self, problems: SizingProblems, mission: Mission, day: SolarDay) -> None:
-        self.problems, self.mission, self.day = problems, mission, day
+    def __init__(
+        self, problems: SizingProblems, mission: Mission, solar: SolarModel, day: SolarDay
+    ) -> None:
+        self.problems, self.mission, self.solar, self.day = problems, mission, solar, day
         self.conditions = FlightConditions.of(mission)
         self._suns = {True: sun_parameters(day, mission)}
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
@@ -259,6 +264,12 @@ class ProgramSolver:
                 if found is not None:
                     return found
         return None
+
+    def performance(self, variables: DesignVariables) -> Performance:
+        """Design, or a batch of them, simulated in all scenarios."""
+        return performance_of_designs(
+            self.aircraft, self.mission, variables, self.solar, day=self.day
+        )
 
     def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
         """Arguments of the program with these scenarios in its blocks."""
