@@ -48,7 +48,7 @@ goes from one solution to the next by sequential quadratic programming
 (`sizing.optimisation.cells`); the simulator confirms every design.""",
     "map of 240 sizings": """Twenty latitudes times twelve payloads, three dates each; in the
 southern winter there is no design for heavy payloads. Ours sizes all cells at once, with the
-requirements at a price: an infeasible cell says what is missing in about the time of a feasible
+requirements penalised: an infeasible cell says what is missing in about the time of a feasible
 one, while IPOPT searches the collocation for a feasible point until it gives up. AeroSandbox is
 given 150 iterations and 1 s for each cell, and this limit makes most of its time in infeasible
 ones; without it some of them took up to 30 s. Its program is built once. An AeroSandbox user could

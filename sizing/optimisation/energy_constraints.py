@@ -57,8 +57,8 @@ def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
 def lowest_sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
     """Like :func:`sun_parameters`, with the lowest sun of the day and its highest thermals all day.
 
-    An aircraft that closes such a day needs no battery in the real one. A few seconds of night ask
-    for slightly more than the load: at equality rounding decides, and the multipliers jump.
+    An aircraft that closes such a day needs no battery in the real one. A few seconds of night take
+    slightly more than the load: at equality rounding decides, and the multipliers jump.
     """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
     lowest = day.specific_power_w_per_m2.min(axis=-1)

@@ -310,7 +310,7 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
         deficit, charged = cycle(
             lit_area, capacity_wh, nominal_w, propulsion_w, dawn_soc[i], sun[:, i]
         )
-        # The margin asks for slightly more charge than the night takes. At equality the cycle
+        # The margin is slightly more charge than the night takes. At equality the cycle
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
         recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit
         excess = Constraint("excess_time", i, "h", 2.4)

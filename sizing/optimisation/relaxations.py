@@ -53,7 +53,7 @@ _AT_BOUND = 0.995
 _BLOCKS = 2
 _AT_ONCE = 4  # latitudes that are sized together
 _HALVINGS, _NEAR_ENOUGH = 14, 0.003  # of a bisection, and where it may end: relative
-_STEPS_BEYOND = 3  # where the scenarios left out ask for a little more
+_STEPS_BEYOND = 3  # where the scenarios left out need a little more
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
 

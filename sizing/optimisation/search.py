@@ -50,7 +50,7 @@ __all__ = ["Search", "SizingResult", "run", "size_aircraft"]
 _FIRST_BLOCKS = 3
 _ROUNDS = 12
 _WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
-# Cost of a missed requirement: far above what one is worth, so that none is missed for a gain.
+# Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
 PENALTY = 300.0
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
@@ -187,7 +187,7 @@ def run(
     *,
     rounds: int = _ROUNDS,
 ) -> None:
-    """Solve, simulate, shift and keep the best, until the simulator agrees with each search.
+    """Solve, simulate, shift and keep the best, until the simulator accepts each design.
 
     Parameters
     ----------
@@ -303,15 +303,15 @@ def size_aircraft(
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     solver = ProgramSolver(problems, mission, solar, lit)
-    asked = (solver, objective, required, start)
+    given = (solver, objective, required, start)
     unlimited = None
     if never_dark(lit).all() and (required > 0.0 or objective is Objective.max_excess_time):
-        unlimited = _Sizing(*asked, explain=False, battery=False).run()
+        unlimited = _Sizing(*given, explain=False, battery=False).run()
         if unlimited.feasible and objective is Objective.max_excess_time:
             return unlimited
     if unlimited is None or not unlimited.feasible:
-        return _Sizing(*asked, explain=explain).run()
-    return _better(_Sizing(*asked, explain=False).run(), unlimited)
+        return _Sizing(*given, explain=explain).run()
+    return _better(_Sizing(*given, explain=False).run(), unlimited)
 
 
 def checked_problems(
@@ -468,7 +468,7 @@ class _Sizing:
             return replace(
                 largest, required_excess_time_h=self.required_h, solver=self.solver.report()
             )
-        # The cushion must not ask for more than there is.
+        # The cushion must not exceed what there is.
         reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
         search = self.search
         search.cushion_h = min(search.cushion_h, (reached_h - self.required_h) / 4.0)

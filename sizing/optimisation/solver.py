@@ -387,7 +387,7 @@ def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
 
 
 def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]:
-    """Cost of an instance, with a price on what is missed."""
+    """Cost of an instance, with what a missed requirement costs."""
     if instance.penalty is None:
         return dict(instance.cost)
     weights = {

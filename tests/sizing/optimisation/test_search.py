@@ -267,7 +267,7 @@ def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> 
     [
         ({"payload": {"mass_kg": 200.0}}, MAX_EXCESS, None, None),
         ({}, MIN_MASS, 60.0, "excess_time"),
-        # Designs near the elastic program's fly for ever, yet none outflies this wind.
+        # Designs near the least miss fly perpetually, yet none outflies this wind.
         ({"wind_m_per_s": 60.0}, MIN_MASS, 2.0, "airspeed_above_wind"),
         (
             {"latitude_deg": 60.0, "dates": {"from": "12-01", "to": "12-31"}},

@@ -110,7 +110,7 @@ def test_sensitivities_are_sorted_and_consistent() -> None:
     sizes = [abs(s.per_percent) for s in found]
     assert sizes == sorted(sizes, reverse=True)
     by_name = {s.parameter: s for s in found}
-    # A kilogram is a kilogram, whoever carries it: payload and avionics are worth the same.
+    # A kilogram is a kilogram, whoever carries it: payload and avionics weigh the same.
     assert by_name["mission.payload.mass_kg"].derivative == pytest.approx(
         by_name["airframe.avionics_mass_kg"].derivative, rel=1e-6
     )
@@ -140,7 +140,7 @@ def test_infeasible_sizing_has_neither() -> None:
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
 @pytest.mark.parametrize("aircraft", [DESIGN, "sky-sailor"])
-def test_optimum_withstands_the_attack(objective: Objective, aircraft: str) -> None:
+def test_optimum_passes_the_cross_check(objective: Objective, aircraft: str) -> None:
     craft, mission = load_aircraft(aircraft), load_mission("rafz-july")
     result = size_aircraft(craft, mission, objective, required_excess_time_h=2.0)
     check = cross_check(craft, mission, result)

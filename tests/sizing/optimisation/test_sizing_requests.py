@@ -1,4 +1,4 @@
-"""What else a sizing may be asked: payload, ranges, limits, margins, lift, and what would help."""
+"""What else a sizing may be for: payload, ranges, limits, margins, lift, and what would help."""
 
 from __future__ import annotations
 
