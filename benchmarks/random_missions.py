@@ -91,7 +91,15 @@ def _random_mission(rng: np.random.Generator) -> Mission:
 def feasible_on_grid(
     aircraft: Aircraft, mission: Mission, objective: Objective, required_h: float
 ) -> bool:
-    """Whether the simulator finds any feasible design on a grid over the design space."""
+    """Whether the simulator finds any feasible design on a grid over the design space.
+
+    Parameters
+    ----------
+    aircraft, mission, objective
+        As for :func:`sizing.optimisation.search.size_aircraft`.
+    required_h : float
+        Required excess time [h].
+    """
     own = variables_of(aircraft)._replace(
         lift_coefficient=None,
         payload_mass_kg=mission.payload.mass_kg,

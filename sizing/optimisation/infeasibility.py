@@ -41,7 +41,15 @@ class Verdict(NamedTuple):
 
 
 def least_mission(mission: Mission, objective: Objective) -> Mission:
-    """Mission without the payload that is to be as large as possible: the easiest one."""
+    """Mission without the payload that is to be as large as possible: the easiest one.
+
+    Parameters
+    ----------
+    mission : Mission
+        With a payload of its own.
+    objective : Objective
+        Of the sizing.
+    """
     keys = {
         Objective.max_payload_mass: "mission.payload.mass_kg",
         Objective.max_payload_power: "mission.payload.power_w",

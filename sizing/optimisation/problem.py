@@ -209,7 +209,15 @@ class SizingProblem:
         return tuple(v for v in self.variables if v.role in roles)
 
     def value(self, x: FloatArray, name: str) -> float:
-        """Value of a variable in its unit, from a decision vector."""
+        """Value of a variable in its unit.
+
+        Parameters
+        ----------
+        x : ndarray, shape (variable,)
+            Decision vector.
+        name : str
+            Name of the variable.
+        """
         place = self.index[name]
         return float(self.variables[place].from_program(x[place]))
 
