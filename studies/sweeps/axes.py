@@ -19,6 +19,7 @@ __all__ = [
     "SAMPLE_NAMES",
     "Axis",
     "SampleName",
+    "axis_label",
     "axis_names",
     "cf_unit",
     "design_variable",
@@ -111,6 +112,12 @@ def unit_of(key: str) -> str:
     if known is not None:
         return cf_unit(known.unit)
     return next((unit for ending, unit in _UNITS if key.endswith(ending)), "1")
+
+
+def axis_label(key: str) -> str:
+    """Key in words: the catalogue's, else its name without the unit that it ends in."""
+    known = catalogue().get(key)
+    return without_unit(_short(key)).replace("_", " ") if known is None else known.label
 
 
 def cf_unit(unit: str) -> str:
