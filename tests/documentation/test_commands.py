@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
@@ -25,8 +27,12 @@ def blocks_that(holds: Callable[[Block], bool], pages: list[Path] = PAGES) -> li
     return [block for page in pages for block in blocks(page) if holds(block)]
 
 
-def pages_with(holds: Callable[[Block], bool]) -> list[Path]:
-    return [page for page in PAGES if blocks_that(holds, [page])]
+def pages_with(holds: Callable[[Block], bool]) -> list[Any]:
+    """Pages that have such blocks, as parameters of a test."""
+    found = ((page, blocks_that(holds, [page])) for page in PAGES)
+    slow = {page: [pytest.mark.slow] for page, some in found if any(b.slow for b in some)}
+    pages = (page for page in PAGES if blocks_that(holds, [page]))
+    return [pytest.param(page, id=page.stem, marks=slow.get(page, ())) for page in pages]
 
 
 def is_run(block: Block) -> bool:
@@ -137,7 +143,7 @@ class Player:
         return out + err
 
 
-@pytest.mark.parametrize("page", pages_with(is_run), ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", pages_with(is_run))
 def test_commands_of_the_page_print_what_it_says(
     page: Path,
     run: Run,
@@ -170,7 +176,7 @@ def test_every_block_is_run_or_says_why_not() -> None:
             assert words[0] == "solar-uav" or words[:2] == ["python", "-m"], f"{block}: {words}"
 
 
-@pytest.mark.parametrize("page", pages_with(is_python), ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", pages_with(is_python))
 def test_python_of_the_page_runs(page: Path, tmp_path: Path) -> None:
     """Each block in a file of its own, all in one process but those that start workers."""
     names = []
@@ -234,6 +240,24 @@ def test_options_within_the_text_exist(page: Path) -> None:
     known = set().union(*(options_of(command) for command in command_tree().values()))
     named = inline_options(page) - FOREIGN.get(page.name, set())
     assert named <= known | {"--version"}, f"{page.name}: {sorted(named - known)}"
+
+
+def rows_of_table(text: str, heading: str) -> list[list[str]]:
+    """Cells of the table whose first row begins with a heading."""
+    table = re.search(rf"^\| {heading} \|.*\n\|[-|\s]+\n((?:\|.*\n)+)", text, re.M)
+    assert table is not None
+    return [[cell.strip() for cell in row.strip("|").split("|")] for row in table[1].splitlines()]
+
+
+def test_numbers_of_the_readme_are_those_of_the_validation() -> None:
+    """``docs/validation.md`` is compared with what is computed by another test."""
+    text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    known = [(float(row[3]), float(row[4])) for row in rows_of_table(text, "quantity")]
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for name, published, computed in rows_of_table(readme, "quantity"):
+        value, digits = computed.split()[0], len(computed.split()[0].partition(".")[2])
+        found = [c for p, c in known if p == float(published.split()[0])]
+        assert float(value) in [round(c, digits) for c in found], name
 
 
 @pytest.mark.parametrize(

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from importlib import resources
-
 import casadi as ca
 import numpy as np
 import pytest
+from builders import AS2, DESIGN, SKY_SAILOR, mission
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.design import (
     DesignVariables,
@@ -24,19 +22,7 @@ from sizing.design import (
     variables_of,
 )
 from sizing.energy.cycle import Status
-from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs
-
-
-def aircraft(name: str, *overrides: str) -> Aircraft:
-    with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load_aircraft(path, overrides)
-
-
-def mission(**changes: object) -> Mission:
-    return Mission.model_validate(
-        {"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}, **changes}
-    )
 
 
 def altitude_of_density(density: float) -> float:
@@ -49,9 +35,6 @@ def altitude_of_density(density: float) -> float:
     return low
 
 
-AS2 = aircraft("atlantiksolar-as2")
-DESIGN = aircraft("atlantiksolar-design")
-SKY_SAILOR = aircraft("sky-sailor")
 AT_1_10 = mission(altitude_m=altitude_of_density(1.10))
 
 spans = st.floats(2.0, 12.0)

@@ -2,48 +2,25 @@
 
 from __future__ import annotations
 
-from importlib import resources
 from math import inf
 from typing import Any
 
 import numpy as np
 import pytest
+from builders import AS2, DESIGN, aircraft, mission
 
 from missions.dates import date_code
 from missions.files.overrides import with_values
 from missions.library import load_mission
-from missions.mission import Mission
-from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Status, simulate_cycle
-from sizing.library import load_aircraft
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
 from solar.clearsky import Irradiance, clear_sky
 from solar.names import ModelName
 from solar.power import horizontal_specific_power
 
-
-def aircraft(name: str, *overrides: str) -> Aircraft:
-    with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load_aircraft(path, overrides)
-
-
-def mission(**changes: object) -> Mission:
-    return Mission.model_validate(
-        {
-            "name": "test",
-            "latitude_deg": 47.6,
-            "dates": {"on": "07-15"},
-            "altitude_m": 536.0,
-            **changes,
-        }
-    )
-
-
-AS2 = aircraft("atlantiksolar-as2")
-DESIGN = aircraft("atlantiksolar-design")
 SEASON = mission(
     latitude_deg={"from_deg": 0.0, "to_deg": 70.0, "count": 3},
     dates={"from": "01-15", "to": "07-15", "count": 4},

@@ -2,46 +2,22 @@
 
 from __future__ import annotations
 
-from importlib import resources
 from typing import Any
 
+import builders
 import numpy as np
 import pytest
+from builders import AS2, UNLIMITED_AS2
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
-from sizing.energy.battery import NoChargeLimit
-from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.replay import calendar_run
 from solar.power import horizontal_specific_power
 from solar.sun import equation_of_time_h
 
 
-def aircraft(*overrides: str) -> Aircraft:
-    path = resources.files("sizing") / "library" / "atlantiksolar-as2.yaml"
-    with resources.as_file(path) as file:
-        return load_aircraft(file, overrides)
-
-
-AS2 = aircraft()
-UNLIMITED = AS2.model_copy(
-    update={"battery": AS2.battery.model_copy(update={"charge_limit": NoChargeLimit()})}
-)
-
-
 def mission(launch: dict[str, Any] | None, **changes: Any) -> Mission:
-    return Mission.model_validate(
-        {
-            "name": "test",
-            "latitude_deg": 47.6,
-            "longitude_deg": 8.53,
-            "dates": {"on": "07-15"},
-            "altitude_m": 536.0,
-            "launch": launch,
-            **changes,
-        }
-    )
+    return builders.mission(longitude_deg=8.53, launch=launch, **changes)
 
 
 def launch(**changes: Any) -> dict[str, Any]:
@@ -57,7 +33,7 @@ def launch(**changes: Any) -> dict[str, Any]:
 
 def test_run_equals_an_euler_march_with_its_own_sun() -> None:
     flown = mission(launch())
-    found = calendar_run(UNLIMITED, flown)
+    found = calendar_run(UNLIMITED_AS2, flown)
     # Clock to sun by hand: 2 h to UTC, 4 min per degree of longitude, equation of time.
     step = 1.0 / 240.0
     clock = 9.5 + (np.arange(round(60.0 / step)) + 0.5) * step
@@ -115,7 +91,7 @@ def test_settled_run_is_close_to_the_repeated_day() -> None:
 
 
 def test_battery_that_runs_empty_ends_the_run() -> None:
-    small = aircraft("battery.mass_kg=0.8")
+    small = builders.aircraft("atlantiksolar-as2", "battery.mass_kg=0.8")
     run = calendar_run(small, mission(launch(time_local="20:00", state_of_charge=0.9)))
     assert run.empty_clock_h is not None
     energy = 0.9 * 0.8 * 251.0

@@ -7,6 +7,8 @@ wrote. HTML comments above a block, which readers do not see, say how:
     the exit code of every command in the block, if it is not 0;
 ``<!-- makes: FILE -->``, ``<!-- needs: FILE -->``
     a file that Python of one page makes and commands of any page use;
+``<!-- slow -->``
+    the block takes more than a few seconds;
 ``<!-- not run: REASON -->``
     the block is not run;
 ``<!-- printed: A; B -->``
@@ -59,6 +61,7 @@ class Block:
     language: str
     text: str
     exit_code: int = 0
+    slow: bool = False
     not_run: str | None = None
     makes: list[str] = field(default_factory=list)
     needs: list[str] = field(default_factory=list)
@@ -131,7 +134,9 @@ def _apply(block: Block, comment: str) -> None:
     if comment in ("main-command", "test-command"):
         block.not_run = "the continuous integration runs it as it stands, see .ci/run"
     name, _, value = comment.partition(" ")
-    if name == "exit":
+    if name == "slow":
+        block.slow = True
+    elif name == "exit":
         block.exit_code = int(value)
     elif name in ("needs:", "makes:"):
         (block.needs if name == "needs:" else block.makes).append(value)

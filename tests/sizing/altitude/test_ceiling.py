@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import ambiance
+import builders
 import numpy as np
 import pytest
+from builders import AS2, DESIGN, SKY_SAILOR
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
@@ -18,24 +21,10 @@ from sizing.altitude.ceiling import (
     scanned_altitudes_m,
 )
 from sizing.design import ImpossibleDesignError
-from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
-AS2 = load_aircraft("atlantiksolar-as2")
-DESIGN = load_aircraft("atlantiksolar-design")
-
-
-def mission(**changes: Any) -> Mission:
-    return Mission.model_validate(
-        {
-            "name": "test",
-            "latitude_deg": 47.6,
-            "dates": {"on": "06-21"},
-            "altitude_m": 536.0,
-            **changes,
-        }
-    )
+mission = partial(builders.mission, dates={"on": "06-21"})
 
 
 def aerodynamics(aircraft: Aircraft) -> Any:
@@ -109,7 +98,7 @@ def test_parametric_aircraft_needs_more_than_the_density_says() -> None:
     assert high.propulsion_power_w > 1.05 * by_density * low.propulsion_power_w
 
 
-@pytest.mark.parametrize("aircraft", [DESIGN, with_polar(), load_aircraft("sky-sailor")])
+@pytest.mark.parametrize("aircraft", [DESIGN, with_polar(), SKY_SAILOR])
 def test_power_grows_steadily_into_thin_air(aircraft: Aircraft) -> None:
     power = [
         flight_at_altitude(aircraft, mission(), UNCORRECTED_CAM, h).propulsion_power_w
@@ -205,8 +194,8 @@ def test_better_aircraft_fly_higher_and_stronger_sun_helps() -> None:
         return -1.0 if found.highest is None else found.highest.altitude_m
 
     base = height(AS2)
-    hungry = load_aircraft("atlantiksolar-as2", ["power.avionics_w=12"])
-    more_battery = load_aircraft("atlantiksolar-as2", ["battery.specific_energy_wh_per_kg=300"])
+    hungry = builders.aircraft("atlantiksolar-as2", "power.avionics_w=12")
+    more_battery = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=300")
     assert height(hungry) < base < height(more_battery)
     # CDM is more optimistic than CAM (17.8 against 5.3 % too high in flight).
     assert height(AS2, SolarModel("CDM")) > base
@@ -308,8 +297,8 @@ def test_searches_without_extent_are_refused(options: dict[str, float], message:
 
 
 def test_aircraft_too_heavy_to_fly_at_any_altitude_is_said_to_be() -> None:
-    whale = load_aircraft(
-        "atlantiksolar-design", ["airframe.structure.calibration=60", "airframe.wingspan_m=12"]
+    whale = builders.aircraft(
+        "atlantiksolar-design", "airframe.structure.calibration=60", "airframe.wingspan_m=12"
     )
     with pytest.raises(ImpossibleDesignError, match="at any altitude"):
         highest_perpetual_altitude(whale, mission(), step_m=5000.0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import exp, inf, log, nan
 
+import builders
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -444,7 +445,7 @@ def test_batch_of_batteries_suns_and_loads_equals_scalar_loops() -> None:
 
 
 def mission(latitude: float, date: str) -> Mission:
-    return Mission(name="test", latitude_deg=latitude, dates={"on": date}, altitude_m=500.0)
+    return builders.mission(latitude_deg=latitude, dates={"on": date}, altitude_m=500.0)
 
 
 STEP_CASES = [

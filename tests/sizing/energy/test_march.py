@@ -174,7 +174,7 @@ def test_time_must_increase_and_be_the_last_axis() -> None:
 # ---- conservation
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(case=cases())
 def test_energy_account_closes(case: Case) -> None:
     cycle = simulate_cycle(*case)
@@ -191,7 +191,7 @@ def test_energy_account_closes(case: Case) -> None:
         assert np.all(value >= -1e-9 * turnover), term
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(case=cases())
 def test_stored_energy_stays_within_the_battery(case: Case) -> None:
     cycle = simulate_cycle(*case)
@@ -205,7 +205,7 @@ def test_stored_energy_stays_within_the_battery(case: Case) -> None:
     assert np.all((cycle.charge_margin_h >= 0.0) & (cycle.charge_margin_h <= 24.0 + 1e-9))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(case=cases(), start=st.floats(0.0, 1.0))
 def test_every_step_conserves_energy_from_any_start(case: Case, start: float) -> None:
     store = case.store
@@ -229,7 +229,7 @@ def test_every_step_conserves_energy_from_any_start(case: Case, start: float) ->
         assert np.all(lowest[step.unserved_wh > 1e-9 * scale] == 0.0)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(case=cases(), start=st.floats(0.0, 1.0), more=st.floats(0.0, 1.0))
 def test_fuller_battery_stays_fuller_and_never_gains(case: Case, start: float, more: float) -> None:
     # What the search for the fixed point relies on: 0 <= d(end)/d(start) <= 1.
@@ -261,7 +261,7 @@ def test_no_limit_never_charges_less_than_a_limit(case: Case, start: float) -> N
 # ---- nights at once
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(case=cases(), start=st.floats(0.0, 1.0))
 def test_day_marched_over_its_surpluses_is_the_day_marched_step_by_step(
     case: Case, start: float
@@ -277,7 +277,7 @@ def test_day_marched_over_its_surpluses_is_the_day_marched_step_by_step(
     assert np.all(np.abs(found - energy) <= 1e-9 * scale)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(case=cases())
 def test_metrics_are_those_of_the_cycle_marched_step_by_step(case: Case) -> None:
     cycle = simulate_cycle(*case)
@@ -326,7 +326,7 @@ def test_element_does_not_depend_on_the_batch_or_on_what_is_kept(case: Case) -> 
 # ---- the fixed point
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(case=cases())
 def test_cycle_repeats_itself(case: Case) -> None:
     balance = PowerBalance.of(case.time_h, case.solar_w, case.load_w)

@@ -17,6 +17,8 @@ from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance_of_designs
 
+pytestmark = pytest.mark.slow
+
 LATITUDES = np.arange(0.0, 75.0, 12.0)
 DAYS = np.array([1, 80, 130, 172, 230, 300])
 CELLS = Scenarios(np.repeat(LATITUDES, len(DAYS)), np.tile(DAYS, len(LATITUDES)))

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
-from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 from solar.types import FloatArray
+
+pytestmark = pytest.mark.slow
 
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
     Objective.max_excess_time,
@@ -27,26 +28,9 @@ MAX_EXCESS, MIN_SPAN, MIN_MASS = (
 )
 
 
-def aircraft(name: str, *overrides: str) -> Aircraft:
-    with resources.as_file(resources.files("sizing") / "library" / f"{name}.yaml") as path:
-        return load_aircraft(path, overrides)
-
-
-def mission(**changes: Any) -> Mission:
-    return Mission.model_validate(
-        {
-            "name": "test",
-            "latitude_deg": 47.6,
-            "dates": {"on": "07-15"},
-            "altitude_m": 536.0,
-            **changes,
-        }
-    )
-
-
 def table_limited() -> Aircraft:
-    measured = aircraft("atlantiksolar-as2").battery.charge_limit
-    plane = aircraft("atlantiksolar-design")
+    measured = AS2.battery.charge_limit
+    plane = DESIGN
     battery = plane.battery.model_copy(update={"charge_limit": measured})
     return plane.model_copy(update={"battery": battery})
 
@@ -64,21 +48,19 @@ RANGE = mission(
     dates={"from": "05-01", "to": "08-15", "count": 2},
 )
 CASES = {
-    "rule, one day, excess": Case(aircraft("atlantiksolar-design"), mission(), MAX_EXCESS),
-    "rule, range, span": Case(aircraft("atlantiksolar-design"), RANGE, MIN_SPAN, 6.0),
+    "rule, one day, excess": Case(DESIGN, mission(), MAX_EXCESS),
+    "rule, range, span": Case(DESIGN, RANGE, MIN_SPAN, 6.0),
     "table, payload, mass": Case(
         table_limited(), mission(payload={"mass_kg": 0.4, "power_w": 3.0}), MIN_MASS, 6.0
     ),
-    "rule, wind, mass": Case(
-        aircraft("atlantiksolar-design"), mission(wind_m_per_s=9.0), MIN_MASS, 5.0
-    ),
-    "no limit, free aspect ratio, excess": Case(aircraft("sky-sailor"), mission(), MAX_EXCESS),
+    "rule, wind, mass": Case(DESIGN, mission(wind_m_per_s=9.0), MIN_MASS, 5.0),
+    "no limit, free aspect ratio, excess": Case(SKY_SAILOR, mission(), MAX_EXCESS),
     "no limit, free aspect ratio, span": Case(
-        aircraft("sky-sailor"), mission(dates={"on": "06-10"}), MIN_SPAN, 2.0
+        SKY_SAILOR, mission(dates={"on": "06-10"}), MIN_SPAN, 2.0
     ),
     "table, range, excess": Case(table_limited(), RANGE, MAX_EXCESS),
     "rule, thermals, corrected, span": Case(
-        aircraft("atlantiksolar-design"),
+        DESIGN,
         mission(turbulence={"all_day": 0.05, "thermal": 0.3}),
         MIN_SPAN,
         4.0,
@@ -231,7 +213,7 @@ def test_wing_loading_and_mass_limits_are_kept() -> None:
     # The solver's tolerance.
     assert result.design.total_mass_kg <= 9.0 * (1.0 + 1e-5)
     assert result.design.total_mass_kg / result.design.wing_area_m2 <= 3.5 * (1.0 + 1e-5)
-    free = size(Case(aircraft("atlantiksolar-design"), mission(), MAX_EXCESS))
+    free = size(Case(DESIGN, mission(), MAX_EXCESS))
     assert result.objective_value is not None
     assert free.objective_value is not None
     assert result.objective_value < free.objective_value
@@ -287,7 +269,7 @@ def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> 
 def test_infeasible_is_said_with_the_requirement_that_is_missed(
     changes: dict[str, Any], objective: Objective, required_h: float | None, blamed: str | None
 ) -> None:
-    result = size(Case(aircraft("atlantiksolar-design"), mission(**changes), objective, required_h))
+    result = size(Case(DESIGN, mission(**changes), objective, required_h))
     assert result.status is SizingStatus.infeasible
     assert not result.feasible
     assert result.design is None
@@ -301,7 +283,7 @@ def test_infeasible_is_said_with_the_requirement_that_is_missed(
 
 
 def test_shortfall_of_the_excess_time_is_in_hours() -> None:
-    plane = aircraft("atlantiksolar-design")
+    plane = DESIGN
     best = size(Case(plane, mission(), MAX_EXCESS)).objective_value
     assert best is not None
     result = size(Case(plane, mission(), MIN_MASS, 100.0))
@@ -329,7 +311,7 @@ def test_span_below_what_the_mission_needs_is_infeasible_and_above_it_is_not() -
 def test_harder_requirements_cost_span_and_mass() -> None:
     for objective in (MIN_SPAN, MIN_MASS):
         values = [
-            size(Case(aircraft("atlantiksolar-design"), mission(), objective, h)).objective_value
+            size(Case(DESIGN, mission(), objective, h)).objective_value
             for h in (1.0, 4.0, 8.0, 12.0)
         ]
         assert None not in values
@@ -338,7 +320,7 @@ def test_harder_requirements_cost_span_and_mass() -> None:
 
 def test_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     size(CASES["rule, one day, excess"])
-    size(Case(aircraft("atlantiksolar-design"), mission(), MIN_MASS, 60.0))
+    size(Case(DESIGN, mission(), MIN_MASS, 60.0))
     captured = capfd.readouterr()
     assert captured.out == ""
     assert captured.err == ""
@@ -346,4 +328,4 @@ def test_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
 
 def test_measured_aircraft_is_not_sized() -> None:
     with pytest.raises(TypeError, match="measured aircraft"):
-        size_aircraft(aircraft("atlantiksolar-as2"), mission())
+        size_aircraft(AS2, mission())

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cache, partial
 from itertools import product
-from typing import Any, get_args
+from typing import get_args
 
+import builders
 import numpy as np
 import pytest
+from builders import AS2
+from builders import shipped_mission as mission
 
 from missions.files.errors import InputError
 from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
-from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.energy.cycle import Status
-from sizing.library import load_aircraft
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.coverage import DAYS, widest_range
+from sizing.optimisation.coverage import DAYS, WidestRange, widest_range
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
@@ -33,6 +35,8 @@ from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 
+pytestmark = pytest.mark.slow
+
 SMALL = (
     "design_space.wingspan_m.maximum=4.0",
     "airframe.wingspan_m=3.5",
@@ -40,14 +44,7 @@ SMALL = (
 )
 
 
-def aircraft(*overrides: str) -> Aircraft:
-    return load_aircraft("atlantiksolar-design", overrides)
-
-
-def mission(name: str = "rafz-july", **changes: Any) -> Mission:
-    plain = load_mission(name).model_dump(by_alias=True, exclude_none=True)
-    return Mission.model_validate(plain | changes)
-
+aircraft = partial(builders.aircraft, "atlantiksolar-design")
 
 # ---- payload
 
@@ -213,7 +210,7 @@ def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
 
 
 def test_performance_is_that_at_the_worst_of_every_margin() -> None:
-    plane = load_aircraft("atlantiksolar-as2")
+    plane = AS2
     ends = {
         "solar_model_sigmas": (0.0, 1.0),
         "clearness_minimum": (1.0, 0.9),
@@ -230,7 +227,7 @@ def test_performance_is_that_at_the_worst_of_every_margin() -> None:
 
 
 def test_margins_act_as_the_numbers_they_stand_for() -> None:
-    plane = load_aircraft("atlantiksolar-as2")
+    plane = AS2
     solar = SolarModel("CAM", "report")
     aged = performance(plane, mission(uncertainty_margins={"battery_capacity": 0.8}), solar)
     lighter = with_parameter(
@@ -287,9 +284,15 @@ uncertainty_margins: {clearness_minimum: 0.9}
 # ---- ranges
 
 
+@cache
+def range_of_span(span_m: float, objective: Objective) -> WidestRange:
+    plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL[1:])
+    return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
+
+
 def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() -> None:
     plane = aircraft(*SMALL)
-    found = widest_range(plane, mission(), Objective.longest_season, required_excess_time_h=2.0)
+    found = range_of_span(4.0, Objective.longest_season)
     assert found.first is not None
     assert found.sizing.design is not None
     days = found.members.astype(int)
@@ -318,7 +321,7 @@ def test_no_run_one_day_longer_is_kept_up(
 ) -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
     bound = f"design_space.wingspan_m.maximum={span_m}"
-    plane = load_aircraft(name, [bound, *small])
+    plane = builders.aircraft(name, bound, *small)
     place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
     found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
     days = found.members.astype(int)
@@ -334,7 +337,7 @@ def test_no_run_one_day_longer_is_kept_up(
 
 def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
-    plane = load_aircraft("sky-sailor", small)
+    plane = builders.aircraft("sky-sailor", *small)
     june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
     found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
     assert found.sizing.status is SizingStatus.optimal
@@ -354,11 +357,8 @@ def test_season_wraps_the_years_end_in_the_south() -> None:
 
 
 def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
-    planes = [
-        aircraft(f"design_space.wingspan_m.maximum={span}", *SMALL[1:]) for span in (3.8, 5.0)
-    ]
     for objective in (Objective.longest_season, Objective.widest_latitude_band):
-        extents = [widest_range(plane, mission(), objective).extent for plane in planes]
+        extents = [range_of_span(span_m, objective).extent for span_m in (4.0, 5.0)]
         assert 0.0 < extents[0] < extents[1]
 
 

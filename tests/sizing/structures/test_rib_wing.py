@@ -306,7 +306,7 @@ def test_wing_without_load_weighs_its_gauges(span: float, aspect: float) -> None
 # ---- directions
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=shares, growth=st.floats(1.02, 1.5))
 def test_heavier_with_mass_and_span(
     span: float, aspect: float, mass: float, share: float, growth: float

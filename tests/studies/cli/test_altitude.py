@@ -9,6 +9,8 @@ import pandas as pd
 import pytest
 from command_line import Run
 
+pytestmark = pytest.mark.slow
+
 AS2 = "atlantiksolar-as2"
 CLIMB = """\
 name: climb

@@ -10,6 +10,8 @@ import pandas as pd
 import pytest
 from command_line import Outcome, Run, files
 
+pytestmark = pytest.mark.slow
+
 DESIGN = "atlantiksolar-design"
 LONGEST = ("--objective", "max_excess_time")
 

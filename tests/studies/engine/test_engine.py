@@ -426,6 +426,7 @@ def expected_values(functions: Any) -> bytes:
 
 
 @needs_proc
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_killed_runs_go_on_and_end_alike(functions: Any, tmp_path: Path, workers: int) -> None:
     kill_and_finish(Driver(tmp_path, workers), expected_values(functions), [3, 11, 20])
@@ -433,16 +434,18 @@ def test_killed_runs_go_on_and_end_alike(functions: Any, tmp_path: Path, workers
 
 @needs_proc
 @pytest.mark.slow
-@pytest.mark.parametrize("scheduler", ["", "local-cluster"])
-def test_twenty_kills(functions: Any, tmp_path: Path, scheduler: str) -> None:
+# A start takes 0.3 s of processor time, one with a cluster twice that.
+@pytest.mark.parametrize(("scheduler", "count"), [("", 8), ("local-cluster", 4)])
+def test_many_kills(functions: Any, tmp_path: Path, scheduler: str, count: int) -> None:
     if scheduler:
         pytest.importorskip("distributed")
-    kills = np.random.default_rng(7).choice(np.arange(1, 29), 20, replace=False)
+    kills = np.random.default_rng(7).choice(np.arange(1, 29), count, replace=False)
     driver = Driver(tmp_path, 2, scheduler)
     kill_and_finish(driver, expected_values(functions), sorted(kills.tolist()))
 
 
 @needs_proc
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("signum", "to_group", "workers"),
     [

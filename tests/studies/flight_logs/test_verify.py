@@ -29,6 +29,8 @@ from studies.flight_logs.errors import Window, day_masks, moving_average, parse_
 from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
 from studies.flight_logs.verification import Verification, verify
 
+pytestmark = pytest.mark.slow
+
 MORNING_S = START_UTC_S + 18.3 * 3600.0  # just before sunrise on 1 July
 ATTITUDE = ["roll_deg", "pitch_deg", "yaw_deg"]
 RUN = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
@@ -81,7 +83,9 @@ def shade(sun: FloatArray) -> FloatArray:
     return shaded_area(geometry(), TAIL, sun)
 
 
+@cache
 def made(**settings: Any) -> SyntheticLog:
+    """Return a log; tests that change its table work on a copy."""
     return synthetic_log(aircraft(), mission(), Settings(**({"rate_hz": 0.5} | settings)))
 
 
@@ -247,11 +251,11 @@ def test_clean_log_with_fewer_columns_raises_none(missing: list[str]) -> None:
     ],
 )
 def test_injected_fault_is_found(seed: int, kind: str, faults: Faults, overlap: float) -> None:
-    log = made(seed=seed, start_utc_s=START_UTC_S, faults=faults)
-    fault = log.faults[0]
+    span: dict[str, Any] = {}
     if kind == "shading":  # morning and evening are two findings
-        log = made(seed=seed, start_utc_s=MORNING_S, duration_h=6.0, faults=faults)
-        fault = log.faults[0]
+        span = {"start_utc_s": MORNING_S, "duration_h": 6.0}
+    log = made(seed=seed, faults=faults, **span)
+    fault = log.faults[0]
     (found,) = verified(log, shading=shade).anomalies
     assert found.kind == fault.kind == kind
     common = min(found.end_s, fault.end_s) - max(found.start_s, fault.start_s)

@@ -33,6 +33,8 @@ from studies.maps import jobs as map_jobs
 from studies.maps.jobs import MapConfiguration, SizedMapConfiguration, rectangles
 from studies.output.columns import SizingStatus
 
+pytestmark = pytest.mark.slow
+
 AS2 = load_aircraft("atlantiksolar-as2")
 DESIGN = load_aircraft("atlantiksolar-design")
 JULY = load_mission("rafz-july")
@@ -169,8 +171,8 @@ def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 def test_a_stopped_command_says_how_to_go_on(
     tmp_path: Path, signum: signal.Signals, workers: str
 ) -> None:
-    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:2"]
-    asked = ["map", *asked, "--days", "1:365:7", "--out", "m.nc", "--workers", workers]
+    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:4"]
+    asked = ["map", *asked, "--days", "1:365:10", "--out", "m.nc", "--workers", workers]
     process = command(*asked, cwd=tmp_path)
     folder = tmp_path / "m.nc.parts"
     deadline = time.monotonic() + 120.0

@@ -24,6 +24,8 @@ from studies.maps.season import Season
 from studies.models import comparison as study
 from studies.models.plots import comparison_figure, spans
 
+pytestmark = pytest.mark.slow
+
 AS2, DESIGN, SUMMER = "atlantiksolar-as2", "atlantiksolar-design", "central-europe-summer"
 AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
 RUN = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}

@@ -33,6 +33,8 @@ from studies.sweeps.plots import pareto_front
 from studies.sweeps.points import PointStatus, held
 from studies.sweeps.study import prepare, sweep, to_table
 
+pytestmark = pytest.mark.slow
+
 AS2 = open_aircraft("atlantiksolar-as2")
 DESIGN = open_aircraft("atlantiksolar-design")
 JULY = open_mission("rafz-july")

@@ -2,34 +2,18 @@
 
 from __future__ import annotations
 
-from importlib import resources
-
 import numpy as np
 import pytest
+from builders import AS2, shipped_mission
 
 from missions.dates import day_of_year
-from missions.library import load_mission
-from missions.mission import Mission
-from sizing.aircraft import Aircraft
-from sizing.library import load_aircraft
 from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
 
 
-def mission(name: str) -> Mission:
-    with resources.as_file(resources.files("missions") / "library" / f"{name}.yaml") as path:
-        return load_mission(path)
-
-
-def as2() -> Aircraft:
-    path = resources.files("sizing") / "library" / "atlantiksolar-as2.yaml"
-    with resources.as_file(path) as file:
-        return load_aircraft(file)
-
-
 def test_cycle_of_the_81_hour_flight() -> None:
-    cycle = performance(as2(), mission("rafz-july"), SolarModel("CAM", "none")).cycle
+    cycle = performance(AS2, shipped_mission("rafz-july"), SolarModel("CAM", "none")).cycle
     assert bool(cycle.perpetual[0])
     # Published with the flight: 39 %, 6.8 h, 6.2 h. The tool behind them flew two days on the
     # calendar and had its own losses and load; papers differ by 4 % in the battery's energy alone
@@ -40,7 +24,7 @@ def test_cycle_of_the_81_hour_flight() -> None:
 
 
 def test_perpetual_season_is_the_published_half_year() -> None:
-    days = perpetual_days(as2(), mission("rafz-july"), 47.6)
+    days = perpetual_days(AS2, shipped_mission("rafz-july"), 47.6)
     # One window, without gaps.
     assert np.all(np.diff(days) == 1)
     # "A 6-month window around June 21st": 183 days. At the window's ends the day's excess energy
@@ -50,13 +34,13 @@ def test_perpetual_season_is_the_published_half_year() -> None:
     assert 150 <= len(days) <= 228
     # Centred on 21 June within ten days: the air's turbidity is not symmetric about it.
     assert abs((days[0] + days[-1]) / 2.0 - day_of_year("06-21")) <= 10.0
-    corrected = perpetual_days(as2(), mission("rafz-july"), 47.6, SolarModel("CAM", "report"))
+    corrected = perpetual_days(AS2, shipped_mission("rafz-july"), 47.6, SolarModel("CAM", "report"))
     # With the published error of the model taken off, the season is nearer to the half-year.
     assert abs(len(corrected) - 183) < abs(len(days) - 183)
 
 
 def test_28_hour_flight() -> None:
-    run = calendar_run(as2(), mission("rafz-28h"))
+    run = calendar_run(AS2, shipped_mission("rafz-28h"))
     assert run.empty_clock_h is None
     assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(28.35, abs=1e-9)
     # Flown: full at 14:08 CEST, from 57.7 % at 11:14. The taper makes the end of charging flat and
@@ -73,7 +57,7 @@ def test_28_hour_flight() -> None:
 
 
 def test_81_hour_flight_stays_up() -> None:
-    run = calendar_run(as2(), mission("rafz-81h"))
+    run = calendar_run(AS2, shipped_mission("rafz-81h"))
     assert run.empty_clock_h is None
     assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(81.0, abs=1e-9)
     # Full on each of its four days, as the flight was.

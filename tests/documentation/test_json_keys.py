@@ -1,0 +1,99 @@
+"""Tables of JSON keys in the documentation name what the commands print, and all of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import Run
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+SUMMER = ("--mission", "central-europe-summer")
+
+# Calls that together show every key of a command, and keys that only other calls show.
+CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
+    "analyse": (
+        "cli.md",
+        [
+            [AS2, "--mission", "rafz-28h"],
+            [AS2, "--set", "mission.climb={ceiling_m: 1000}"],
+        ],
+        set(),
+    ),
+    "size": (
+        "cli.md",
+        [
+            [DESIGN, *SUMMER, "--sensitivities", "--certify"],
+            ["sky-sailor", *SUMMER, "--required-excess-time", "12"],
+            [DESIGN, *SUMMER, "--set", "mission.bands.battery_capacity=0.9"],
+        ],
+        {"range"},
+    ),
+    "ceiling": ("cli.md", [[AS2, "--step", "4000"]], set()),
+    "sweep": ("cli.md", [[DESIGN, "--vary", "wingspan_m=4,5"]], set()),
+    "map": (
+        "cli.md",
+        [
+            [AS2, "--latitudes", "40:50:10", "--days", "100:200:100"],
+            [DESIGN, "--latitudes", "40:50:10", "--days", "100:200:100", "--resize", "min_mass"],
+        ],
+        set(),
+    ),
+    "compare": (
+        "compare.md",
+        [[DESIGN, "--models", "CDM,CAM", "--corrections", "none", "--required-excess-time", "3"]],
+        set(),
+    ),
+}
+COMMON = {"aircraft", "mission", "mission_is_default"}
+# Whose keys are quantities, items or places, described as a whole.
+OPEN = {"masses_kg", "quantities", "points", "status", "latitudes"}
+
+
+def keys(record: Any, inside: str = "") -> Iterator[str]:
+    """Names of all keys, at any depth."""
+    if isinstance(record, list):
+        for entry in record:
+            yield from keys(entry, inside)
+    elif isinstance(record, dict) and inside not in OPEN:
+        for key, value in record.items():
+            yield key
+            yield from keys(value, key)
+
+
+def section(page: str, command: str) -> str:
+    """Part of a page on a command: under its heading, or all of a page of its own."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    if page != "cli.md":
+        return text
+    found = re.search(rf"^## `{command}`$.*?(?=^## |\Z)", text, re.M | re.S)
+    assert found is not None
+    return found[0]
+
+
+def names(text: str) -> set[str]:
+    """Keys in code."""
+    return {span.rstrip("[]") for span in re.findall(r"`(\w+(?:\[\])?)`", text)}
+
+
+def first_columns(text: str) -> str:
+    """First cells of the tables of keys."""
+    tables = re.findall(r"^\| key.*\n\|[-|\s]+\n((?:\|.*\n)+)", text, re.M)
+    return "\n".join(row.split("|")[1] for table in tables for row in table.splitlines())
+
+
+@pytest.mark.parametrize("command", CASES)
+def test_keys_of_the_json_are_those_of_the_page(command: str, run: Run) -> None:
+    page, calls, elsewhere = CASES[command]
+    printed: set[str] = set()
+    for arguments in calls:
+        printed |= set(keys(run(command, *arguments, "--json").json())) - COMMON
+    text = section(page, command)
+    assert printed <= names(text), f"not documented: {sorted(printed - names(text))}"
+    documented = names(first_columns(text))
+    unknown = documented - printed - elsewhere
+    assert not unknown, f"documented, but not printed: {sorted(unknown)}"

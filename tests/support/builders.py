@@ -1,0 +1,40 @@
+"""Aircraft and missions that the tests share."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from missions.library import load_mission
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.library import load_aircraft
+
+
+@cache
+def aircraft(name: str, *overrides: str) -> Aircraft:
+    """Return a shipped aircraft, changed as by ``--set``."""
+    return load_aircraft(name, overrides)
+
+
+AS2 = aircraft("atlantiksolar-as2")
+UNLIMITED_AS2 = aircraft("atlantiksolar-as2", "battery.charge_limit={kind: none}")
+DESIGN = aircraft("atlantiksolar-design")
+SKY_SAILOR = aircraft("sky-sailor")
+
+
+def mission(**changes: Any) -> Mission:
+    """Return a plain day in July at AtlantikSolar's airfield, changed."""
+    plain = {
+        "name": "test",
+        "latitude_deg": 47.6,
+        "dates": {"on": "07-15"},
+        "altitude_m": 536.0,
+    }
+    return Mission.model_validate(plain | changes)
+
+
+def shipped_mission(name: str = "rafz-july", **changes: Any) -> Mission:
+    """Return a shipped mission with whole keys of its file replaced."""
+    plain = load_mission(name).model_dump(by_alias=True, exclude_none=True)
+    return Mission.model_validate(plain | changes)
