@@ -2,6 +2,7 @@ from .air import Air as Air
 from .air import standard_air as standard_air
 from .dates import day_of_year as day_of_year
 from .files.errors import InputError as InputError
+from .files.overrides import with_values as with_values
 from .flight_path import Circle as Circle
 from .flight_path import Level as Level
 from .flight_path import Racetrack as Racetrack
@@ -20,3 +21,4 @@ from .mission import Mission as Mission
 from .mission import Payload as Payload
 from .mission import Scenarios as Scenarios
 from .mission import Turbulence as Turbulence
+from .mission import UncertaintyMargins as UncertaintyMargins

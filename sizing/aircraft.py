@@ -93,7 +93,15 @@ class Propulsion(Record):
         return self
 
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
-        """Rated electric power [W] for that of level flight and a weight [N]."""
+        """Rated electric power [W].
+
+        Parameters
+        ----------
+        level_w
+            Electric power of level flight [W].
+        weight_n
+            Weight of the aircraft [N].
+        """
         if self.climb_rate_m_per_s is not None:
             return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency
         ratio = self.climb_power_ratio
@@ -125,7 +133,7 @@ Aerodynamics = Annotated[
 
 
 class ParametricAirframe(Record):
-    """An aircraft to be: masses and power follow from geometry and technology."""
+    """An aircraft to be sized: masses and power follow from geometry and technology."""
 
     kind: Literal["parametric"]
     wingspan_m: PositiveReal
@@ -143,7 +151,7 @@ Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator=
 
 
 class SolarModules(SolarCell):
-    """Solar modules: area, efficiencies, and the mass of modules and tracker.
+    """Solar modules: area, efficiencies, and the mass of modules and MPPT.
 
     ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
     surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.
@@ -290,7 +298,15 @@ class DesignSpace(Record):
         return named | self.limits
 
     def key_of_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> str:
-        """Key by which a limit was given."""
+        """Key by which a limit was given.
+
+        Parameters
+        ----------
+        quantity : str
+            Quantity of the design that is limited.
+        end : {"minimum", "maximum"}
+            Which of its limits.
+        """
         for key, place in _NAMED_LIMITS.items():
             if place == (quantity, end) and getattr(self, key) is not None:
                 return key
@@ -299,7 +315,15 @@ class DesignSpace(Record):
     def with_limit(
         self, quantity: LimitedQuantity, end: LimitEnd, value: float | None
     ) -> DesignSpace:
-        """Same space with a limit that it has at another value, or without it; not validated."""
+        """Same space with a limit that it has at another value; not validated.
+
+        Parameters
+        ----------
+        quantity, end
+            As for :meth:`key_of_limit`.
+        value : float or None
+            New limit in the quantity's unit; None takes it away.
+        """
         key = self.key_of_limit(quantity, end)
         if key in _NAMED_LIMITS:
             return self.model_copy(update={key: value})

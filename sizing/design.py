@@ -109,7 +109,7 @@ class FlightConditions(NamedTuple):
     payload_power_w: Value
     turbulence: Value
     wind_m_per_s: Value
-    usable_capacity: Value
+    battery_capacity_fraction: Value
 
     @classmethod
     def of(cls, mission: Mission) -> FlightConditions:
@@ -122,7 +122,7 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=mission.wind_m_per_s,
-            usable_capacity=mission.uncertainty_margins.battery_capacity,
+            battery_capacity_fraction=mission.uncertainty_margins.battery_capacity,
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -135,7 +135,15 @@ class FlightConditions(NamedTuple):
 
 
 def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
-    """Electric power of avionics and payload [W]."""
+    """Electric power of avionics and payload, drawn from the battery [W].
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Its avionics, and the efficiency of their power supply.
+    payload_power_w
+        Power of the payload [W].
+    """
     return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
 
 
@@ -158,6 +166,17 @@ def parametric_design(
     """Masses and power of a parametric aircraft for an assumed total mass.
 
     The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Technology.
+    mission : Mission or FlightConditions
+        Air, payload and turbulence; conditions may be symbols.
+    variables : DesignVariables
+        Numbers, arrays or symbols.
+    total_mass_kg
+        Assumed take-off mass [kg].
 
     Raises
     ------
@@ -198,7 +217,7 @@ def parametric_design(
         ),
         battery_energy_wh=variables.battery_mass_kg
         * aircraft.battery.specific_energy_wh_per_kg
-        * air.usable_capacity,
+        * air.battery_capacity_fraction,
         propulsion_power_w=electric_w,
         constant_power_w=constant_power_w(aircraft, air.payload_power_w),
         airspeed_m_per_s=airspeed,
@@ -206,7 +225,15 @@ def parametric_design(
 
 
 def flown_at(aerodynamics: DragPolar | WingPolar, lift_coefficient: Value | None) -> Polar:
-    """Polar in level flight at a chosen lift coefficient; None leaves it as it is."""
+    """Polar in level flight at a chosen lift coefficient.
+
+    Parameters
+    ----------
+    aerodynamics : DragPolar or WingPolar
+        Polar as the aircraft's file describes it.
+    lift_coefficient
+        Lift coefficient of level flight [-]; None leaves the polar's own.
+    """
     if lift_coefficient is None:
         return aerodynamics
     return replaced(aerodynamics, ["lift_coefficient"], lift_coefficient)
@@ -228,14 +255,7 @@ def _masses(
     propulsion = airframe.propulsion
     return Masses(
         structure=airframe.structure.mass_kg(
-            StructureInputs(
-                wingspan_m=variables.wingspan_m,
-                aspect_ratio=variables.aspect_ratio,
-                total_mass_kg=total_mass_kg,
-                span_load_kg=span_load_kg(aircraft, airframe, variables),
-                airspeed_m_per_s=airspeed_m_per_s,
-                density_kg_per_m3=air.density_kg_per_m3,
-            )
+            _structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
         ),
         propulsion=propulsion.mass_kg_per_w
         * propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2),
@@ -248,35 +268,63 @@ def _masses(
     )
 
 
-def span_load_kg(
-    aircraft: Aircraft, airframe: ParametricAirframe, variables: DesignVariables
-) -> Value:
-    """Mass spread along the span [kg]: modules, and the battery's share that lies in the wing."""
-    battery_kg = airframe.distributed_battery_fraction * variables.battery_mass_kg
-    return aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + battery_kg
+def _structure_inputs(
+    aircraft: Aircraft,
+    variables: DesignVariables,
+    air: FlightConditions,
+    total_mass_kg: Value,
+    airspeed_m_per_s: Value,
+) -> StructureInputs:
+    """Inputs of the structure; modules and the battery's share in the wing lie along the span."""
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    battery_kg = aircraft.airframe.distributed_battery_fraction * variables.battery_mass_kg
+    return StructureInputs(
+        wingspan_m=variables.wingspan_m,
+        aspect_ratio=variables.aspect_ratio,
+        total_mass_kg=total_mass_kg,
+        span_load_kg=aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + battery_kg,
+        airspeed_m_per_s=airspeed_m_per_s,
+        density_kg_per_m3=air.density_kg_per_m3,
+    )
 
 
 def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
-    """Masses of the structure's parts; none where the model of the structure knows no parts."""
+    """Masses of the structure's parts.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Technology and air of the design.
+    design : Design
+        Closed design.
+
+    Returns
+    -------
+    StructureParts or None
+        Masses [kg]; None where the model of the structure knows no parts.
+    """
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         return None
     if not isinstance(airframe.structure, RibWingStructure):
         return None
+    air, mass_kg = FlightConditions.of(mission), design.total_mass_kg
     return airframe.structure.breakdown(
-        StructureInputs(
-            wingspan_m=design.variables.wingspan_m,
-            aspect_ratio=design.variables.aspect_ratio,
-            total_mass_kg=design.total_mass_kg,
-            span_load_kg=span_load_kg(aircraft, airframe, design.variables),
-            airspeed_m_per_s=design.airspeed_m_per_s,
-            density_kg_per_m3=FlightConditions.of(mission).density_kg_per_m3,
-        )
+        _structure_inputs(aircraft, design.variables, air, mass_kg, design.airspeed_m_per_s)
     )
 
 
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
-    """Masses and power of a measured aircraft, scaled to the mission's mass and air."""
+    """Masses and power of a measured aircraft, scaled to the mission's mass and air.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Aircraft with a measured airframe.
+    mission : Mission
+        Payload and air. Power scales with mass^1.5 and density^-0.5
+        (:func:`sizing.aerodynamics.parabolic.scaled_power_w`), airspeed with their square roots.
+    """
     airframe = aircraft.airframe
     assert isinstance(airframe, MeasuredAirframe)
     air = FlightConditions.of(mission)
@@ -302,7 +350,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
             payload=mission.payload.mass_kg,
             other=airframe.mass_without_battery_kg - modules_kg,
         ),
-        battery_energy_wh=aircraft.battery.battery_energy_wh * air.usable_capacity,
+        battery_energy_wh=aircraft.battery.battery_energy_wh * air.battery_capacity_fraction,
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),
@@ -323,6 +371,20 @@ def closed_design(
     The budget grows faster than the mass it assumes, so the iteration from below climbs to the
     lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
     infinite. Only designs that have not settled are iterated on: few of a batch take long.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Technology; air and payload.
+    variables : DesignVariables
+        Numbers or arrays that broadcast.
+    relative_tolerance : float
+        Largest change of the mass in the last iteration, relative to it [-].
+
+    Raises
+    ------
+    TypeError
+        For a measured aircraft.
     """
     given = variables.chosen()
     even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
@@ -352,6 +414,11 @@ def closed_design(
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     """Design of an aircraft as its file gives it, flying a mission.
 
+    Parameters
+    ----------
+    aircraft, mission
+        Measured or parametric aircraft; air and payload.
+
     Raises
     ------
     ImpossibleDesignError
@@ -365,13 +432,12 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
             f"{aircraft.name} cannot carry its own mass on mission {mission.name}: structure and "
             "propulsion grow faster than the lift they add"
         )
-    return Design(
+    return design._replace(
         variables=variables_of(aircraft),
         total_mass_kg=float(design.total_mass_kg),
         masses=Masses(*(float(m) for m in design.masses)),
         battery_energy_wh=float(design.battery_energy_wh),
         propulsion_power_w=float(design.propulsion_power_w),
-        constant_power_w=design.constant_power_w,
         airspeed_m_per_s=float(design.airspeed_m_per_s),
     )
 
@@ -379,9 +445,23 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
 def load_profile(
     time_h: ArrayLike, design: Design, mission: Mission, sunrise_h: ArrayLike, sunset_h: ArrayLike
 ) -> Value:
-    """Load over the day [W], shape ``(..., time)``: level flight, turbulence and thermals.
+    """Load over the day: level flight, turbulence and thermals.
 
-    ``sunrise_h`` and ``sunset_h`` have the shape of the batch.
+    Parameters
+    ----------
+    time_h : array_like, shape (time,)
+        Local solar time [h].
+    design : Design
+        Powers of the batch ``...``.
+    mission : Mission
+        With its turbulence.
+    sunrise_h, sunset_h : array_like, shape (...)
+        Between these there are thermals [solar h].
+
+    Returns
+    -------
+    ndarray, shape (..., time)
+        Power that the aircraft draws [W].
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
@@ -395,7 +475,18 @@ def load_profile(
 
 
 def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) -> Value:
-    """Triangle over the lit day: 0 at sunrise and sunset, 1 half-way between; ``(..., time)``."""
+    """Triangle over the lit day: 0 at sunrise and sunset, 1 half-way between.
+
+    Parameters
+    ----------
+    time_h, sunrise_h, sunset_h : array_like
+        As for :func:`load_profile`.
+
+    Returns
+    -------
+    ndarray, shape (..., time)
+        Share of the thermals' extra power [-].
+    """
     rise = np.asarray(sunrise_h, float)[..., np.newaxis]
     half = (np.asarray(sunset_h, float)[..., np.newaxis] - rise) / 2.0
     distance = np.abs(np.asarray(time_h, float) - (rise + half))

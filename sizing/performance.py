@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from sizing.design import (
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, longest_flight
+from sizing.energy.power_balance import blocks
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -48,32 +49,29 @@ class Performance:
         return int(np.argmin(self.cycle.excess_time_h))
 
     def endurances(self) -> list[Endurance | None]:
-        """Longest flight in every scenario (of a single design); none where it has no end."""
-        ends = np.flatnonzero(~self.cycle.perpetual)
-        found: list[Endurance | None] = [None] * len(self.cycle.status)
-        flights = self._longest_flights(ends)
-        for k, index in enumerate(ends):
-            found[index] = Endurance(flights.endurance_h[k], flights.launch_h[k])
-        return found
+        """Longest flight in every scenario (of a single design); None where it is unlimited."""
+        flights, perpetual = self._longest_flights(), self.cycle.perpetual
+        return [
+            None if unlimited else Endurance(hours, launch)
+            for unlimited, hours, launch in zip(
+                perpetual, flights.endurance_h, flights.launch_h, strict=True
+            )
+        ]
 
     def endurance_h(self) -> FloatArray:
         """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
-        ends = np.flatnonzero(~self.cycle.perpetual)
-        hours = np.full(len(self.cycle.status), np.inf)
-        hours[ends] = self._longest_flights(ends).endurance_h
-        return hours
+        return self._longest_flights().endurance_h
 
-    def _longest_flights(self, scenarios: NDArray[np.intp]) -> Endurance:
-        energy = np.broadcast_to(self.store.battery_energy_wh, self.cycle.status.shape)
-        hours, launch = np.empty((2, len(scenarios)))
-        for start in range(0, len(scenarios), _SCENARIOS_AT_ONCE):
-            part = slice(start, start + _SCENARIOS_AT_ONCE)
-            some = scenarios[part]
-            store = replace(self.store, battery_energy_wh=energy[some])
+    def _longest_flights(self) -> Endurance:
+        limited = np.flatnonzero(~self.cycle.perpetual)
+        store = self.store.flat(self.cycle.status.shape)
+        hours, launch = np.full((2, len(self.cycle.status)), np.inf)
+        for block in blocks(len(limited), _SCENARIOS_AT_ONCE):
+            some = limited[block]
             flights = longest_flight(
-                self.day.time_h, self.solar_power_w[some], self.load_w[some], store
+                self.day.time_h, self.solar_power_w[some], self.load_w[some], store.select(some)
             )
-            hours[part], launch[part] = flights.endurance_h, flights.launch_h
+            hours[some], launch[some] = flights.endurance_h, flights.launch_h
         return Endurance(hours, launch)
 
 
@@ -88,7 +86,30 @@ def performance(
 ) -> Performance:
     """Simulate an aircraft, as its file describes it, in every scenario of a mission.
 
-    Without ``keep_trajectory`` the stored energy over time is not kept.
+    Parameters
+    ----------
+    aircraft, mission
+        What flies, and where.
+    solar : SolarModel
+        Solar power model and its correction.
+    day : SolarDay, optional
+        Sunlight in other scenarios, or known already; ``solar`` is then a label alone.
+    step_h : float
+        Largest step of the time axis [h]; that of ``day`` if it is given.
+    keep_trajectory : bool
+        Keep the stored energy over time.
+
+    Returns
+    -------
+    Performance
+        Arrays of the scenarios.
+
+    Raises
+    ------
+    ImpossibleDesignError
+        If a parametric aircraft cannot carry its own mass.
+    ValueError
+        As :func:`sizing.sunlight.solar_day`.
     """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     design = design_of(aircraft, mission)
@@ -106,8 +127,20 @@ def performance_of_designs(
 ) -> Performance:
     """Simulate a batch of designs of a parametric aircraft in every scenario of a mission.
 
-    ``variables`` are arrays that broadcast to the shape of the batch; results have that shape
-    plus an axis of scenarios. A design that cannot carry itself has an excess time of -24 h.
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Technology of the designs.
+    mission, solar, day, step_h
+        As for :func:`performance`.
+    variables : DesignVariables
+        Arrays that broadcast to the shape of the batch.
+
+    Returns
+    -------
+    Performance
+        Arrays of the batch with a last axis of scenarios. A design that cannot carry itself has an
+        excess time of -24 h.
     """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     design = closed_design(aircraft, mission, variables)
@@ -124,7 +157,19 @@ def performance_of_pairs(
 ) -> Performance:
     """Simulate one design of a parametric aircraft in every scenario of a day.
 
-    ``variables`` are arrays over the scenarios, and so are the results.
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`performance_of_designs`.
+    variables : DesignVariables
+        Arrays of the scenarios: the design that flies in each.
+    day : SolarDay
+        Sunlight in the scenarios.
+
+    Returns
+    -------
+    Performance
+        Arrays of the scenarios.
     """
     design = closed_design(aircraft, mission, variables)
     return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
@@ -145,7 +190,7 @@ def _simulate(
     def over_scenarios(value: ArrayLike) -> FloatArray:
         return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
 
-    # An impossible design draws infinite power; a finite, hopeless one keeps the arithmetic clean.
+    # An impossible design draws infinite power; a huge finite one keeps NaN out of the arithmetic.
     power_w = np.asarray(design.propulsion_power_w)
     sound = design._replace(propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12))
     area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
@@ -177,7 +222,22 @@ def perpetual_days(
     *,
     days: ArrayLike | None = None,
 ) -> NDArray[np.int_]:
-    """Days of the year, ascending, on which the aircraft flies perpetually at a latitude."""
+    """Days of the year on which an aircraft flies perpetually at a latitude.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`performance`; the mission's own latitudes and dates play no part.
+    latitude_deg : float
+        Latitude [deg].
+    days : array_like of int, optional
+        Days to look at, 1 to 365; all by default.
+
+    Returns
+    -------
+    ndarray of int
+        Those of them, in their order.
+    """
     every = np.arange(1, 366) if days is None else np.asarray(days, int)
     scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)
     lit = solar_day(aircraft, mission, solar, scenarios=scenarios)

@@ -11,7 +11,8 @@ from missions.mission import Launch, Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
 from sizing.energy.battery import Store
-from sizing.energy.march import Step, empty_after_h, full_after_h, march
+from sizing.energy.cycle import FULL
+from sizing.energy.march import empty_after_h, full_after_h, march
 from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from solar.sun import declination, solar_time_h, sun_times
@@ -56,10 +57,6 @@ class CalendarRun:
         begin = self.full_charge_clock_h[0] if self.full_charge_clock_h else self.clock_h[0]
         return float(self.state_of_charge[self.clock_h >= begin].min())
 
-    def state_of_charge_at(self, clock_h: float) -> float:
-        """State of charge at a local clock time [h]."""
-        return float(np.interp(clock_h, self.clock_h, self.state_of_charge))
-
 
 def calendar_run(
     aircraft: Aircraft,
@@ -69,6 +66,15 @@ def calendar_run(
     step_h: float = CALENDAR_STEP_H,
 ) -> CalendarRun:
     """Fly a mission that has a launch; the date advances and the sun with it.
+
+    Parameters
+    ----------
+    aircraft, mission
+        What flies, and where; the mission has ``launch`` and a longitude.
+    solar : SolarModel
+        Solar power model and its correction.
+    step_h : float
+        Largest time step [h].
 
     Raises
     ------
@@ -92,51 +98,39 @@ def calendar_run(
     load = load_profile(
         (solar_clock % 24.0)[:, np.newaxis], design, mission, times.sunrise_h, times.sunset_h
     )[:, 0]
-    return _fly(aircraft, launch, design, clock, solar_clock % 24.0, day, power, load)
-
-
-def _fly(
-    aircraft: Aircraft,
-    launch: Launch,
-    design: Design,
-    clock: FloatArray,
-    solar_clock: FloatArray,
-    day: FloatArray,
-    power: FloatArray,
-    load: FloatArray,
-) -> CalendarRun:
-    store = Store.of(aircraft.battery)
-    energy = np.asarray(launch.state_of_charge * store.battery_energy_wh)
-    trajectory = [float(energy)]
-    full: dict[int, float] = {}
-    empty: float | None = None
-    for step in march(PowerBalance.of(clock, power, load), store, energy):
-        trajectory.append(float(step.end_wh))
-        _note_full_charge(step, store, full)
-        if step.unserved_wh > 1e-9 * store.battery_energy_wh:
-            empty = float(step.interval.start_h + empty_after_h(step.interval, step.unserved_wh))
-            break
-    flown = len(trajectory)
-    stored = np.asarray(trajectory)
+    store = Store.of(aircraft.battery, design.battery_energy_wh)
+    stored, full, empty = _battery(PowerBalance.of(clock, power, load), store, launch)
+    flown = slice(len(stored))
     return CalendarRun(
         launch=launch,
         design=design,
-        clock_h=clock[:flown],
-        time_solar_h=solar_clock[:flown],
-        day_of_year=day[:flown],
-        solar_power_w=power[:flown],
-        load_w=load[:flown],
+        clock_h=clock[flown],
+        time_solar_h=solar_clock[flown] % 24.0,
+        day_of_year=day[flown],
+        solar_power_w=power[flown],
+        load_w=load[flown],
         energy_wh=stored,
         state_of_charge=stored / float(store.battery_energy_wh),
-        full_charge_clock_h=tuple(full[d] for d in sorted(full)),
+        full_charge_clock_h=full,
         empty_clock_h=empty,
     )
 
 
-def _note_full_charge(step: Step, store: Store, full: dict[int, float]) -> None:
-    """Remember the first full charge of each local day."""
-    reached = step.after_charge_wh >= store.battery_energy_wh * (1.0 - 1e-9)
-    if reached and step.after_charge_wh > step.before_charge_wh:
-        after_h = full_after_h(step.interval, store, step.before_charge_wh)
-        instant_h = float(step.interval.start_h + after_h)
-        full.setdefault(int(instant_h // 24.0), instant_h)
+def _battery(
+    balance: PowerBalance, store: Store, launch: Launch
+) -> tuple[FloatArray, tuple[float, ...], float | None]:
+    """Energy at the nodes until the battery is empty [Wh], instants of full and of empty [h]."""
+    energy_wh = launch.state_of_charge * store.battery_energy_wh
+    stored = [float(energy_wh)]
+    full: dict[int, float] = {}  # the first instant of each local day
+    for step in march(balance, store, np.asarray(energy_wh)):
+        start_h = step.interval.start_h
+        stored.append(float(step.end_wh))
+        reached = step.after_charge_wh >= store.battery_energy_wh * FULL
+        if reached and step.after_charge_wh > step.before_charge_wh:
+            instant_h = float(start_h + full_after_h(step.interval, store, step.before_charge_wh))
+            full.setdefault(int(instant_h // 24.0), instant_h)
+        if step.unserved_wh > 1e-9 * store.battery_energy_wh:
+            empty_h = float(start_h + empty_after_h(step.interval, step.unserved_wh))
+            return np.asarray(stored), tuple(full.values()), empty_h
+    return np.asarray(stored), tuple(full.values()), None

@@ -1,4 +1,7 @@
-"""Maximum and absolute value without a kink, for floats, arrays and symbols alike."""
+"""Maximum and absolute value without a kink, for floats, arrays and symbols alike.
+
+A hyperbola replaces the kink: its derivatives exist everywhere, which Newton's method needs.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,13 @@ def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
     ``(s + sqrt(d^2 + (blend s)^2)) / 2`` with sum s and difference d. Never below the larger value,
     above it by at most ``blend`` times it, where both are equal; rises with either value; scales
     with both, so that it needs no absolute width.
+
+    Parameters
+    ----------
+    first, second
+        Values of one unit.
+    blend : float
+        Width relative to the values [-].
     """
     total = first + second
     gap = first - second
@@ -28,10 +38,25 @@ def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
     """Smaller of two positive values: their product over the smooth maximum, so positive as well.
 
     Never above the smaller value, below it by at most ``blend`` times it, where both are equal.
+
+    Parameters
+    ----------
+    first, second, blend
+        As for :func:`smooth_maximum`.
     """
     return first * second / smooth_maximum(first, second, blend)
 
 
 def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:
-    """Absolute value with its kink rounded within about ``blend`` times a positive scale."""
+    """Absolute value with its kink rounded, ``sqrt(value^2 + (blend scale)^2)``.
+
+    Parameters
+    ----------
+    value
+        Any value.
+    scale
+        Positive value of the same unit.
+    blend : float
+        Width of the rounded kink relative to the scale [-].
+    """
     return (value * value + (blend * scale) ** 2) ** 0.5

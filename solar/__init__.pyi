@@ -2,6 +2,7 @@ from ._version import __version__ as __version__
 from .attitude import direction_cosines as direction_cosines
 from .clearsky import Irradiance as Irradiance
 from .clearsky import clear_sky as clear_sky
+from .clearsky import register_clear_sky as register_clear_sky
 from .full_model import verification_model as verification_model
 from .geometry import ModuleGeometry as ModuleGeometry
 from .geometry import ModuleSurface as ModuleSurface
@@ -11,6 +12,7 @@ from .power import conceptual_design_model as conceptual_design_model
 from .power import horizontal_specific_power as horizontal_specific_power
 from .shading import Shading as Shading
 from .shading import TailGeometry as TailGeometry
+from .shading import register_loss_model as register_loss_model
 from .shading import shaded_fraction as shaded_fraction
 from .sun import declination as declination
 from .sun import equation_of_time_h as equation_of_time_h

@@ -1,5 +1,15 @@
-"""Study layer: sweeps, comparisons, reports, figures and the ``solar-uav`` command.
+"""Study layer: sweeps, comparisons, verification, figures and the ``solar-uav`` command.
 
-The topmost layer and the only one that draws, prints or parses a command line. Built
-on :mod:`sizing`, :mod:`missions` and :mod:`solar`.
+The names of ``dir(studies)`` are what one may use; a name is imported when it is first asked for.
+The topmost layer and the only one that draws, prints or parses a command line. Built on
+:mod:`sizing`, :mod:`missions` and :mod:`solar`.
+
+* ``compare``: all solar power models side by side, and what each would have built
+* ``verify``: the models against a flight log
+* ``perpetual_ceiling``: how high an aircraft flies perpetually
+* ``feasibility_map``, ``sweep``: where and when it does; trade studies
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

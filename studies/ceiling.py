@@ -106,7 +106,7 @@ class Ceiling(Result):
         return pd.DataFrame([vars(flight) for flight in self.found.flights])
 
 
-def ceiling(
+def perpetual_ceiling(
     aircraft: Aircraft,
     mission: Mission,
     *,

@@ -16,7 +16,7 @@ from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
 
 
 class Polar(Protocol):
-    """What level flight asks of an aerodynamic model."""
+    """Interface of an aerodynamic model to level flight."""
 
     @property
     def flight_lift_coefficient(self) -> Value:
@@ -31,11 +31,25 @@ class Polar(Protocol):
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s]."""
+        """Airspeed of level flight [m/s].
+
+        Parameters
+        ----------
+        mass_kg, wing_area_m2, density_kg_per_m3
+            Mass [kg], wing area [m2] and air density [kg/m3].
+        """
         ...
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft [-]."""
+        """Drag coefficient of the aircraft in level flight [-].
+
+        Parameters
+        ----------
+        aspect_ratio
+            Of the wing [-].
+        reynolds
+            Reynolds number of the mean chord [-].
+        """
         ...
 
 
@@ -71,7 +85,7 @@ class DragPolar(Record):
         return self.lift_coefficient
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft [-]."""
+        """Drag coefficient of the aircraft [-]; as :meth:`Polar.drag_coefficient`."""
         profile = (
             self.profile_drag_coefficient
             * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
@@ -82,7 +96,13 @@ class DragPolar(Record):
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s]."""
+        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``.
+
+        Parameters
+        ----------
+        mass_kg, wing_area_m2, density_kg_per_m3
+            Mass [kg], wing area [m2] and air density [kg/m3].
+        """
         weight = mass_kg * GRAVITY_M_PER_S2
         return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
 
@@ -100,7 +120,17 @@ def level_flight_power_w(
     density_kg_per_m3: Value,
     dynamic_viscosity: Value,
 ) -> Value:
-    """Aerodynamic power of level flight, drag times airspeed [W]."""
+    """Aerodynamic power of level flight, drag times airspeed [W].
+
+    Parameters
+    ----------
+    polar : Polar
+        Lift and drag of the aircraft.
+    mass_kg, wingspan_m, aspect_ratio
+        Mass [kg], wingspan [m] and aspect ratio [-].
+    density_kg_per_m3, dynamic_viscosity
+        Of the air [kg/m3, Pa s].
+    """
     area = wingspan_m**2 / aspect_ratio
     chord = wingspan_m / aspect_ratio
     airspeed = polar.airspeed_m_per_s(
@@ -118,5 +148,16 @@ def level_flight_power_w(
 
 
 def scaled_power_w(power_w: Value, *, mass_ratio: Value, density_ratio: Value) -> Value:
-    """Measured power of level flight at another mass and density, at equal lift coefficient."""
+    """Measured power of level flight at another mass and density, at equal lift coefficient [W].
+
+    ``P = P_0 (m / m_0)^1.5 (rho / rho_0)^-0.5``: drag follows the weight, airspeed the root of
+    weight over density.
+
+    Parameters
+    ----------
+    power_w
+        Measured power [W].
+    mass_ratio, density_ratio
+        Mass and air density over those of the measurement [-].
+    """
     return power_w * mass_ratio**1.5 * density_ratio**-0.5

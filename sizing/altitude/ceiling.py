@@ -2,8 +2,8 @@
 
 Each altitude is a flight at that altitude by day and night, through the same weather
 (:meth:`missions.mission.Mission.at_altitude`). Thin air asks for more power, gives more sunlight
-and colder modules; none of these wins everywhere, so that feasibility need not be monotone. The
-altitudes are scanned, and the highest change from feasible to infeasible is refined. A feasible
+and colder modules; none of these dominates everywhere, so that feasibility need not be monotone.
+The altitudes are scanned, and the highest change from feasible to infeasible is refined. A feasible
 band narrower than the scan's step may be missed.
 """
 
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -24,9 +25,9 @@ from solar.types import FloatArray
 DEFAULT_HIGHEST_M = 20000.0
 DEFAULT_STEP_M = 250.0
 _RESOLUTION_M = 0.1
-# Bounds the root finder where excess time is infinite.
+# Limits the root finder where excess time is infinite.
 _FAR_H = 1000.0
-_HOPELESS_H = -24.0
+_INFEASIBLE_H = -24.0
 
 Progress = Callable[[int, int], None]
 
@@ -108,16 +109,14 @@ def highest_perpetual_altitude(
     if not step_m > 0.0:
         raise ValueError(f"step_m must be above 0 (got {step_m:g})")
     altitudes = scanned_altitudes_m(mission.altitude_m, highest_m, step_m)
+    flown = partial(flight_at_altitude, aircraft, mission, solar)
     flights = []
-    for number, altitude_m in enumerate(altitudes):
-        flights.append(flight_at_altitude(aircraft, mission, solar, altitude_m))
+    for number, altitude_m in enumerate(altitudes, start=1):
+        flights.append(flown(altitude_m))
         if progress is not None:
-            progress(number + 1, len(altitudes))
+            progress(number, len(altitudes))
     if all(np.isnan(flight.propulsion_power_w) for flight in flights):
         raise ImpossibleDesignError(f"{aircraft.name} cannot carry its own mass at any altitude")
-
-    def flown(altitude_m: float) -> AltitudeFlight:
-        return flight_at_altitude(aircraft, mission, solar, altitude_m)
 
     required_h = mission.required_excess_time_h
     highest = _highest(flights, flown, required_h)
@@ -131,7 +130,13 @@ def highest_perpetual_altitude(
 
 
 def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> list[float]:
-    """Both ends, and the multiples of the step between them [m]."""
+    """Altitudes to scan [m]: both ends, and the multiples of the step between them.
+
+    Parameters
+    ----------
+    lowest_m, highest_m, step_m : float
+        Ends and step of the scan [m].
+    """
     first, last = np.floor(lowest_m / step_m) + 1.0, np.ceil(highest_m / step_m) - 1.0
     between = step_m * np.arange(first, last + 1.0)
     return [float(lowest_m), *(float(h) for h in between), float(highest_m)]
@@ -140,7 +145,15 @@ def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> lis
 def flight_at_altitude(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, altitude_m: float
 ) -> AltitudeFlight:
-    """Worst scenario of a mission flown at another altitude."""
+    """Worst scenario of a mission flown at another altitude.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`highest_perpetual_altitude`.
+    altitude_m : float
+        Altitude above mean sea level [m].
+    """
     there = mission.at_altitude(altitude_m)
     density_kg_per_m3 = float(there.air_state().density_kg_per_m3)
     nan = float("nan")
@@ -148,16 +161,7 @@ def flight_at_altitude(
         result = performance(aircraft, there, solar)
     except ImpossibleDesignError:
         return AltitudeFlight(
-            altitude_m,
-            _HOPELESS_H,
-            nan,
-            nan,
-            nan,
-            nan,
-            nan,
-            density_kg_per_m3,
-            nan,
-            worst_scenario=0,
+            altitude_m, _INFEASIBLE_H, *5 * (nan,), density_kg_per_m3, nan, worst_scenario=0
         )
     worst, cycle, design = result.worst_scenario(), result.cycle, result.design
     airspeed = design.airspeed_m_per_s

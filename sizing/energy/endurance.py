@@ -108,8 +108,12 @@ class _Search:
         return replace(self, cells=cells)
 
     def launch_h(self, level_h: FloatArray) -> FloatArray:
-        """Solar time of launches [h]."""
-        return _launch_h(self.flights.balance, self.dark_h, level_h, self.cells)
+        """Solar time at which the hours of deficit since midnight reach some levels [h]."""
+        number = interval_reaching(self.dark_h, level_h, self.cells)
+        interval = self.flights.balance.interval_of(number, self.cells)
+        begin, length = deficit_phase_h(interval)
+        along = np.clip(level_h - self.dark_h[number, self.cells], 0.0, length)
+        return np.asarray(interval.start_h + begin + along)
 
     def hours(self, level_h: FloatArray) -> FloatArray:
         """Flight time from launches [h]."""
@@ -132,16 +136,6 @@ class _Search:
             level_h = np.where(better, tries_h[pick, every], level_h)
             spacing_h = spacing_h / 4.0
         return Endurance(hours, self.launch_h(level_h) % HOURS_PER_DAY)
-
-
-def _launch_h(
-    balance: PowerBalance, dark_h: FloatArray, level_h: FloatArray, cells: IntArray
-) -> FloatArray:
-    """Solar time at which the hours of deficit since midnight reach some levels [h]."""
-    interval = balance.interval_of(interval_reaching(dark_h, level_h, cells), cells)
-    begin, length = deficit_phase_h(interval)
-    along = np.clip(level_h - dark_h[interval.number, cells], 0.0, length)
-    return np.asarray(interval.start_h + begin + along)
 
 
 def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> FloatArray:

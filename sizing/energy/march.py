@@ -257,14 +257,14 @@ class ChargingDay:
         return np.asarray(energy_wh - rest / store.discharge_efficiency)
 
     def end_wh(self, store: Store, energy_wh: FloatArray) -> FloatArray:
-        """Energy at the end of a day that starts with some energy [Wh]."""
+        """Energy at the end of the day [Wh]; parameters as for :meth:`charge`."""
         settled: ArrayLike = 0.0
         for step in self.charge(store, energy_wh):
             energy_wh, settled = step.after_charge_wh, step.settled_deficit_wh
         return np.maximum(self.midnight_wh(store, energy_wh, settled), 0.0)
 
     def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
-        """March a day that starts with some energy [Wh] and keep what becomes of the batteries."""
+        """March and keep what becomes of the batteries; parameters as for :meth:`charge`."""
         kept = np.empty((3, *self.surplus_wh.shape))
         for k, step in enumerate(self.charge(store, energy_wh)):
             kept[0, k], kept[1, k], kept[2, k] = step
@@ -296,7 +296,15 @@ class DayRun:
         return np.maximum(self.midnight_wh, 0.0)
 
     def restart(self, cells: IntArray, start_wh: FloatArray) -> None:
-        """Change the initial energy [Wh] of elements that are empty before their first surplus."""
+        """Change the initial energy of elements that are empty before their first surplus.
+
+        Parameters
+        ----------
+        cells : ndarray of int
+            Indices of these elements.
+        start_wh : ndarray
+            Their energy at midnight [Wh].
+        """
         waiting = np.maximum.accumulate(self.day.deficit_before_surplus_wh[:, cells], axis=0) < 0.0
         for energy in (self.drained_wh, self.after_charge_wh):
             energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])

@@ -16,7 +16,7 @@ from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
 
 
 class StructureModel(Protocol):
-    """What the mass budget asks of a model of the structure."""
+    """Interface of a model of the structure to the mass budget."""
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
         """Structural mass [kg]."""

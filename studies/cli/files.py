@@ -140,7 +140,24 @@ def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAircraft:
-    """Read an aircraft by name or path; ``overrides`` are ``dotted.key=value`` texts."""
+    """Read an aircraft by name or path.
+
+    Parameters
+    ----------
+    name_or_path : str
+        Name of a shipped one, or path of a file.
+    overrides : sequence of str
+        Texts ``dotted.key=value`` that replace or add keys of the file.
+
+    Returns
+    -------
+    LoadedAircraft
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong.
+    """
     _refuse_keys_of_missions(overrides)
     found = with_resolved_airfoil(_find("aircraft", name_or_path))
     document = with_overrides(found, overrides)
@@ -150,7 +167,24 @@ def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAir
 
 
 def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMission:
-    """Read a mission by name or path; ``overrides`` are ``dotted.key=value`` texts."""
+    """Read a mission by name or path.
+
+    Parameters
+    ----------
+    name_or_path : str
+        Name of a shipped one, or path of a file.
+    overrides : sequence of str
+        Texts ``dotted.key=value`` that replace or add keys of the file.
+
+    Returns
+    -------
+    LoadedMission
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong.
+    """
     document = with_overrides(_find("mission", name_or_path), overrides, prefix=MISSION_PREFIX)
     return LoadedMission(validate(document, Mission), document, _checksum("mission", name_or_path))
 
@@ -176,6 +210,10 @@ def load(
         ``key=value`` of the aircraft, or of the mission behind ``mission.``.
     model, correction : str
         Solar power model.
+
+    Returns
+    -------
+    Case
 
     Raises
     ------

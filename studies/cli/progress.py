@@ -27,6 +27,11 @@ def progress_of(unit: str, *, lines: bool = True) -> Iterator[Callable[[int, int
         What is counted, in the plural.
     lines : bool
         Whether there are lines where there is no terminal.
+
+    Yields
+    ------
+    callable
+        To be called with the number that is done and the number there is in all.
     """
     from rich.console import Console
 

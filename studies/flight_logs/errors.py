@@ -102,6 +102,10 @@ def moving_average(values: FloatArray, run: IntArray, semi_window: int) -> Float
         Number of each sample's run, ascending.
     semi_window : int
         Samples on either side.
+
+    Returns
+    -------
+    ndarray
     """
     place = np.arange(len(values))
     first = np.searchsorted(run, run, side="left")
@@ -128,6 +132,10 @@ def used_runs(samples: Samples, used: BoolArray) -> IntArray:
         All samples.
     used : ndarray of bool
         Those that are used.
+
+    Returns
+    -------
+    ndarray of int
     """
     return numbered_runs(np.flatnonzero(used), samples.run[used])
 
@@ -141,6 +149,10 @@ def in_window(samples: Samples, window: Window) -> BoolArray:
         All samples.
     window : Window
         Period of solar time.
+
+    Returns
+    -------
+    ndarray of bool
     """
     hours = samples.time_solar_h
     inside = (hours >= window.start_h) & (hours <= window.end_h)
@@ -181,6 +193,10 @@ def sections(
         Samples on either side in the moving average.
     masks : iterable of (str, ndarray of bool)
         Name of every part, and which samples are its own.
+
+    Returns
+    -------
+    tuple of Section
     """
     used = ~excluded
     run = used_runs(samples, used)

@@ -55,7 +55,21 @@ class LogView:
 
     @classmethod
     def of(cls, log: FlightLog, samples: Samples, aircraft: Aircraft) -> LogView:
-        """Level the model: a constant bias of it is an error to report, not an anomaly."""
+        """Level the model: a constant bias of it is an error to report, not an anomaly.
+
+        Parameters
+        ----------
+        log : FlightLog
+            The flight.
+        samples : Samples
+            Its samples with the sun up, and all models on them.
+        aircraft : Aircraft
+            Its modules give the rated power.
+
+        Returns
+        -------
+        LogView
+        """
         modules = aircraft.modules
         model = samples.modelled_w.get("FM", samples.modelled_w["CAM"])
         rated = modules.full_load_w_per_m2 * modules.area_m2
@@ -69,7 +83,19 @@ class LogView:
         return cls(log, samples, level * model, rated, log.step_s)
 
     def smooth(self, values: FloatArray, seconds: float) -> FloatArray:
-        """Moving average over so many seconds to either side."""
+        """Moving average over so many seconds to either side.
+
+        Parameters
+        ----------
+        values : ndarray
+            A value for each sample.
+        seconds : float
+            Time on either side [s].
+
+        Returns
+        -------
+        ndarray
+        """
         return moving_average(values, self.samples.run, round(seconds / self.step_s))
 
     def logged(self, values: FloatArray | None) -> FloatArray | None:
@@ -102,6 +128,10 @@ class LogView:
             What gives it away, for people.
         affected_s, lost_wh : float
             Time of the affected samples [s], and the energy missing in them [Wh].
+
+        Returns
+        -------
+        Anomaly
         """
         start, end = (float(self.samples.time_s[place]) for place in period)
         return Anomaly(kind, start, end, severity, evidence, affected_s, lost_wh)
@@ -121,6 +151,10 @@ def severity_of(share: float, minor: float, factor: float = 5.0) -> Severity:
         Share that is judged, and that below which it is minor [-].
     factor : float
         From so many times the latter on it is major.
+
+    Returns
+    -------
+    str
     """
     if share < minor:
         return "minor"
@@ -149,6 +183,10 @@ def clusters(flagged: BoolArray, time_s: FloatArray, merge_s: float) -> list[Per
         Their times [s].
     merge_s : float
         Largest distance within one cluster [s].
+
+    Returns
+    -------
+    list of Period
     """
     places = np.flatnonzero(flagged)
     if not len(places):
@@ -168,6 +206,10 @@ def mask_of(count: int, period: Period) -> BoolArray:
         Number of samples.
     period : Period
         Those that are marked.
+
+    Returns
+    -------
+    ndarray of bool
     """
     mask = np.zeros(count, bool)
     mask[period.slice()] = True

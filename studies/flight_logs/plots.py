@@ -70,6 +70,10 @@ def window_figure(result: Verification, number: int) -> Figure:
         What is drawn.
     number : int
         Which of its windows, from 0.
+
+    Returns
+    -------
+    Figure
     """
     section = result.windows[number]
     view = _view(result, result.window_masks[number], result.window_semi, attitude=True)
@@ -87,6 +91,10 @@ def day_figure(result: Verification, section: Section, mask: BoolArray) -> Figur
         One of its days.
     mask : ndarray of bool
         Samples of that day.
+
+    Returns
+    -------
+    Figure
     """
     view = _view(result, mask, result.day_semi, attitude=False)
     hours = _hours(result.samples, mask)

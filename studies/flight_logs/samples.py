@@ -6,9 +6,9 @@ aircraft allow: VM and FM need the attitude and the module surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -113,6 +113,10 @@ def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry 
         Must have the attitude.
     aircraft : Aircraft
         Must have module surfaces.
+
+    Returns
+    -------
+    tuple of (ModuleGeometry or None) and list of str
     """
     without = "VM and FM are not computed"
     if log.attitude is None:
@@ -133,6 +137,10 @@ def tail_shading(
         Must have a tail.
     geometry : ModuleGeometry
         Its surfaces, which must have outlines.
+
+    Returns
+    -------
+    tuple of (callable or None) and (str or None)
     """
     tail = aircraft.modules.tail
     if tail is None:
@@ -163,6 +171,10 @@ def lit_samples(
         Surfaces for VM and FM; without, only CDM and CAM are computed.
     shade : callable, optional
         Shaded area of every surface.
+
+    Returns
+    -------
+    tuple of Samples and list of str
 
     Raises
     ------
@@ -230,6 +242,18 @@ class _Lit:
     ambient_c: FloatArray
     module_c: float
 
+    def part(self, chunk: slice) -> _Lit:
+        """Some of the samples."""
+        arrays: dict[str, Any] = {
+            n: v[..., chunk] for n, v in vars(self).items() if isinstance(v, np.ndarray)
+        }
+        return replace(self, **arrays | {"sun": self.sun[chunk]})
+
+    def light(self) -> Irradiance:
+        """Light of the sky, by the mission's clearness."""
+        sky = self.sky(self.day, self.latitude_deg, -self.sun[:, 2], self.altitude_m)
+        return Irradiance(*(self.clearness * part for part in sky))
+
 
 def _ambient_c(log: FlightLog, mission: Mission, index: IntArray) -> tuple[FloatArray, str]:
     """Air temperature: of the log, else of the mission, else standard at the flown altitude."""
@@ -275,6 +299,10 @@ def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
         Places in the log, ascending.
     segment : ndarray of int
         Number of the segment between gaps that each belongs to.
+
+    Returns
+    -------
+    ndarray of int
     """
     breaks = (np.diff(index) > 1) | (np.diff(segment) > 0)
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
@@ -284,68 +312,48 @@ def _modelled(
     lit: _Lit, geometry: ModuleGeometry | None, shade: ShadedArea | None
 ) -> tuple[dict[ModelName, FloatArray], Detail | None]:
     """All models, chunk by chunk: a long log times its surfaces would fill the memory."""
-    count = len(lit.day)
-    chunks = [slice(i, i + _CHUNK) for i in range(0, count, _CHUNK)]
-    horizontal = [_horizontal(lit, c) for c in chunks]
-    models: dict[ModelName, FloatArray] = {
-        "CDM": np.concatenate([h[0] for h in horizontal]),
-        "CAM": np.concatenate([h[1] for h in horizontal]),
-    }
+    chunks = [lit.part(slice(i, i + _CHUNK)) for i in range(0, len(lit.day), _CHUNK)]
+    models = _joined([_horizontal(chunk) for chunk in chunks])
     if geometry is None:
         return models, None
-    parts = [_with_attitude(lit, c, geometry, shade) for c in chunks]
-    models["VM"] = np.concatenate([part.vm_w for part in parts])
-    models["FM"] = np.concatenate([part.fm_w for part in parts])
-    details = [part.detail for part in parts]
-    return models, details[0].mapped(
-        lambda name, _: np.concatenate([getattr(detail, name) for detail in details])
-    )
+    flown, details = zip(*(_with_attitude(c, geometry, shade) for c in chunks), strict=True)
+    detail = details[0].mapped(lambda name, _: np.concatenate([getattr(d, name) for d in details]))
+    return models | _joined(flown), detail
 
 
-def _light(lit: _Lit, chunk: slice) -> Irradiance:
-    clear = lit.sky(
-        lit.day[chunk], lit.latitude_deg[chunk], -lit.sun[chunk, 2], lit.altitude_m[chunk]
-    )
-    return Irradiance(*(lit.clearness * part for part in clear))
+def _joined(parts: Sequence[dict[ModelName, FloatArray]]) -> dict[ModelName, FloatArray]:
+    return {model: np.concatenate([part[model] for part in parts]) for model in parts[0]}
 
 
-def _horizontal(lit: _Lit, chunk: slice) -> tuple[FloatArray, FloatArray]:
-    modules, cosine = lit.aircraft.modules, -lit.sun[chunk, 2]
-    light = _light(lit, chunk)
-    return (
-        modules.area_m2 * conceptual_design_model(light, cosine, modules, lit.module_c),
-        modules.area_m2 * conceptual_analysis_model(light, cosine, modules, lit.module_c),
-    )
-
-
-class _AttitudePower(NamedTuple):
-    """Power of the models that know the attitude [W], and more of the Full Model."""
-
-    vm_w: FloatArray
-    fm_w: FloatArray
-    detail: Detail
+def _horizontal(lit: _Lit) -> dict[ModelName, FloatArray]:
+    modules, light = lit.aircraft.modules, lit.light()
+    given = (light, -lit.sun[:, 2], modules, lit.module_c)
+    return {
+        "CDM": modules.area_m2 * conceptual_design_model(*given),
+        "CAM": modules.area_m2 * conceptual_analysis_model(*given),
+    }
 
 
 def _with_attitude(
-    lit: _Lit, chunk: slice, geometry: ModuleGeometry, shade: ShadedArea | None
-) -> _AttitudePower:
+    lit: _Lit, geometry: ModuleGeometry, shade: ShadedArea | None
+) -> tuple[dict[ModelName, FloatArray], Detail]:
+    """Power of the models that know the attitude [W], and more of the Full Model."""
     assert lit.attitude is not None  # so is the geometry
-    modules, sun = lit.aircraft.modules, lit.sun[chunk]
-    to_ned = direction_cosines(*lit.attitude[:, chunk])
-    light = _light(lit, chunk)
-    vm = modules.area_m2 * verification_model(light, sun, to_ned, geometry, modules, lit.module_c)
-    full = full_model(
-        light, sun, to_ned, geometry, modules, lit.ambient_c[chunk], shading=modules.shading
-    )
-    power = modules.area_m2 * full.specific_power_w_per_m2
-    shares = geometry.area_shares
+    modules, light, shares = lit.aircraft.modules, lit.light(), geometry.area_shares
+    to_ned = direction_cosines(*lit.attitude)
+    given = (light, lit.sun, to_ned, geometry, modules)
+    full = full_model(*given, lit.ambient_c, shading=modules.shading)
+    power: dict[ModelName, FloatArray] = {
+        "VM": modules.area_m2 * verification_model(*given, lit.module_c),
+        "FM": modules.area_m2 * full.specific_power_w_per_m2,
+    }
     shaded = lost = None
     if shade is not None:
-        by_surface = shade(np.einsum("...ji,...j->...i", to_ned, sun))
+        by_surface = shade(np.einsum("...ji,...j->...i", to_ned, lit.sun))
         shaded = by_surface.sum(axis=-1)
-        lost = power * _lost_share(full, light, by_surface, geometry, lit.aircraft)
+        lost = power["FM"] * _lost_share(full, light, by_surface, geometry, lit.aircraft)
     angles = np.degrees(np.arccos(np.clip(full.cos_aoi_by_surface, -1.0, 1.0)))
-    detail = Detail(
+    return power, Detail(
         incidence_deg=angles @ shares,
         irradiance_w_per_m2=full.irradiance_w_per_m2,
         module_efficiency=full.module_efficiency,
@@ -357,7 +365,6 @@ def _with_attitude(
         shaded_m2=shaded,
         shading_loss_w=lost,
     )
-    return _AttitudePower(vm, power, detail)
 
 
 def _lost_share(

@@ -120,6 +120,10 @@ def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> S
     settings : Settings
         Length, rate, noise and faults.
 
+    Returns
+    -------
+    SyntheticLog
+
     Raises
     ------
     ValueError

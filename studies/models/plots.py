@@ -37,14 +37,32 @@ def comparison_figure(comparison: Comparison) -> Figure:
         grid="x",
         sharey=True,
     )
-    position = _positions(comparison.cases)
-    drawn = (_draw_solar_energy, _draw_excess, _draw_season, _draw_designs)
-    for axes, draw in zip(panels, drawn, strict=False):
-        draw(axes, comparison, position)
+    heights = _heights(comparison.cases)
+    for case, y in zip(comparison.cases, heights, strict=True):
+        for axes, draw in zip(panels, _PANELS, strict=False):
+            draw(axes, comparison, case, y)
+    reference = comparison.reference
+    truths = (
+        reference.prediction.mean_solar_energy_wh,
+        reference.prediction.excess_time_h,
+        None,
+        _objective_value(reference, comparison),
+    )
+    for axes, label, truth in zip(panels, _axis_labels(comparison), truths, strict=False):
+        if truth is not None and np.isfinite(truth):
+            axes.axvline(truth, color="black", linestyle=":", linewidth=1)
+        axes.set_xlabel(label)
         axes.tick_params(axis="y", length=0)
         axes.spines[["top", "right", "left"]].set_visible(False)
-    panels[0].set_ylim(position.max() + 0.7, -0.7)
-    panels[0].set_yticks(position, [c.solar.model for c in comparison.cases])
+    low, high = panels[1].get_xlim()
+    if low < 0.0 < high:
+        panels[1].axvline(0.0, color="black", linewidth=0.8)
+    panels[2].set_xticks(_MONTH_STARTS[::2], MONTH_NAMES[::2], ha="left")
+    panels[2].set_xlim(1, 366)
+    if comparison.has_designs:
+        panels[-1].margins(x=0.15)
+    panels[0].set_ylim(heights.max() + 0.7, -0.7)
+    panels[0].set_yticks(heights, [c.solar.model for c in comparison.cases])
     figure.legend(
         handles=_legend(comparison),
         loc="outside lower center",
@@ -55,7 +73,19 @@ def comparison_figure(comparison: Comparison) -> Figure:
     return figure
 
 
-def _positions(cases: tuple[Case, ...]) -> Any:
+def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
+    required, objective = comparison.required_excess_time_h, comparison.objective
+    promised = "promised " if objective is Objective.max_excess_time else ""
+    return (
+        "solar energy of a day [Wh]\n(bars: RMS error of the model)",
+        "excess time, worst scenario [h]\n(lines: RMS error of the model)",
+        "perpetual season around the\nsummer solstice (days in the year)",
+        f"design: {promised}{objective.label} [{objective.unit}],\n"
+        f"{required:g} h of excess time required",
+    )
+
+
+def _heights(cases: tuple[Case, ...]) -> Any:
     """Heights of the rows, with a gap between models."""
     models = [case.solar.model for case in cases]
     changes = np.cumsum([0, *(a != b for a, b in itertools.pairwise(models))])
@@ -75,15 +105,11 @@ def _legend(comparison: Comparison) -> list[Line2D]:
     return entries
 
 
-def _draw_solar_energy(axes: Axes, comparison: Comparison, position: Any) -> None:
-    truth = comparison.reference.prediction.mean_solar_energy_wh
-    for y, case in zip(position, comparison.cases, strict=True):
-        energy = case.prediction.mean_solar_energy_wh
-        colour, marker, _ = _LOOKS[case.solar.correction]
-        error = energy * case.solar.rms_relative
-        axes.errorbar(energy, y, xerr=error, color=colour, marker=marker, capsize=2, linewidth=1)
-    axes.axvline(truth, color="black", linestyle=":", linewidth=1)
-    axes.set_xlabel("solar energy of a day [Wh]\n(bars: RMS error of the model)")
+def _draw_solar_energy(axes: Axes, _: Comparison, case: Case, y: float) -> None:
+    energy = case.prediction.mean_solar_energy_wh
+    colour, marker, _name = _LOOKS[case.solar.correction]
+    error = energy * case.solar.rms_relative
+    axes.errorbar(energy, y, xerr=error, color=colour, marker=marker, capsize=2, linewidth=1)
 
 
 def _note(axes: Axes, y: float, text: str, colour: str) -> None:
@@ -98,49 +124,31 @@ def _note(axes: Axes, y: float, text: str, colour: str) -> None:
     )
 
 
-def _draw_excess(axes: Axes, comparison: Comparison, position: Any) -> None:
-    for y, case in zip(position, comparison.cases, strict=True):
-        p = case.prediction
-        colour, marker, _ = _LOOKS[case.solar.correction]
-        if not np.isfinite(p.excess_time_h):
-            _note(axes, y, "no night", colour)
-            continue
-        # One end may lie beyond the discontinuity at zero, or where excess time is unlimited.
-        ends = [
-            v if np.isfinite(v) else p.excess_time_h
-            for v in (p.excess_time_low_h, p.excess_time_high_h)
-        ]
-        axes.plot(ends, [y, y], color=colour, linewidth=1)
-        axes.plot([p.excess_time_h], [y], color=colour, marker=marker)
-    truth = comparison.reference.prediction.excess_time_h
-    if np.isfinite(truth):
-        axes.axvline(truth, color="black", linestyle=":", linewidth=1)
-    low, high = axes.get_xlim()
-    if low < 0.0 < high:
-        axes.axvline(0.0, color="black", linewidth=0.8)
-    axes.set_xlabel("excess time, worst scenario [h]\n(lines: RMS error of the model)")
+def _draw_excess(axes: Axes, _: Comparison, case: Case, y: float) -> None:
+    p, (colour, marker, _name) = case.prediction, _LOOKS[case.solar.correction]
+    if not np.isfinite(p.excess_time_h):
+        _note(axes, y, "no night", colour)
+        return
+    # One end may lie beyond the discontinuity at zero, or where excess time is unlimited.
+    ends = (p.excess_time_low_h, p.excess_time_high_h)
+    shown = [end if np.isfinite(end) else p.excess_time_h for end in ends]
+    axes.plot(shown, [y, y], color=colour, linewidth=1)
+    axes.plot([p.excess_time_h], [y], color=colour, marker=marker)
 
 
-def _draw_season(axes: Axes, comparison: Comparison, position: Any) -> None:
-    for y, case in zip(position, comparison.cases, strict=True):
-        colour = _LOOKS[case.solar.correction][0]
-        season = case.season
-        for first, last in spans(season):
-            axes.barh(y, last - first + 1, left=first, height=0.6, color=colour, linewidth=0)
-        days = "none" if season.days == 0 else f"{season.days} d"
-        middle = 183
-        shown = any(first <= middle <= last for first, last in spans(season))
-        axes.annotate(
-            days,
-            (middle, y),
-            ha="center",
-            va="center",
-            fontsize="small",
-            color="white" if shown else "black",
-        )
-    axes.set_xticks(_MONTH_STARTS[::2], MONTH_NAMES[::2], ha="left")
-    axes.set_xlim(1, 366)
-    axes.set_xlabel("perpetual season around the\nsummer solstice (days in the year)")
+def _draw_season(axes: Axes, _: Comparison, case: Case, y: float) -> None:
+    colour, middle = _LOOKS[case.solar.correction][0], 183
+    parts = spans(case.season)
+    for first, last in parts:
+        axes.barh(y, last - first + 1, left=first, height=0.6, color=colour, linewidth=0)
+    axes.annotate(
+        "none" if case.season.days == 0 else f"{case.season.days} d",
+        (middle, y),
+        ha="center",
+        va="center",
+        fontsize="small",
+        color="white" if any(first <= middle <= last for first, last in parts) else "black",
+    )
 
 
 def spans(season: Season) -> list[tuple[int, int]]:
@@ -152,26 +160,20 @@ def spans(season: Season) -> list[tuple[int, int]]:
     return [(1, season.last), (season.first, 365)]
 
 
-def _draw_designs(axes: Axes, comparison: Comparison, position: Any) -> None:
-    for y, case in zip(position, comparison.cases, strict=True):
-        if case.built is None:
-            continue
-        colour, marker, _ = _LOOKS[case.solar.correction]
-        value = _objective_value(case, comparison)
-        if value is None or case.built.judged is None:
-            _note(axes, y, "no design", colour)
-            continue
-        axes.plot([value], [y], color=colour, marker=marker)
-        if not case.built.judged.perpetual:
-            axes.plot([value], [y], color="black", marker="x", markersize=9)
-    truth = _objective_value(comparison.reference, comparison)
-    if truth is not None:
-        axes.axvline(truth, color="black", linestyle=":", linewidth=1)
-    axes.margins(x=0.15)
-    required, objective = comparison.required_excess_time_h, comparison.objective
-    promised = "promised " if objective is Objective.max_excess_time else ""
-    label = f"{promised}{objective.label} [{objective.unit}]"
-    axes.set_xlabel(f"design: {label},\n{required:g} h of excess time required")
+def _draw_design(axes: Axes, comparison: Comparison, case: Case, y: float) -> None:
+    if case.built is None:
+        return
+    colour, marker, _name = _LOOKS[case.solar.correction]
+    value = _objective_value(case, comparison)
+    if value is None or case.built.judged is None:
+        _note(axes, y, "no design", colour)
+        return
+    axes.plot([value], [y], color=colour, marker=marker)
+    if not case.built.judged.perpetual:
+        axes.plot([value], [y], color="black", marker="x", markersize=9)
+
+
+_PANELS = (_draw_solar_energy, _draw_excess, _draw_season, _draw_design)
 
 
 def _objective_value(case: Case, comparison: Comparison) -> float | None:

@@ -24,6 +24,10 @@ def attitude_is_known(aircraft: Aircraft, mission: Mission) -> bool:
         Needs surfaces in ``modules.geometry``.
     mission : Mission
         Needs a ``flight_path``.
+
+    Returns
+    -------
+    bool
     """
     return aircraft.modules.geometry is not None and mission.flight_path is not None
 
@@ -35,6 +39,10 @@ def reference_model(aircraft: Aircraft, mission: Mission) -> SolarModel:
     ----------
     aircraft, mission
         Decide whether the Full Model can be computed.
+
+    Returns
+    -------
+    SolarModel
     """
     return BEST if attitude_is_known(aircraft, mission) else BEST_WITHOUT_PATH
 

@@ -87,7 +87,19 @@ def new_figure(
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
-    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`."""
+    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`.
+
+    Parameters
+    ----------
+    figure : Figure
+        What was drawn.
+    image_format : str
+        One of :data:`studies.output.formats.IMAGE_FORMATS`.
+
+    Returns
+    -------
+    bytes
+    """
     buffer = io.BytesIO()
     figure.savefig(buffer, format=image_format, dpi=150)
     return buffer.getvalue()
@@ -141,6 +153,10 @@ def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
         What is drawn; its altitude as well, if it climbs.
     scenario : int, optional
         Number of the scenario, by default that of the worst.
+
+    Returns
+    -------
+    Figure
     """
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
@@ -275,6 +291,10 @@ def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
         Aircraft, mission and solar model, for the title.
     flight : CalendarRun
         The flight.
+
+    Returns
+    -------
+    Figure
     """
     title = f"{analysis.aircraft.name}, {analysis.mission.name} "
     title += f"({caption(analysis.performance.solar)})"
@@ -341,6 +361,10 @@ def tornado_figure(
         Model and correction, for the title.
     bars : int
         Parameters that are shown at most.
+
+    Returns
+    -------
+    Figure
     """
     shown = [s for s in sensitivities if s.value != 0.0][:bars][::-1]
     figure, (axes,) = new_figure(
@@ -368,6 +392,10 @@ def mass_figure(masses_kg: dict[str, float], title: str) -> Figure:
         Mass of each part [kg]; parts without mass are left out.
     title : str
         Name of the aircraft.
+
+    Returns
+    -------
+    Figure
     """
     items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
     figure, (axes,) = new_figure(title=title, size_in=(7.0, 3.6), grid="")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from sizing.parameters import catalogue
 
@@ -19,6 +19,7 @@ __all__ = [
     "SAMPLE_NAMES",
     "Axis",
     "SampleName",
+    "axes_of",
     "axis_label",
     "axis_names",
     "cf_unit",
@@ -153,8 +154,36 @@ def _short(key: str) -> str:
     return last if "_" in without_unit(last) or not before else f"{before[-1]}_{last}"
 
 
+def axes_of(vary: Mapping[str, ArrayLike]) -> list[Axis]:
+    """Axes from values by key, see :func:`studies.sweeps.study.sweep`.
+
+    Raises
+    ------
+    ValueError
+        If a key has no values, a value twice, or one that is no finite number.
+    """
+    axes = []
+    for key, values in vary.items():
+        numbers = np.atleast_1d(np.asarray(values))
+        if numbers.dtype.kind not in "iuf" or numbers.ndim != 1 or not np.isfinite(numbers).all():
+            raise ValueError(f"{key} needs a list of finite numbers")
+        axes.append(_axis(key, tuple(float(number) for number in numbers)))
+    return axes
+
+
+def _axis(key: str, values: tuple[float, ...], *, is_range: bool = False) -> Axis:
+    full = DESIGN_KEYS.get(key, key.removeprefix("aircraft."))
+    if not values:
+        raise ValueError(f"{key} needs values")
+    if len(set(values)) < len(values):
+        raise ValueError(f"{key} has a value twice")
+    return Axis(full, values, is_range)
+
+
 def parse_axis(text: str) -> Axis:
     """Read ``KEY=first:last:step``, ``KEY=first:last`` or ``KEY=v1,v2,...``.
+
+    Steps begin at ``first`` and do not lead beyond ``last``.
 
     Raises
     ------
@@ -165,14 +194,10 @@ def parse_axis(text: str) -> Axis:
     key = key.strip().removeprefix("aircraft.")
     if not (key and equals and values.strip()):
         raise ValueError("write KEY=first:last:step or KEY=v1,v2, e.g. battery_mass_kg=1:5:0.5")
-    key = DESIGN_KEYS.get(key, key)
     if ":" in values:
         numbers = [_number(part) for part in values.split(":")]
-        return Axis(key, _stepped(key, numbers), is_range=len(numbers) == 2)
-    listed = tuple(_number(part) for part in values.split(","))
-    if len(set(listed)) < len(listed):
-        raise ValueError(f"{key} has a value twice")
-    return Axis(key, listed)
+        return _axis(key, _stepped(key, numbers), is_range=len(numbers) == 2)
+    return _axis(key, tuple(_number(part) for part in values.split(",")))
 
 
 def _number(text: str) -> float:

@@ -51,6 +51,10 @@ def polar_table(airfoil: str, grid: Grid, *, critical_exponent: float = CRITICAL
     critical_exponent : float
         Ncrit of the e^N transition method.
 
+    Returns
+    -------
+    str
+
     Raises
     ------
     ModuleNotFoundError

@@ -71,7 +71,19 @@ class PowerCase:
         return float(self.reynolds(self.lift_coefficient(1.0) ** 0.5))
 
     def electric_power_w(self, polar: WingPolar, airspeed_m_per_s: Value) -> Value:
-        """Electric power of level flight [W]."""
+        """Electric power of level flight [W].
+
+        Parameters
+        ----------
+        polar : WingPolar
+            Drag of the wing.
+        airspeed_m_per_s : float or ndarray
+            True airspeed [m/s].
+
+        Returns
+        -------
+        float or ndarray
+        """
         v = airspeed_m_per_s
         drag = polar.drag_at(self.lift_coefficient(v), self.aspect_ratio, self.reynolds(v))
         power = 0.5 * self.density_kg_per_m3 * v**3 * self.wing_area_m2 * drag
@@ -149,6 +161,10 @@ def wing_polar(airfoil: str, case: PowerCase, *, calibration: float = 1.0) -> Wi
         Aircraft whose chord gives the Reynolds number.
     calibration : float
         Factor on the drag [-].
+
+    Returns
+    -------
+    WingPolar
     """
     return WingPolar(
         model="wing_polar",
@@ -183,6 +199,10 @@ def check_curve(polar: WingPolar, case: PowerCase = AS1) -> CurveCheck:
         Drag of the wing.
     case : PowerCase
         Aircraft that flew.
+
+    Returns
+    -------
+    CurveCheck
     """
     speed, measured = np.asarray(AS1_FLIGHT).T
     return CurveCheck(polar, speed, measured, case.electric_power_w(polar, speed))
@@ -197,6 +217,10 @@ def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure
         A curve each.
     case : PowerCase
         Aircraft that flew.
+
+    Returns
+    -------
+    Figure
     """
     figure, (axes, residual_axes) = new_figure(
         2,

@@ -29,7 +29,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         [
             [DESIGN, *SUMMER, "--sensitivities", "--certify"],
             ["sky-sailor", *SUMMER, "--required-excess-time", "12"],
-            [DESIGN, *SUMMER, "--set", "mission.bands.battery_capacity=0.9"],
+            [DESIGN, *SUMMER, "--set", "mission.uncertainty_margins.battery_capacity=0.9"],
         ],
         {"range"},
     ),

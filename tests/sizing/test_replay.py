@@ -125,8 +125,22 @@ def test_full_charge_is_noted_once_a_day() -> None:
     assert [int(h // 24.0) for h in run.full_charge_clock_h] == [0, 1, 2, 3]
     for instant in run.full_charge_clock_h:
         # The instant lies within a step of one minute: full at its end, not full at its start.
-        assert run.state_of_charge_at(instant + 1.0 / 60.0) == pytest.approx(1.0, abs=1e-9)
-        assert run.state_of_charge_at(instant - 1.0 / 60.0) < 1.0
+        minute_before, minute_after = (
+            float(np.interp(instant + shift, run.clock_h, run.state_of_charge))
+            for shift in (-1.0 / 60.0, 1.0 / 60.0)
+        )
+        assert minute_after == pytest.approx(1.0, abs=1e-9)
+        assert minute_before < 1.0
+
+
+def test_aged_battery_holds_what_the_margin_leaves_of_it() -> None:
+    run = calendar_run(
+        AS2, mission(launch(duration_h=30.0), uncertainty_margins={"battery_capacity": 0.7})
+    )
+    assert run.full_charge_clock_h
+    # 2.918 kg of 251 Wh/kg, of which 70 % are left; full to rounding.
+    assert run.energy_wh.max() == pytest.approx(0.7 * 2.918 * 251.0, rel=1e-9)
+    assert run.energy_wh[0] == pytest.approx(0.5 * 0.7 * 2.918 * 251.0, rel=1e-12)
 
 
 def test_shorter_steps_change_nothing() -> None:

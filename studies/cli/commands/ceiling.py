@@ -52,8 +52,7 @@ def ceiling(
     as_json: bool,
 ) -> None:
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
-    from studies.ceiling import ceiling as find_ceiling
-    from studies.ceiling import ceiling_figure
+    from studies.ceiling import ceiling_figure, perpetual_ceiling
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
@@ -71,7 +70,7 @@ def ceiling(
         message = f"must be above the mission's altitude_m of {lowest_m:g} (got {highest_m:g})"
         raise click.BadParameter(message, param_hint="--highest")
     with progress_of("altitudes", lines=False) as progress:
-        result = find_ceiling(
+        result = perpetual_ceiling(
             *(case.aircraft, case.mission),
             model=case.solar.model,
             correction=case.solar.correction,

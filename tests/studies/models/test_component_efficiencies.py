@@ -10,7 +10,7 @@ import pytest
 from missions.files.overrides import with_values
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.performance import SolarModel, solar_day
+from sizing.sunlight import SolarModel, solar_day
 from studies.models.component_efficiencies import component_efficiencies
 
 AS2 = load_aircraft("atlantiksolar-as2")

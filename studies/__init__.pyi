@@ -1,0 +1,10 @@
+from .ceiling import Ceiling as Ceiling
+from .ceiling import ceiling_figure as ceiling_figure
+from .ceiling import perpetual_ceiling as perpetual_ceiling
+from .flight_logs.verification import Verification as Verification
+from .flight_logs.verification import verify as verify
+from .maps.feasibility import feasibility_map as feasibility_map
+from .models.comparison import Comparison as Comparison
+from .models.comparison import compare as compare
+from .models.plots import comparison_figure as comparison_figure
+from .sweeps.study import sweep as sweep
