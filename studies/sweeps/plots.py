@@ -24,7 +24,7 @@ from studies.output.cells import (
 )
 from studies.output.columns import HATCHES, SIZED, failed_count, status_names
 from studies.output.plots import CHARGE, LOAD, SUN, correction_label
-from studies.sweeps.axes import unit_label, without_unit
+from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.points import PointStatus
 from studies.sweeps.study import feasible, to_table
 
@@ -73,8 +73,8 @@ def plot_sweep(data: xr.Dataset) -> Figure:
 
 def _label(data: xr.Dataset, name: str) -> str:
     about = data[name].attrs
-    text = without_unit(name) if name in data.coords else str(about["long_name"])
-    text = text.removesuffix(" of the worst scenario").replace("_", " ")
+    text = str(about["long_name"]).removesuffix(" of the worst scenario")
+    text = axis_label(text) if name in data.coords else text.replace("_", " ")
     return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 

@@ -30,7 +30,7 @@ from studies.cli.__main__ import cli
 from studies.engine.run import compute
 from studies.output.columns import SizingStatus
 from studies.sweeps import plots as sweep_plots
-from studies.sweeps.axes import Axis, axis_names, parse_axis, points, unit_of
+from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.plots import pareto_front
 from studies.sweeps.points import PointStatus, held, judge_points, plain_data
 from studies.sweeps.study import dataset, prepare, sweep, to_table
@@ -85,6 +85,14 @@ def test_names_and_units_of_axes() -> None:
     ]
     names = axis_names([Axis(key, (1.0,)) for key in keys])
     assert names == ["battery_mass_kg", "payload_mass_kg", "latitude_deg", "power_avionics_w"]
+    assert [axis_label(key) for key in keys] == [
+        "battery mass",
+        "payload mass",
+        "latitude",
+        "avionics power",
+    ]
+    assert axis_label("mission.flight_path.radius_m") == "flight path radius"
+    assert unit_of("airframe.structure.modulus_pa") == "Pa"
     assert unit_of("battery.specific_energy_wh_per_kg") == "W h kg-1"
     assert unit_of("mission.wind_m_per_s") == "m s-1"
     assert unit_of("mission.clearness") == "1"
