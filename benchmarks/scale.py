@@ -15,47 +15,43 @@ import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
 from studies.engine.run import Columns, run
-from studies.engine.workers import Crew, DaskCrew, ProcessCrew, SerialCrew, available_cores
-from studies.maps.jobs import SizedMapConfiguration, sized_map_job
+from studies.engine.workers import DaskPool, LocalPool, Pool, available_cores
+from studies.maps.resized import prepare
 
 _REPEATS = 2
 
 
-def variants(dask: bool) -> dict[str, Callable[[], Crew]]:
-    """Crews to be compared, by name."""
-    local: dict[str, Callable[[], Crew]] = {
-        "this process": SerialCrew,
-        "1 process": lambda: ProcessCrew(1),
-        "2 processes": lambda: ProcessCrew(2),
+def variants(dask: bool) -> dict[str, Callable[[], Pool]]:
+    """Pools to be compared, by name."""
+    local: dict[str, Callable[[], Pool]] = {
+        "1 process": lambda: LocalPool(1),
+        "2 processes": lambda: LocalPool(2),
     }
     if dask:
-        local["dask, 1 worker"] = lambda: DaskCrew("local-cluster", 1)
-        local["dask, 2 workers"] = lambda: DaskCrew("local-cluster", 2)
+        local["dask, 1 worker"] = lambda: DaskPool("local-cluster", 1)
+        local["dask, 2 workers"] = lambda: DaskPool("local-cluster", 2)
     return local
 
 
 def main(arguments: list[str]) -> None:
     """Measure and print a table."""
-    job = sized_map_job(
-        SizedMapConfiguration(
-            load_aircraft("atlantiksolar-design"),
-            load_mission("rafz-july"),
-            SolarModel(),
-            Objective.min_wingspan,
-        ),
+    job = prepare(
+        load_aircraft("atlantiksolar-design"),
+        load_mission("rafz-july"),
+        "min_wingspan",
         np.linspace(-60.0, 60.0, 61),
-        np.arange(1.0, 366.0, 7.0),
-    )
-    print(f"{job.cells} cells in {len(job.chunks)} chunks, {available_cores()} cores")
+        np.arange(1, 366, 7),
+        SolarModel(),
+    ).job
+    print(f"{len(job.cells)} cells in {len(job.chunks)} chunks, {available_cores()} cores")
     first: Columns = {}
     best: dict[str, float] = {}
     for _ in range(_REPEATS):
-        for name, crew in variants("--scheduler" in arguments).items():
+        for name, pool in variants("--scheduler" in arguments).items():
             begun = time.perf_counter()
-            columns = run(job, crew()).columns
+            columns = run(job, pool()).columns
             spent = time.perf_counter() - begun
             best[name] = min(best.get(name, spent), spent)
             first = first or columns

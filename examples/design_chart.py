@@ -5,10 +5,11 @@ Run with: python examples/design_chart.py [figure.png]
 
 import sys
 
-from sizing.sunlight import SolarModel
-from studies.cli.files import open_aircraft, open_mission
-from studies.sweeps.axes import parse_axis
-from studies.sweeps.plots import figure_of
+import numpy as np
+
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from studies.sweeps.plots import plot_sweep
 from studies.sweeps.study import feasible, sweep
 
 
@@ -17,14 +18,14 @@ def main() -> None:
     # Nothing is sized: each point is a design, flown in all scenarios of the mission. Its modules
     # fill the wing as far as they may. Mass, airspeed and power follow from the geometry.
     data = sweep(
-        open_aircraft("atlantiksolar-design"),
-        open_mission("central-europe-summer"),
-        [
-            parse_axis("wingspan_m=3:7:0.25"),
-            parse_axis("battery_mass_kg=0.5:10:0.25"),
-            parse_axis("aspect_ratio=14,18.5"),
-        ],
-        SolarModel("CAM", "report"),
+        load_aircraft("atlantiksolar-design"),
+        load_mission("central-europe-summer"),
+        {
+            "wingspan_m": np.arange(3.0, 7.1, 0.25),
+            "battery_mass_kg": np.arange(0.5, 10.1, 0.25),
+            "aspect_ratio": [14, 18.5],
+        },
+        correction="report",
     )
     excess_h = data["excess_time"].where(feasible(data))
     for ratio in data["aspect_ratio"].to_numpy():
@@ -32,14 +33,14 @@ def main() -> None:
         for span in (3.0, 4.0, 5.0, 6.0, 7.0):
             row = excess_h.sel(wingspan_m=span, aspect_ratio=ratio).dropna("battery_mass_kg")
             if not row.size:
-                print(f"  {span:g} m: no battery makes it fly for ever")
+                print(f"  {span:g} m: no battery makes perpetual flight possible")
                 continue
             print(
                 f"  {span:g} m: at most {float(row.max()):.2f} h of excess time, "
                 f"with {float(row.idxmax()):.2f} kg of battery"
             )
     if len(sys.argv) > 1:
-        figure_of(data).savefig(sys.argv[1], dpi=150)
+        plot_sweep(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Re-sized map: the smallest aircraft that flies for ever at each latitude and in each season.
+"""Resized map: the smallest aircraft that flies perpetually at each latitude and in each season.
 
 Run with: python examples/resized_map.py [figure.png]
 """
@@ -9,16 +9,8 @@ import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.optimisation.objectives import Objective
-from sizing.sunlight import SolarModel
-from studies.engine.run import run
-from studies.engine.workers import AutomaticCrew
-from studies.maps.jobs import (
-    SizedMapConfiguration,
-    sized_map_dataset,
-    sized_map_figure,
-    sized_map_job,
-)
+from studies.maps.plots import plot_resized_map
+from studies.maps.resized import resized_map
 from studies.output.columns import SIZED, SizingStatus
 
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
@@ -26,16 +18,18 @@ LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
 
 def main() -> None:
     """Print the range of wingspans at each latitude, and what the cells without one lack."""
-    asked = SizedMapConfiguration(
+    data = resized_map(
         load_aircraft("atlantiksolar-design"),
-        # Two hours that remain at dawn; the place and the date are those of the cell.
-        load_mission("rafz-july", ["required_excess_time_h=2"]),
-        SolarModel("CAM", "report"),
-        Objective.min_wingspan,
+        # The place and the date are those of the cell.
+        load_mission("rafz-july"),
+        "min_wingspan",
+        latitudes=LATITUDES_DEG,
+        days=DAYS,
+        required_excess_time_h=2.0,
+        correction="report",
+        # As many processes as there are cores, where the work is worth their start.
+        workers=None,
     )
-    job = sized_map_job(asked, LATITUDES_DEG, DAYS)
-    # Several processes where the map is large. Cells that are infeasible say why.
-    data = sized_map_dataset(job, run(job, AutomaticCrew()), LATITUDES_DEG, DAYS)
     for latitude in LATITUDES_DEG:
         row = data.sel(latitude=latitude)
         sized = row["status"].isin(SIZED)
@@ -47,7 +41,7 @@ def main() -> None:
         names = sorted(set(lacking.to_numpy().tolist()) - {""})
         print(f"{text}; else missed: {', '.join(names)}" if names else text)
     if len(sys.argv) > 1:
-        sized_map_figure(data).savefig(sys.argv[1], dpi=150)
+        plot_resized_map(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

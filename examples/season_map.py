@@ -1,4 +1,4 @@
-"""Season map: where and when AtlantikSolar AS-2 flies for ever, with AS-2's own battery and half.
+"""Season map: where and when AtlantikSolar AS-2 flies perpetually, with its own battery and half.
 
 Run with: python examples/season_map.py [figure.png]
 """
@@ -12,8 +12,8 @@ from matplotlib.patches import Rectangle
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.sunlight import SolarModel
-from studies.maps.feasibility import feasibility_map, map_figure, season_length
+from studies.maps.feasibility import feasibility_map, season_length
+from studies.maps.plots import plot_map
 
 AIRCRAFT = {"as built": [], "half the battery": ["battery.mass_kg=1.46"]}
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366, 2)
@@ -25,11 +25,13 @@ SOLSTICE, HALF_WINDOW_D, MID_EUROPE_DEG = 172, 91, (45.0, 50.0)
 def main() -> None:
     """Print the days of perpetual flight by latitude, and draw the map."""
     # The mission gives the air and the load; latitudes and days are those of the map.
-    mission, solar = load_mission("rafz-july"), SolarModel("CAM", "report")
+    mission = load_mission("rafz-july")
     maps = {}
     for name, overrides in AIRCRAFT.items():
         aircraft = load_aircraft("atlantiksolar-as2", overrides)
-        maps[name] = feasibility_map(aircraft, mission, LATITUDES_DEG, DAYS, solar)
+        maps[name] = feasibility_map(
+            aircraft, mission, latitudes=LATITUDES_DEG, days=DAYS, correction="report"
+        )
         share = season_length(maps[name]) / len(DAYS)
         print(f"{name}: share of the year flown perpetually")
         for latitude in (0.0, 30.0, 45.0, 60.0):
@@ -40,7 +42,7 @@ def main() -> None:
 
 def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     """Map as built; dashed the edge with half the battery; what was published, and the tropics."""
-    figure = map_figure(built)
+    figure = plot_map(built)
     axes = figure.axes[0]
     flies = (half["excess_time"] > 0.0).astype(float)
     axes.contour(DAYS, LATITUDES_DEG, flies, [0.5], colors="black", linestyles="dashed")

@@ -16,7 +16,13 @@ from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from solar.correction import correction
-from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
+from solar.names import (
+    ATTITUDE_MODELS,
+    CORRECTION_NAMES,
+    MODEL_NAMES,
+    CorrectionName,
+    ModelName,
+)
 from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
 from solar.types import FloatArray
@@ -30,6 +36,15 @@ class SolarModel:
 
     model: ModelName = "CAM"
     correction: CorrectionName = "none"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown names."""
+        for word, name, allowed in (
+            ("model", self.model, MODEL_NAMES),
+            ("correction", self.correction, CORRECTION_NAMES),
+        ):
+            if name not in allowed:
+                raise ValueError(f"unknown {word} {name!r}; allowed: {', '.join(allowed)}")
 
     @property
     def rms_relative(self) -> float:

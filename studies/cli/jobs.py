@@ -18,7 +18,7 @@ from studies.cli.options import EXIT_FAILED
 from studies.cli.progress import progress_of
 from studies.engine.chunk_store import ChunkStore, parts_folder
 from studies.engine.run import Job, Outcome, Stopped, run
-from studies.engine.workers import crew_of
+from studies.engine.workers import pool_of
 
 __all__ = ["WorkOptions", "completed"]
 
@@ -61,11 +61,12 @@ class WorkOptions:
 def completed(
     job: Job, options: WorkOptions, target: str | os.PathLike[str] | None, unit: str
 ) -> Iterator[Outcome]:
-    """Compute a job; inside the context its result is to be written, after it the parts go.
+    """Compute a job; inside the context its result is to be written and printed.
 
-    A signal ends the command with 128 plus its number and the way to go on; so does a disk that
-    fills up, as an error. Cells that failed are told on standard error, and where all of them did
-    there is no result.
+    After it the parts go. A signal ends the command with 128 plus its number and the way to go on;
+    so does a disk that fills up, as an error. Where cells failed, standard error says so before and
+    after the result, and the command ends with exit code 1; where all of them did there is no
+    result.
     """
     folder = options.folder(target)
     with ExitStack() as stack:
@@ -74,10 +75,14 @@ def completed(
             opened = ChunkStore(folder).opened(job.size_bytes, len(job.chunks))
             store = stack.enter_context(opened)
         try:
-            crew = crew_of(options.workers, options.scheduler)
+            pool = pool_of(options.workers, options.scheduler)
             with progress_of(unit) as progress:
-                outcome = run(job, crew, store, progress)
-            _tell_failures(job, outcome, unit)
+                outcome = run(job, pool, store, progress)
+            trouble = outcome.trouble(unit)
+            if trouble is not None:
+                click.echo(f"solar-uav: {trouble}", err=True)
+            if outcome.all_failed:
+                sys.exit(EXIT_FAILED)
             yield outcome
         except (Stopped, KeyboardInterrupt) as stopped:
             number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
@@ -88,6 +93,9 @@ def completed(
             sys.exit(EXIT_FAILED)
         if store is not None and not options.keep_parts and not outcome.failures:
             store.remove_parts()
+    if trouble is not None:
+        click.echo(f"solar-uav: the result is not complete: {trouble}", err=True)
+        sys.exit(EXIT_FAILED)
 
 
 def _kept(job: Job, store: ChunkStore | None) -> str:
@@ -97,13 +105,3 @@ def _kept(job: Job, store: ChunkStore | None) -> str:
     count = sum(store.path(key).is_file() for key in keys)
     command = shlex.join(["solar-uav", *sys.argv[1:]])
     return f"{count} of {len(job.chunks)} chunks are kept in {store.folder}; to go on:\n  {command}"
-
-
-def _tell_failures(job: Job, outcome: Outcome, unit: str) -> None:
-    if not outcome.failures:
-        return
-    first = min(outcome.failures)
-    message = f"{len(outcome.failures)} of {job.cells} {unit} failed; the first: "
-    click.echo(f"solar-uav: {message}{outcome.failures[first]}", err=True)
-    if len(outcome.failures) == job.cells:
-        sys.exit(EXIT_FAILED)

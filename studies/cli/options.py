@@ -30,10 +30,12 @@ class Parsed(click.ParamType[Any]):
         Form of the value, for messages.
     reader : str
         Module and function, ``package.module:function``; it takes text, and raises ValueError.
+    stepped : bool
+        Whether ``first:last:step`` may stand in a value, of which ``values`` then are read.
     """
 
-    def __init__(self, name: str, reader: str) -> None:
-        self.name, self._reader = name, reader
+    def __init__(self, name: str, reader: str, *, stepped: bool = False) -> None:
+        self.name, self._reader, self._stepped = name, reader, stepped
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Read a value.
@@ -49,18 +51,32 @@ class Parsed(click.ParamType[Any]):
         """
         module, _, function = self._reader.partition(":")
         try:
-            return getattr(import_module(module), function)(str(value))
+            found = getattr(import_module(module), function)(str(value))
         except ValueError as error:
             self.fail(str(error), param, ctx)
+        if self._stepped and str(value).count(":") == 2:
+            written = f"{param.opts[0] if param else ''} {value}".strip()
+            note_last(found.values[-1], float(str(value).split(":")[1]), written)
+        return found
 
 
 class Grid(click.ParamType["list[float]"]):
-    """Evenly spaced numbers ``first:last:step``, both ends included."""
+    """Numbers ``first:last:step``: first, and steps from there that do not lead beyond last.
+
+    Where they do not lead to ``last`` itself, a note on standard error says where they end.
+
+    Parameters
+    ----------
+    lowest, highest : float
+        What is allowed.
+    whole : bool
+        Whether all numbers must be whole.
+    """
 
     name = "first:last:step"
 
-    def __init__(self, lowest: float, highest: float) -> None:
-        self.lowest, self.highest = lowest, highest
+    def __init__(self, lowest: float, highest: float, *, whole: bool = False) -> None:
+        self.lowest, self.highest, self.whole = lowest, highest, whole
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -78,11 +94,21 @@ class Grid(click.ParamType["list[float]"]):
                 param,
                 ctx,
             )
+        if self.whole and not (first.is_integer() and step.is_integer()):
+            self.fail(f"takes whole numbers (got {value})", param, ctx)
         steps = (last - first) / step + 1e-9
         if steps >= _MAXIMUM_GRID:
             self.fail(f"has more than the {_MAXIMUM_GRID} numbers that are allowed", param, ctx)
-        count = int(steps) + 1
-        return [first + i * step for i in range(count)]
+        numbers = [first + i * step for i in range(int(steps) + 1)]
+        note_last(numbers[-1], last, f"{param.opts[0] if param else ''} {value}".strip())
+        return numbers
+
+
+def note_last(reached: float, last: float, written: str) -> None:
+    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
+    if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
+        text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
+        click.echo(f"solar-uav: {text}", err=True)
 
 
 class RealRange(click.FloatRange):

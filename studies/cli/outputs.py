@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 from matplotlib.figure import Figure
-from rich.console import Console
 
 from missions.files.writing import write_files_atomically
 from sizing.results.tables import Result, Summary, Table
@@ -21,7 +20,7 @@ from studies.output.terminal import console, show
 def tell(
     case: Case,
     record: Any,
-    shown: Result | Summary | Table | Callable[[Console], None],
+    shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
     *,
     as_json: bool = False,
     out_dir: str | None = None,
@@ -35,7 +34,7 @@ def tell(
     record : JSON-ready
         Result as :meth:`Case.named` made it.
     shown : Result, Summary, Table or callable
-        Result itself, or what prints its tables on a console.
+        What is printed, or a function that makes it where it is.
     as_json : bool
         Whether JSON is asked for.
     out_dir : str, optional
@@ -46,10 +45,7 @@ def tell(
         return
     screen = console()
     screen.print(case.title, style="dim")
-    if isinstance(shown, Result | Summary | Table):
-        show(shown)
-    else:
-        shown(screen)
+    show(shown if isinstance(shown, Result | Summary | Table) else shown())
     if out_dir is not None:
         screen.print(f"written to {out_dir}")
 

@@ -14,7 +14,6 @@ import hashlib
 import io
 import json
 import os
-import re
 import shutil
 import socket
 from collections.abc import Iterator, Mapping
@@ -30,10 +29,7 @@ from missions.files.writing import OutputError
 
 __all__ = ["ChunkStore", "Part", "check_target", "parts_folder"]
 
-_MAGIC = b"solar-uav part 1"
-_KEY = re.compile("[0-9a-f]{40}")
-_SUFFIX = ".part"
-_SCRATCH = ".scratch"
+_KEY = "[0-9a-f]" * 40
 _LOCK = "lock"
 _FAILURES = "failures as JSON"  # no column has a name with spaces
 # Parts and the file made of them stand side by side for a moment, and the file twice.
@@ -65,18 +61,11 @@ def check_target(target: str | os.PathLike[str]) -> None:
     OutputError
         If the file's folder does not exist or takes no file, or the path is a folder.
     """
-    path = Path(target)
-    name = printable(os.fspath(target))
+    path, name = Path(target), printable(os.fspath(target))
     if path.is_dir():
         raise OutputError(f"cannot write {name}: it is a folder")
-    if path.exists() and not path.is_file():
-        return  # a device or a pipe
-    if not path.parent.is_dir():
-        above = next((p for p in path.parents if p.exists()), path.parent)
-        file = "a part of the path is a file, not a folder"
-        why = "its folder does not exist" if above.is_dir() else file
-        raise OutputError(f"cannot write {name}: {why}")
-    _probe(path.parent, name)
+    if path.is_file() or not path.exists():  # else a device or a pipe
+        _probe(path.parent, name)
 
 
 def _probe(folder: Path, name: str) -> None:
@@ -92,6 +81,10 @@ def _probe(folder: Path, name: str) -> None:
 
 
 def _trouble(error: OSError) -> str:
+    if isinstance(error, FileNotFoundError):
+        return "its folder does not exist"
+    if isinstance(error, NotADirectoryError):
+        return "a part of the path is a file, not a folder"
     return (error.strerror or str(error)).lower()
 
 
@@ -122,36 +115,32 @@ class ChunkStore:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(f"cannot make {self.folder}: {_trouble(error)}") from error
-        with _locked(self.folder):
+        with _locked(self.folder / _LOCK):
             try:
                 _probe(self.folder, f"to {printable(os.fspath(self.folder))}")
-                self._check_room(needed_bytes, parts)
-                self._remove_scratch()
+                needed = _COPIES * needed_bytes + _PART_BYTES * parts
+                free = shutil.disk_usage(self.folder).free
+                if free < needed:
+                    raise OutputError(
+                        f"not enough room in {self.folder}: about {needed / 1e6:.3g} MB are "
+                        f"needed, {free / 1e6:.3g} MB are free"
+                    )
+                self._remove("scratch")
                 yield self
             finally:
-                if made:
-                    self._remove_if_empty()
-
-    def _check_room(self, needed_bytes: int, parts: int) -> None:
-        needed = _COPIES * needed_bytes + _PART_BYTES * parts
-        free = shutil.disk_usage(self.folder).free
-        if free < needed:
-            raise OutputError(
-                f"not enough room in {self.folder}: about {needed / 1e6:.3g} MB are needed, "
-                f"{free / 1e6:.3g} MB are free"
-            )
+                if made and not any(self.folder.glob(f"{_KEY}.part")):
+                    self._remove_folder()
 
     def path(self, key: str) -> Path:
         """File of a chunk."""
-        return self.folder / f"{key}{_SUFFIX}"
+        return self.folder / f"{key}.part"
 
     def read(self, key: str) -> Part | None:
         """Part of a chunk; none if there is no whole and unchanged one."""
         try:
-            data = self.path(key).read_bytes()
+            head, _, body = self.path(key).read_bytes().partition(b"\n")
         except OSError:
             return None
-        head, _, body = data.partition(b"\n")
         if head != _head(key, body):
             return None
         with np.load(io.BytesIO(body), allow_pickle=False) as archive:
@@ -172,7 +161,7 @@ class ChunkStore:
         # The stub takes every keyword for the flag that may stand among them.
         np.savez(buffer, **part.columns, **{_FAILURES: failures})  # type: ignore[arg-type]
         body = buffer.getvalue()
-        scratch = self.folder / f"{key}{_SCRATCH}"
+        scratch = self.folder / f"{key}.scratch"
         try:
             scratch.write_bytes(_head(key, body) + b"\n" + body)
             scratch.replace(self.path(key))
@@ -182,80 +171,50 @@ class ChunkStore:
             raise OutputError(f"cannot write to {self.folder}: {_trouble(error)}") from error
 
     def remove_parts(self) -> None:
-        """Delete all parts; the folder goes with the lock if nothing else is in it."""
-        for path in self.folder.glob(f"*{_SUFFIX}"):
-            if _is_ours(path):
-                path.unlink(missing_ok=True)
-        self._remove_scratch()
-        with suppress(OSError):  # an open file cannot be deleted everywhere
+        """Delete all parts, and the folder if nothing else is in it."""
+        self._remove("part")
+        self._remove("scratch")
+        self._remove_folder()
+
+    def _remove(self, suffix: str) -> None:
+        # The folder may be one that others use as well: a key for a name tells ours.
+        for path in self.folder.glob(f"{_KEY}.{suffix}"):
+            path.unlink(missing_ok=True)
+
+    def _remove_folder(self) -> None:
+        with suppress(OSError):  # an open file cannot be deleted everywhere, nor a full folder
             (self.folder / _LOCK).unlink(missing_ok=True)
-        self._remove_if_empty()
-
-    def _remove_scratch(self) -> None:
-        for path in self.folder.glob(f"*{_SCRATCH}"):
-            if _is_ours(path):
-                path.unlink(missing_ok=True)
-
-    def _remove_if_empty(self) -> None:
-        """Remove a folder that holds no part, for instance after a refusal at the start."""
-        with suppress(OSError):
-            if [path.name for path in self.folder.iterdir()] == [_LOCK]:
-                (self.folder / _LOCK).unlink()
             self.folder.rmdir()
 
 
-def _is_ours(path: Path) -> bool:
-    """Whether a file was written by a store: the folder may be one that others use as well."""
-    if _KEY.fullmatch(path.stem):
-        return True
-    try:
-        with path.open("rb") as file:
-            return file.read(len(_MAGIC)) == _MAGIC
-    except OSError:
-        return False
-
-
 def _head(key: str, body: bytes) -> bytes:
-    return b" ".join((_MAGIC, key.encode(), hashlib.sha256(body).hexdigest().encode()))
+    return f"solar-uav part 1 {key} {hashlib.sha256(body).hexdigest()}".encode()
 
 
 @contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Hold the folder's lock.
+def _locked(path: Path) -> Iterator[None]:
+    """Hold a lock file.
 
     Raises
     ------
     OutputError
         If another process holds it.
     """
-    path = folder / _LOCK
-    while True:
-        try:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        except OSError as error:
-            raise OutputError(f"cannot write to {folder}: {_trouble(error)}") from error
-        try:
-            if not _try_lock(descriptor):
-                holder = os.read(descriptor, 200).decode(errors="replace").strip()
-                who = f" ({holder})" if holder else ""
-                raise OutputError(
-                    f"another run{who} works in {folder}: wait for it, or choose another place"
-                )
-            if _is_at(path, descriptor):
-                os.ftruncate(descriptor, 0)
-                os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
-                yield
-                return
-        finally:
-            os.close(descriptor)
-
-
-def _is_at(path: Path, descriptor: int) -> bool:
-    """Whether the locked file still stands at its path: its last holder may have deleted it."""
     try:
-        return os.path.samestat(path.stat(), os.fstat(descriptor))
-    except OSError:
-        return False
+        file = path.open("a+b", buffering=0)
+    except OSError as error:
+        raise OutputError(f"cannot write to {path.parent}: {_trouble(error)}") from error
+    with file:
+        file.seek(0)
+        if not _try_lock(file.fileno()):
+            holder = file.read(200).decode(errors="replace").strip()
+            who = f" ({holder})" if holder else ""
+            raise OutputError(
+                f"another run{who} works in {path.parent}: wait for it, or choose another place"
+            )
+        file.truncate(0)
+        file.write(f"process {os.getpid()} on {socket.gethostname()}".encode())
+        yield
 
 
 def _try_lock(descriptor: int) -> bool:
@@ -264,10 +223,10 @@ def _try_lock(descriptor: int) -> bool:
     except ImportError:  # Windows
         import msvcrt
 
+        # Far behind the text that names the holder, which others read.
+        os.lseek(descriptor, 1 << 20, os.SEEK_SET)
         try:
-            # Far behind the text that names the holder, which others read. The module is known on
-            # Windows alone.
-            os.lseek(descriptor, 1 << 20, os.SEEK_SET)
+            # The module is known on Windows alone.
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
         except OSError:
             return False

@@ -1,16 +1,16 @@
 """Long computations in chunks of cells: in parallel, resumable, and not felled by one bad cell.
 
-A :class:`Job` is a function, a configuration and chunks of cells; :func:`run` has a crew of workers
+A :class:`Job` is a function, a configuration and chunks of cells; :func:`run` has a pool of workers
 compute them. The chunks are part of the job and never depend on the workers, and a chunk is always
 computed as a whole, so that the result is the same to the last bit whoever computes it, in whatever
 order, in one run or in several.
 
 * A chunk whose function raises is computed again cell by cell; a cell that raises by itself is
   recorded as failed with its message.
-* A chunk that its worker process dies of is tried again twice, then cell by cell; a cell that its
-  process dies of twice is recorded as failed. (Cells computed singly agree with those of a chunk
-  as far as the chunk's function does.) Where it is not certain which of several tasks a worker died
-  of, each is tried again with nothing else going on.
+* Where a worker process dies, all chunks that were under way are tried again at the end, each with
+  nothing else going on. One that a worker dies of even then is computed cell by cell, and a cell
+  that a worker dies of is recorded as failed. (Cells computed singly agree with those of a chunk as
+  far as the chunk's function does.)
 * With a store every finished chunk is kept, under a key made of function, configuration, code and
   cells; what is there already is not computed again, unless cells of it failed.
 * SIGINT and SIGTERM end the workers at once and raise :class:`Stopped`.
@@ -18,30 +18,29 @@ order, in one run or in several.
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import hashlib
 import itertools
-import json
 import signal
 import threading
+import warnings
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
-from enum import Enum
 from importlib import resources
+from pathlib import Path
 from types import FrameType
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
+from pydantic_core import to_json
 
 from solar._version import __version__
 from studies.engine.chunk_store import ChunkStore, Part
-from studies.engine.workers import Crew, WorkersUnavailableError
+from studies.engine.workers import Pool, WorkersUnavailableError, pool_of
 
 __all__ = ["Cell", "Columns", "Job", "Outcome", "Stopped", "pieces", "run"]
 
@@ -50,10 +49,8 @@ Columns: TypeAlias = dict[str, NDArray[Any]]
 ChunkFunction: TypeAlias = Callable[[Any, Sequence[Cell]], Mapping[str, Any]]
 
 _PACKAGES = ("solar", "missions", "sizing", "studies")
-# Deaths that a single cell may cause before it counts as failed: the first may be bad luck.
-_DEATHS_OF_A_CELL = 2
 _DIED = "the worker process died"
-_LOOK_S = 1.0
+_LOOK_S = 0.2
 
 
 class Stopped(BaseException):
@@ -87,25 +84,22 @@ class Job:
     chunks: tuple[tuple[Cell, ...], ...]
     blanks: Mapping[str, Any]
 
-    @property
-    def cells(self) -> int:
-        """Number of cells."""
-        return sum(len(chunk) for chunk in self.chunks)
+    @functools.cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells, chunk after chunk."""
+        return tuple(itertools.chain.from_iterable(self.chunks))
 
     @property
     def size_bytes(self) -> int:
         """Size of all columns, estimated [bytes]."""
-        return self.cells * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
+        return len(self.cells) * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
 
     def keys(self) -> list[str]:
         """Key of every chunk: changes with anything that may change its result."""
         function = f"{self.function.__module__}.{self.function.__qualname__}"
         common = [function, __version__, np.__version__, code_digest(), sorted(self.blanks)]
-        head = _canonical([*common, self.configuration])
-        return [
-            hashlib.sha256((head + _canonical(chunk)).encode()).hexdigest()[:40]
-            for chunk in self.chunks
-        ]
+        head = to_json([*common, self.configuration], inf_nan_mode="strings")
+        return [hashlib.sha256(head + to_json(c)).hexdigest()[:40] for c in self.chunks]
 
 
 @dataclass(frozen=True)
@@ -117,6 +111,69 @@ class Outcome:
     computed_chunks: int
     kept_chunks: int
 
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return len(next(iter(self.columns.values())))
+
+    def trouble(self, unit: str = "cells") -> str | None:
+        """How many cells failed and why the first did; none if none did."""
+        if not self.failures:
+            return None
+        first = self.failures[min(self.failures)]
+        return f"{len(self.failures)} of {self.cells} {unit} failed; the first: {first}"
+
+    @property
+    def all_failed(self) -> bool:
+        """Whether there is no result at all."""
+        return self.cells == len(self.failures)
+
+
+class ComputationError(RuntimeError):
+    """Every cell of a computation failed."""
+
+
+def compute(
+    job: Job,
+    workers: int | None = 1,
+    progress: Callable[[int, int], None] | None = None,
+    unit: str = "cells",
+) -> Outcome:
+    """Compute a job in memory, for callers in Python.
+
+    Parameters
+    ----------
+    job : Job
+        What is to be computed.
+    workers : int or None, optional
+        Processes that compute: 1 starts none, None as many as there are cores where that pays.
+    progress : callable, optional
+        Called with the cells done and the cells in all.
+    unit : str, optional
+        What the cells are called in messages.
+
+    Returns
+    -------
+    Outcome
+        A warning tells how many cells failed, if any did.
+
+    Raises
+    ------
+    ComputationError
+        If every cell failed.
+    ValueError
+        If the number of workers is less than 1.
+    """
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers must be at least 1, or None (got {workers})")
+    outcome = run(job, pool_of(workers), progress=progress)
+    trouble = outcome.trouble(unit)
+    if outcome.all_failed:
+        raise ComputationError(trouble)
+    if trouble is not None:
+        warnings.warn(trouble, RuntimeWarning, stacklevel=3)
+    return outcome
+
 
 def pieces(count: int, each: int) -> list[slice]:
     """Slices of at most ``each`` that cover ``count``, as even as possible."""
@@ -125,40 +182,17 @@ def pieces(count: int, each: int) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
 
 
-def _canonical(value: Any) -> str:
-    return json.dumps(value, sort_keys=True, default=_plain)
-
-
-def _plain(value: Any) -> Any:
-    """Plain data of what a configuration may hold."""
-    if isinstance(value, BaseModel):
-        return [type(value).__qualname__, value.model_dump(mode="json")]
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        shallow = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-        return [type(value).__qualname__, shallow]
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    raise TypeError(f"a configuration cannot hold a {type(value).__name__}")
-
-
 @functools.cache
 def code_digest() -> str:
     """Digest of all files of the packages: a result belongs to the code that computed it."""
     digest = hashlib.sha256()
     for package in _PACKAGES:
-        for name, data in _files(resources.files(package)):
-            digest.update(name.encode() + b"\0" + hashlib.sha256(data).digest())
+        root = Path(str(resources.files(package)))
+        for path in sorted(root.rglob("*")):
+            if path.is_file() and path.parent.name != "__pycache__":
+                digest.update(path.relative_to(root).as_posix().encode() + b"\0")
+                digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:16]
-
-
-def _files(folder: Any, prefix: str = "") -> Iterator[tuple[str, bytes]]:
-    for item in sorted(folder.iterdir(), key=lambda item: item.name):
-        if item.is_dir() and item.name != "__pycache__":
-            yield from _files(item, f"{prefix}{item.name}/")
-        elif item.is_file():
-            yield prefix + item.name, item.read_bytes()
 
 
 # ---- In the worker
@@ -185,18 +219,16 @@ def _compute(task: _Task) -> Part:
             "install the same one everywhere"
         )
     with _ONE_AT_A_TIME:
-        try:
-            return _computed(task, task.cells)
-        except Exception as error:
-            if len(task.cells) == 1:
-                return _failed(task.blanks, _message(error))
-        singles = []
-        for cell in task.cells:
-            try:
-                singles.append(_computed(task, (cell,)))
-            except Exception as error:
-                singles.append(_failed(task.blanks, _message(error)))
-        return _joined(singles)
+        return _computed_or_failed(task, task.cells)
+
+
+def _computed_or_failed(task: _Task, cells: tuple[Cell, ...]) -> Part:
+    try:
+        return _computed(task, cells)
+    except Exception as error:
+        if len(cells) == 1:
+            return _failed(task.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
+    return _joined([_computed_or_failed(task, (cell,)) for cell in cells])
 
 
 def _computed(task: _Task, cells: tuple[Cell, ...]) -> Part:
@@ -211,10 +243,6 @@ def _computed(task: _Task, cells: tuple[Cell, ...]) -> Part:
             raise ValueError(f"column {name} has the shape {column.shape}, not ({len(cells)},)")
         columns[name] = column
     return Part(columns)
-
-
-def _message(error: Exception) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def _failed(blanks: Mapping[str, Any], message: str) -> Part:
@@ -238,22 +266,28 @@ def _joined(parts: Sequence[Part]) -> Part:
 
 def run(
     job: Job,
-    crew: Crew,
+    pool: Pool,
     store: ChunkStore | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Outcome:
-    """Compute a job; the crew is closed at the end.
+    """Compute a job; the pool is closed at the end.
 
     Parameters
     ----------
     job : Job
-    crew : Crew
-        Who computes, see :func:`studies.engine.workers.crew_of`.
+        What is to be computed.
+    pool : Pool
+        Who computes, see :func:`studies.engine.workers.pool_of`.
     store : ChunkStore, optional
         An opened store, for what is finished.
     progress : callable, optional
         Called with the cells done and the cells in all; what was kept counts as done from the
         start.
+
+    Returns
+    -------
+    Outcome
+        Columns over all cells, and the cells that failed.
 
     Raises
     ------
@@ -269,183 +303,136 @@ def run(
     done = False
     with _signals() as stop:
         try:
-            outcome = _Run(job, crew, store, progress, stop).outcome()
+            outcome = _Run(job, pool, store, progress, stop).outcome()
             done = True
         finally:
-            with stop.held():
-                crew.close(at_once=not done)
+            pool.close(at_once=not done)
     return outcome
-
-
-@dataclass
-class _Piece:
-    """Cells that are sent to a worker: a whole chunk, or one cell of it."""
-
-    chunk: int
-    cells: slice
-    deaths: int = 0
 
 
 class _Run:
     def __init__(
         self,
         job: Job,
-        crew: Crew,
+        pool: Pool,
         store: ChunkStore | None,
         progress: Callable[[int, int], None] | None,
         stop: _Stop,
     ) -> None:
-        self.job, self.crew, self.store, self.stop = job, crew, store, stop
+        self.job, self.pool, self.store, self.stop = job, pool, store, stop
         self.progress = progress or (lambda done, total: None)
         self.keys = job.keys()
         self.parts: dict[int, Part] = {}
-        self.singles: dict[int, dict[int, Part]] = {}  # of chunks computed cell by cell
-        self.waiting: deque[_Piece] = deque()
-        self.suspects: deque[_Piece] = deque()  # what may have ended a worker
-        self.flying: dict[Future[Part], tuple[int, _Piece]] = {}
-        self.done, self.total = 0, job.cells
+        self.waiting: deque[int] = deque()  # numbers of chunks
+        self.retry: list[int] = []  # chunks that were under way when a worker died
+        self.flying: dict[Future[Part], int] = {}
+        self.done = 0
 
     def outcome(self) -> Outcome:
         kept = self._take_kept()
-        self.progress(self.done, self.total)
-        while self.waiting or self.suspects or self.flying:
-            self.stop.check()
-            self._send()
-            finished, _ = wait(self.flying, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
-            self.stop.check()
-            with self.stop.held():
-                for future in finished:
-                    lane, piece = self.flying.pop(future)
-                    self._receive(future, lane, piece)
+        self.progress(self.done, len(self.job.cells))
+        while self.waiting or self.flying:
+            while len(self.flying) < self.pool.size(len(self.waiting) + len(self.flying)):
+                if not self.waiting:
+                    break
+                number = self.waiting.popleft()
+                self.flying[self._submitted(self.job.chunks[number])] = number
+            for future in self._finished(self.flying):
+                number = self.flying.pop(future)
+                self._keep(number, self._part(future))
+        for number in self.retry:
+            self._keep(number, self._alone(self.job.chunks[number]))
         whole = _joined([self.parts[i] for i in range(len(self.parts))])
-        computed = len(self.parts) - kept
-        return Outcome(dict(whole.columns), dict(whole.failures), computed, kept)
+        return Outcome(dict(whole.columns), dict(whole.failures), len(self.parts) - kept, kept)
 
     def _take_kept(self) -> int:
         """Read the chunks that an earlier run has left; the others wait."""
         for number, (key, chunk) in enumerate(zip(self.keys, self.job.chunks, strict=True)):
             part = None if self.store is None else self.store.read(key)
             if part is None or part.failures:
-                self.waiting.append(_Piece(number, slice(0, len(chunk))))
+                self.waiting.append(number)
             else:
                 self.parts[number] = part
                 self.done += len(chunk)
         return len(self.parts)
 
-    def _send(self) -> None:
-        """Give every free lane a piece; suspects come last, each by itself."""
-        if self.suspects and not (self.waiting or self.flying):
-            self.waiting.append(self.suspects.popleft())
-        lanes = self.crew.lanes(len(self.waiting) + len(self.flying))
-        free = set(range(lanes)) - {lane for lane, _ in self.flying.values()}
-        for lane in sorted(free):
-            if not self.waiting:
-                return
-            piece = self.waiting.popleft()
-            task = _Task(
-                self.job.function,
-                self.job.configuration,
-                self.job.chunks[piece.chunk][piece.cells],
-                self.job.blanks,
-                code_digest(),
-            )
-            if self.crew.elsewhere:
-                with self.stop.held():
-                    future = self._submitted(lane, task)
-            else:
-                future = self._submitted(lane, task)
-            self.flying[future] = lane, piece
-
-    def _submitted(self, lane: int, task: _Task) -> Future[Part]:
+    def _submitted(self, cells: tuple[Cell, ...]) -> Future[Part]:
+        job = self.job
+        task = _Task(job.function, job.configuration, cells, job.blanks, code_digest())
+        # Between tasks a signal waits; one that is computed here ends at once.
+        self.stop.at_once = self.pool.in_process
         try:
-            return self.crew.submit(lane, _compute, task)
-        except Exception as error:
-            # The worker may have died while it was idle.
-            future: Future[Part] = Future()
-            future.set_exception(error)
-            return future
+            return self.pool.submit(_compute, task)
+        finally:
+            self.stop.at_once = False
 
-    def _receive(self, future: Future[Part], lane: int, piece: _Piece) -> None:
+    def _finished(self, futures: Iterable[Future[Part]]) -> set[Future[Part]]:
+        self.stop.check()
+        finished, _ = wait(futures, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
+        self.stop.check()
+        return finished
+
+    def _part(self, future: Future[Part]) -> Part | None:
+        """Result of a task; none if its worker died."""
         try:
-            self._file(piece, future.result())
+            return future.result()
         except CancelledError:
             raise WorkersUnavailableError("the scheduler dropped the work") from None
-        except Exception as error:
-            if not self.crew.died(lane, error):
-                raise
-            self._mourn(piece)
+        except self.pool.deaths:
+            return None
 
-    def _mourn(self, piece: _Piece) -> None:
-        """Decide what becomes of a piece whose worker died."""
-        piece.deaths += 1
-        alone = len(self.job.chunks[piece.chunk]) == 1 or piece.chunk in self.singles
-        allowed = self.crew.retries
-        if alone:
-            allowed = min(allowed, _DEATHS_OF_A_CELL - 1)
-        if piece.deaths <= allowed:
-            (self.waiting if self.crew.certain else self.suspects).append(piece)
-        elif alone:
-            self._file(piece, _failed(self.job.blanks, _DIED))
-        else:
-            self.singles[piece.chunk] = {}
-            count = len(self.job.chunks[piece.chunk])
-            self.waiting.extend(_Piece(piece.chunk, slice(i, i + 1)) for i in range(count))
+    def _alone(self, cells: tuple[Cell, ...]) -> Part:
+        """Compute cells with nothing else going on, one by one if a worker dies of them."""
+        future = self._submitted(cells)
+        while not self._finished([future]):
+            pass
+        part = self._part(future)
+        if part is not None:
+            return part
+        if len(cells) == 1:
+            return _failed(self.job.blanks, _DIED)
+        return _joined([self._alone((cell,)) for cell in cells])
 
-    def _file(self, piece: _Piece, part: Part) -> None:
-        """Keep a result, and its chunk once that is complete."""
-        if piece.chunk in self.singles:
-            singles = self.singles[piece.chunk]
-            singles[piece.cells.start] = part
-            count = len(self.job.chunks[piece.chunk])
-            if len(singles) < count:
-                return
-            part = _joined([singles[i] for i in range(count)])
-            del self.singles[piece.chunk]
+    def _keep(self, number: int, part: Part | None) -> None:
+        """Keep a result; a chunk without one is to be tried again."""
+        if part is None:
+            self.retry.append(number)
+            return
         if self.store is not None:
-            self.store.write(self.keys[piece.chunk], part)
-        self.parts[piece.chunk] = part
-        self.done += len(self.job.chunks[piece.chunk])
-        self.progress(self.done, self.total)
+            self.store.write(self.keys[number], part)
+        self.parts[number] = part
+        self.done += len(self.job.chunks[number])
+        self.progress(self.done, len(self.job.cells))
 
 
 # ---- Signals
 
 
 class _Stop:
-    """Turns signals into :class:`Stopped`, but not in the middle of what must be whole."""
+    """Turns SIGINT and SIGTERM into :class:`Stopped`; noticed in the main thread alone."""
 
     def __init__(self) -> None:
-        self._signum: int | None = None
-        self._held = 0
+        self.signum: int | None = None
+        self.at_once = False
 
     def handle(self, signum: int, frame: FrameType | None) -> None:
-        again = self._signum is not None
-        self._signum = signum
         # Others that come while the workers are ended change nothing.
-        if not (again or self._held):
-            raise Stopped(signum)
+        if self.signum is None:
+            self.signum = signum
+            if self.at_once:
+                raise Stopped(signum)
 
     def check(self) -> None:
-        """Raise what came while it was held back, or was swallowed by a library."""
-        if self._signum is not None:
-            raise Stopped(self._signum)
-
-    @contextmanager
-    def held(self) -> Iterator[None]:
-        self._held += 1
-        try:
-            yield
-        finally:
-            self._held -= 1
+        """Raise for what came between tasks, or was swallowed by a library."""
+        if self.signum is not None:
+            raise Stopped(self.signum)
 
 
 @contextmanager
 def _signals() -> Iterator[_Stop]:
     stop = _Stop()
-    if threading.current_thread() is not threading.main_thread():
-        yield stop
-        return
-    caught = (signal.SIGINT, signal.SIGTERM)
+    main = threading.current_thread() is threading.main_thread()
+    caught = (signal.SIGINT, signal.SIGTERM) if main else ()
     before = {number: signal.signal(number, stop.handle) for number in caught}
     try:
         yield stop

@@ -1,8 +1,7 @@
 """Who computes: this process, processes of this machine, or a dask cluster.
 
-Each is a *crew* of lanes, and a lane has one task at a time. Behind a lane stands an executor of
-:mod:`concurrent.futures`. On this machine every lane has a pool of its own with a single process: a
-process that dies breaks that pool alone, and it is certain which task it died of.
+Each is a *pool* that takes a number of tasks at once and hands out futures; behind it stands an
+executor of :mod:`concurrent.futures`.
 """
 
 from __future__ import annotations
@@ -10,25 +9,15 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
-from multiprocessing.process import BaseProcess
+from multiprocessing.connection import wait
 from typing import Any, Protocol, TypeVar
 
-from studies.engine.worker_process import SINGLE_THREAD, prepare_worker
-
-__all__ = [
-    "AutomaticCrew",
-    "Crew",
-    "DaskCrew",
-    "ProcessCrew",
-    "SerialCrew",
-    "WorkersUnavailableError",
-    "available_cores",
-    "crew_of",
-]
+__all__ = ["DaskPool", "LocalPool", "Pool", "WorkersUnavailableError", "available_cores", "pool_of"]
 
 T = TypeVar("T")
 
@@ -39,39 +28,55 @@ LOCAL_CLUSTER = "local-cluster"
 _PAYS_S = 3.0
 _CONNECT_S = 20.0
 _LOOK_S = 5.0
-_STILLBORN = 2
+_STARTS = 3  # that may fail one after the other
+# One process for each core is enough: threads of the linear algebra would only get in each other's
+# way.
+_SINGLE_THREAD = dict.fromkeys(
+    [f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR")]
+    + ["VECLIB_MAXIMUM_THREADS"],
+    "1",
+)
 
 
 class WorkersUnavailableError(OSError):
     """No worker can be had; the text says why and what to do."""
 
 
-class Crew(Protocol):
-    """Lanes that compute tasks."""
+class Pool(Protocol):
+    """Workers that compute tasks."""
 
-    @property
-    def retries(self) -> int:
-        """How often a task that a worker died of is given out again."""
+    # Errors that say that a worker died.
+    deaths: tuple[type[BaseException], ...]
 
-    @property
-    def elsewhere(self) -> bool:
-        """Whether tasks run in other processes."""
+    # Whether the next task is computed by this process, while it is submitted.
+    in_process: bool
 
-    @property
-    def certain(self) -> bool:
-        """Whether a task whose worker died was the only one that this worker had."""
+    def size(self, tasks_left: int) -> int:
+        """How many tasks the pool takes at once, told how many there are."""
 
-    def lanes(self, tasks_left: int) -> int:
-        """How many tasks the crew takes at once, told how many there are."""
-
-    def submit(self, lane: int, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Give a task to a free lane."""
-
-    def died(self, lane: int, error: BaseException) -> bool:
-        """Whether an error says that a worker died; the lane is then ready for another task."""
+    def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
+        """Give out a task."""
 
     def close(self, *, at_once: bool) -> None:
-        """End the crew, in the middle of its tasks if need be."""
+        """End the workers, in the middle of their tasks if need be."""
+
+
+def pool_of(workers: int | None = None, scheduler: str | None = None) -> Pool:
+    """Pool that the options ``--workers`` and ``--scheduler`` ask for.
+
+    Parameters
+    ----------
+    workers : int or None
+        1 for this process alone, more for so many processes; None for what pays.
+    scheduler : str or None
+        Address of a dask scheduler, or ``local-cluster``.
+
+    Raises
+    ------
+    WorkersUnavailableError
+        If dask is not installed, or no worker is there.
+    """
+    return LocalPool(workers) if scheduler is None else DaskPool(scheduler, workers)
 
 
 def available_cores() -> int:
@@ -82,191 +87,92 @@ def available_cores() -> int:
         return os.cpu_count() or 1
 
 
-class _InThisProcess(Executor):
-    """Executor that is done when it has taken a task."""
+class LocalPool:
+    """The present process for 1 worker, else so many processes of this machine.
 
-    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
-        """Compute at once."""
-        future: Future[T] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future
+    For None it is this process, and as many others as there are cores as soon as the work left is
+    seen to be worth their start: small computations never wait for them.
+    """
 
+    deaths: tuple[type[BaseException], ...] = (BrokenExecutor,)
 
-class SerialCrew:
-    """The present process alone."""
-
-    retries = 0
-    elsewhere = False
-    certain = True
-
-    def __init__(self) -> None:
-        self._executor = _InThisProcess()
-
-    def lanes(self, tasks_left: int) -> int:
-        """One."""
-        return 1
-
-    def submit(self, lane: int, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Compute the task now."""
-        return self._executor.submit(work, task)
-
-    def died(self, lane: int, error: BaseException) -> bool:
-        """Never: nobody would be left to ask."""
-        return False
-
-    def close(self, *, at_once: bool) -> None:
-        """There is nothing to end."""
-
-
-class _Lane:
-    """One worker process, started with its first task and again after it died."""
-
-    def __init__(self) -> None:
-        self._executor: ProcessPoolExecutor | None = None
+    def __init__(self, workers: int | None = None) -> None:
+        self._most = available_cores() if workers is None else workers
+        self.in_process = workers is None or self._most == 1
+        self._executor: Executor | None = None
         self._started: Future[int] | None = None
-        self._processes: list[BaseProcess] = []
-        self._stillborn = 0
+        self._failed_starts = 0
+        self._others = set(multiprocessing.active_children())
+        self._tasks, self._spent_s, self._warm = 0, 0.0, False
+
+    def size(self, tasks_left: int) -> int:
+        """One, or the number of processes."""
+        if self.in_process and self._most > 1 and self._tasks:
+            self.in_process = tasks_left * self._spent_s / self._tasks <= _PAYS_S
+        return 1 if self.in_process else self._most
 
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        if self._executor is None:
-            self._start()
-        assert self._executor is not None
-        return self._executor.submit(work, task)
-
-    def _start(self) -> None:
-        known = set(multiprocessing.active_children())
-        context = multiprocessing.get_context("spawn")
+        """Compute the task now, or send it to a process."""
+        if self.in_process:
+            return self._computed(work, task)
         with _for_children():
-            self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=prepare_worker)
-            self._started = self._executor.submit(os.getpid)
-        self._processes = [p for p in multiprocessing.active_children() if p not in known]
+            if self._executor is not None:
+                with suppress(BrokenExecutor):  # a worker died since
+                    return self._executor.submit(work, task)
+            return self._restarted().submit(work, task)
 
-    def drop(self) -> None:
-        """Forget a broken pool.
+    def _computed(self, work: Callable[[Any], T], task: Any) -> Future[T]:
+        future: Future[T] = Future()
+        begun = time.perf_counter()
+        try:
+            future.set_result(work(task))
+        except Exception as error:
+            future.set_exception(error)
+        if self._warm:  # the first task also imports what it needs
+            self._tasks += 1
+            self._spent_s += time.perf_counter() - begun
+        self._warm = True
+        return future
+
+    def _restarted(self) -> Executor:
+        """Start processes, or start them again.
 
         Raises
         ------
         WorkersUnavailableError
-            If its process died again and again before it was ready for any task.
+            If they died again and again before they were ready for any task.
         """
-        started = self._started
-        self.close(at_once=True)
-        ready = started is not None and started.done() and started.exception() is None
-        self._stillborn = 0 if ready else self._stillborn + 1
-        if self._stillborn > _STILLBORN:
+        if self._started is not None:
+            ready = self._started.done() and self._started.exception() is None
+            self._failed_starts = 0 if ready else self._failed_starts + 1
+        if self._failed_starts >= _STARTS:
             raise WorkersUnavailableError(
                 "a worker process ended before its first task (a script that starts workers needs "
                 "`if __name__ == '__main__':`); --workers 1 computes without them"
             )
+        context = multiprocessing.get_context("spawn")
+        self._executor = ProcessPoolExecutor(self._most, context, _prepare_worker)
+        self._started = self._executor.submit(os.getpid)
+        return self._executor
 
     def close(self, *, at_once: bool) -> None:
+        """End all processes."""
         if self._executor is None:
             return
         if at_once:
-            for process in self._processes:
+            for process in set(multiprocessing.active_children()) - self._others:
                 process.kill()
         self._executor.shutdown(wait=True, cancel_futures=at_once)
-        self._executor, self._processes = None, []
 
 
-class ProcessCrew:
-    """Processes of this machine, one for each lane."""
-
-    retries = 2
-    elsewhere = True
-    certain = True
-
-    def __init__(self, workers: int | None = None) -> None:
-        self._lanes = [_Lane() for _ in range(available_cores() if workers is None else workers)]
-
-    def lanes(self, tasks_left: int) -> int:
-        """As many as processes were asked for; each starts when a task needs it."""
-        return len(self._lanes)
-
-    def submit(self, lane: int, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Send the task to the lane's process."""
-        return self._lanes[lane].submit(work, task)
-
-    def died(self, lane: int, error: BaseException) -> bool:
-        """Whether the lane's process died."""
-        if not isinstance(error, BrokenExecutor):
-            return False
-        self._lanes[lane].drop()
-        return True
-
-    def close(self, *, at_once: bool) -> None:
-        """End all processes."""
-        for lane in self._lanes:
-            lane.close(at_once=at_once)
-
-
-class AutomaticCrew:
-    """The present process first; others as soon as the work left is seen to be worth their start.
-
-    Small computations thus never wait for a pool.
-    """
-
-    def __init__(self, workers: int | None = None) -> None:
-        self._most = available_cores() if workers is None else workers
-        self._crew: SerialCrew | ProcessCrew = SerialCrew()
-        self._tasks, self._spent_s, self._warm = 0, 0.0, False
-
-    @property
-    def retries(self) -> int:
-        """Those of the present crew."""
-        return self._crew.retries
-
-    @property
-    def elsewhere(self) -> bool:
-        """Whether the processes have taken over."""
-        return self._crew.elsewhere
-
-    @property
-    def certain(self) -> bool:
-        """That of the present crew."""
-        return self._crew.certain
-
-    def lanes(self, tasks_left: int) -> int:
-        """One, or the number of processes once they pay."""
-        serial = isinstance(self._crew, SerialCrew)
-        if serial and self._most > 1 and self._tasks > 0:
-            left_s = tasks_left * self._spent_s / self._tasks
-            if left_s > _PAYS_S:
-                self._crew = ProcessCrew(min(self._most, tasks_left))
-        return self._crew.lanes(tasks_left)
-
-    def submit(self, lane: int, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Compute here and take the time, or send the task to a process."""
-        begun = time.perf_counter()
-        future = self._crew.submit(lane, work, task)
-        if self._warm:
-            self._tasks += 1
-            self._spent_s += time.perf_counter() - begun
-        self._warm = True  # the first task also imports what it needs
-        return future
-
-    def died(self, lane: int, error: BaseException) -> bool:
-        """Whether a process died."""
-        return self._crew.died(lane, error)
-
-    def close(self, *, at_once: bool) -> None:
-        """End all processes."""
-        self._crew.close(at_once=at_once)
-
-
-class DaskCrew:
+class DaskPool:
     """Workers of a dask cluster: one that runs already, or one of this machine for the occasion.
 
     The scheduler itself moves the tasks of a dead worker to others; it gives up on a task that has
     ended several (`distributed.scheduler.allowed-failures`).
     """
 
-    retries = 1
-    elsewhere = True
-    certain = False
+    in_process = False
 
     def __init__(self, scheduler: str, workers: int | None = None) -> None:
         try:
@@ -275,8 +181,9 @@ class DaskCrew:
             raise WorkersUnavailableError(
                 "--scheduler needs dask: pip install distributed (the extra 'cluster')"
             ) from None
+        self.deaths: tuple[type[BaseException], ...] = (distributed.KilledWorker,)
         self._cluster: Any = None
-        self._killed: type[BaseException] = distributed.KilledWorker
+        self._client: Any = None
         with _for_children():
             if scheduler == LOCAL_CLUSTER:
                 self._cluster = distributed.LocalCluster(
@@ -295,53 +202,39 @@ class DaskCrew:
                     f"no worker at the scheduler {scheduler}: {error}"
                 ) from error
         self._executor: Executor = self._client.get_executor(pure=False)
-        self._lanes, self._looked_s = 0, -_LOOK_S
+        self._size, self._looked_s = 1, -_LOOK_S
 
-    def lanes(self, tasks_left: int) -> int:
+    def size(self, tasks_left: int) -> int:
         """Two for each thread of the cluster, so that none waits for the network."""
         if time.monotonic() - self._looked_s > _LOOK_S:
             with suppress(OSError, TimeoutError):
-                self._lanes = max(2 * sum(self._client.nthreads().values()), 1)
+                self._size = max(2 * sum(self._client.nthreads().values()), 1)
             self._looked_s = time.monotonic()
-        return self._lanes
+        return self._size
 
-    def submit(self, lane: int, work: Callable[[Any], T], task: Any) -> Future[T]:
+    def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
         """Send the task to the scheduler."""
         return self._executor.submit(work, task)
 
-    def died(self, lane: int, error: BaseException) -> bool:
-        """Whether the scheduler gave up on the task."""
-        return isinstance(error, self._killed)
-
     def close(self, *, at_once: bool) -> None:
         """Leave the cluster, and end the one that was started here."""
-        client = getattr(self, "_client", None)
-        if client is not None:
-            client.close()
-        if self._cluster is not None:
-            self._cluster.close()
+        for one in (self._client, self._cluster):
+            if one is not None:
+                one.close()
 
 
-def crew_of(workers: int | None, scheduler: str | None) -> Crew:
-    """Crew that the options ``--workers`` and ``--scheduler`` ask for.
+def _prepare_worker() -> None:
+    """Leave Ctrl-C to the parent, and end when the parent ends, however it does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True, name="parent watch").start()
 
-    Parameters
-    ----------
-    workers : int or None
-        1 for this process alone, more for so many processes; None for what pays.
-    scheduler : str or None
-        Address of a dask scheduler, or ``local-cluster``.
 
-    Raises
-    ------
-    WorkersUnavailableError
-        If dask is not installed, or no worker is there.
-    """
-    if scheduler is not None:
-        return DaskCrew(scheduler, workers)
-    if workers is None:
-        return AutomaticCrew()
-    return SerialCrew() if workers == 1 else ProcessCrew(workers)
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        # No clean-up: the task has nobody left to answer to.
+        os._exit(1)
 
 
 @contextmanager
@@ -350,8 +243,8 @@ def _for_children() -> Iterator[None]:
 
     Both are inherited, and must be in place before a process imports anything.
     """
-    before = {name: os.environ.get(name) for name in SINGLE_THREAD}
-    os.environ.update(SINGLE_THREAD)
+    before = {name: os.environ.get(name) for name in _SINGLE_THREAD}
+    os.environ.update(_SINGLE_THREAD)
     masks = hasattr(signal, "pthread_sigmask")
     if masks:
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -361,7 +254,6 @@ def _for_children() -> Iterator[None]:
         if masks:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
+            os.environ.pop(name)
+            if value is not None:
                 os.environ[name] = value

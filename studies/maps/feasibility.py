@@ -1,35 +1,46 @@
-"""Map of a fixed aircraft over latitude and season: where and when it flies for ever."""
+"""Map of a fixed aircraft over latitude and season: where and when it can fly perpetually."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from missions.dates import MONTH_NAMES, date_label
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.cycle import Status
-from sizing.performance import Performance, performance
+from sizing.performance import performance
 from sizing.sunlight import SolarModel, solar_day
-from solar._version import __version__
+from solar.names import CorrectionName, ModelName
+from studies.engine.run import Cell, Job, compute
+from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-    from solar.types import FloatArray
+__all__ = ["MapStatus", "feasibility_map", "map_block", "prepare", "season_length"]
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
+_ENDURANCE_S = 2e-4  # of a cell, roughly
 
-FAILED = -1  # status of a cell that could not be computed
+
+class MapStatus(IntEnum):
+    """How the repeated day ends, or that it could not be computed."""
+
+    failed = -1
+    limited = Status.limited
+    perpetual = Status.perpetual
+    always_lit = Status.always_lit
+    never_lit = Status.never_lit
+
 
 # Variable -> unit, long name.
-VARIABLES = {
+_DESCRIBED = {
     "excess_time": ("h", "excess time; infinite where solar power always exceeds the load"),
     "minimum_state_of_charge": ("1", "minimum state of charge of the repeated day"),
     "charge_margin": ("h", "time from first full charge to last instant of full charge"),
@@ -40,41 +51,107 @@ VARIABLES = {
     "load_energy": ("Wh", "energy drawn over the day"),
     "day_length": ("h", "time from sunrise to sunset"),
 }
+_ENDURANCE = {"endurance": ("h", "longest flight over all launch times; infinite where perpetual")}
+_STATUS = {"status": ("1", "how the repeated day ends")}
+
+
+@dataclass(frozen=True)
+class MapConfiguration:
+    """What all cells of a map have in common."""
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    endurance: bool = False
 
 
 def feasibility_map(
     aircraft: Aircraft,
     mission: Mission,
-    latitudes_deg: ArrayLike,
-    days: ArrayLike,
-    solar: SolarModel,
     *,
+    latitudes: ArrayLike = LATITUDES_DEG,
+    days: ArrayLike = DAYS,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
     endurance: bool = False,
+    workers: int | None = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Metrics of the repeated day in every cell of latitude and day.
 
     Parameters
     ----------
-    aircraft, mission, solar
-        What flies, in which air, with which load; the mission's own latitudes and dates play no
-        part.
-    latitudes_deg, days : array_like
-        Latitudes [deg] and days of year.
-    endurance : bool
+    aircraft : Aircraft
+        What flies.
+    mission : Mission
+        In which air and with which load; its own latitudes and dates play no part.
+    latitudes : array_like, optional
+        Latitudes [deg], north positive, ascending.
+    days : array_like, optional
+        Days of year from 1 to 365, ascending.
+    model : {"CAM", "CDM", "VM", "FM"}, optional
+        Solar power model.
+    correction : {"none", "report", "loiter"}, optional
+        Correction of the model's systematic error.
+    endurance : bool, optional
         Also search the longest flight of every cell that is not perpetual (some twenty times the
         work of a cell's other metrics).
+    workers : int or None, optional
+        Processes that compute: 1 starts none, None as many as there are cores where that pays. The
+        result is the same to the last bit. A script that starts workers needs
+        ``if __name__ == "__main__":``.
     progress : callable, optional
         Called with the cells done and the cells in all.
 
     Returns
     -------
     xarray.Dataset
-        On the dimensions ``latitude`` and ``day``, with CF attributes; undefined values are NaN,
-        and ``status`` tells why.
+        On the dimensions ``latitude`` and ``day``, with CF attributes. Undefined values are NaN,
+        and ``status`` (:class:`MapStatus`) tells why. Cells that could not be computed have the
+        status ``failed``; the attribute ``failed_cells`` lists them, and a warning counts them.
+
+    Raises
+    ------
+    ValueError
+        If a name or a number is out of what is allowed.
+    ComputationError
+        If every cell failed.
     """
-    columns = map_block(aircraft, mission, latitudes_deg, days, solar, endurance, progress=progress)
-    return map_dataset(aircraft, mission, solar, latitudes_deg, days, columns)
+    study = prepare(aircraft, mission, latitudes, days, SolarModel(model, correction), endurance)
+    return study.dataset(compute(study.job, workers, progress))
+
+
+def prepare(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitudes: ArrayLike,
+    days: ArrayLike,
+    solar: SolarModel,
+    endurance: bool = False,
+) -> MapStudy:
+    """Check a map and divide it into chunks; parameters are those of :func:`feasibility_map`."""
+    grid = Grid.of(latitudes, days)
+    cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
+    described = _DESCRIBED | (_ENDURANCE if endurance else {})
+    blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
+    blanks["status"] = np.int8(MapStatus.failed)
+    configuration = MapConfiguration(aircraft, mission, solar, endurance)
+    job = Job(_map_chunk, configuration, grid.chunks(cell_s), blanks)
+    title = f"Feasibility of {aircraft.name}"
+    return MapStudy(job, grid, title, described | _STATUS, MapStatus)
+
+
+def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Metrics of a rectangle of cells."""
+    found = map_block(
+        configuration.aircraft,
+        configuration.mission,
+        list(dict.fromkeys(cell[0] for cell in cells)),
+        list(dict.fromkeys(int(cell[1]) for cell in cells)),
+        configuration.solar,
+        configuration.endurance,
+    )
+    return {name: values.ravel() for name, values in found.items()}
 
 
 def map_block(
@@ -84,14 +161,25 @@ def map_block(
     days: ArrayLike,
     solar: SolarModel,
     endurance: bool = False,
-    *,
-    progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """Metrics of the cells of some latitudes, arrays of shape ``(latitude, day)``.
+    """Metrics of the cells of some latitudes, as plain arrays.
 
     A cell does not depend on the others to its last digit: maps may be computed in parts of any
-    size, by other processes too, and put together. Parameters are those of
-    :func:`feasibility_map`; the keys are its variables.
+    size and put together.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        What flies, in which air, with which load, and by which solar power model.
+    latitudes_deg, days : array_like
+        Latitudes [deg] and days of year.
+    endurance : bool, optional
+        Also the longest flight.
+
+    Returns
+    -------
+    dict of ndarray, shape (latitude, day)
+        The variables of :func:`feasibility_map`.
     """
     grid = np.meshgrid(np.asarray(latitudes_deg, float), np.asarray(days, int), indexing="ij")
     latitude, day = (v.ravel() for v in grid)
@@ -101,8 +189,6 @@ def map_block(
         parts.append(
             _cells(aircraft, mission, Scenarios(latitude[some], day[some]), solar, endurance)
         )
-        if progress is not None:
-            progress(min(some.stop, len(latitude)), len(latitude))
     shape = grid[0].shape
     return {name: np.concatenate([p[name] for p in parts]).reshape(shape) for name in parts[0]}
 
@@ -112,16 +198,8 @@ def _cells(
 ) -> dict[str, NDArray[Any]]:
     lit = solar_day(aircraft, mission, solar, scenarios=cells)
     found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
-    columns: dict[str, NDArray[Any]] = dict(_metrics(found))
-    columns["status"] = found.cycle.status.astype(np.int8)
-    if endurance:
-        columns["endurance"] = found.endurance_h()
-    return columns
-
-
-def _metrics(perf: Performance) -> dict[str, FloatArray]:
-    cycle = perf.cycle
-    return {
+    cycle = found.cycle
+    columns: dict[str, NDArray[Any]] = {
         "excess_time": cycle.excess_time_h,
         "minimum_state_of_charge": cycle.minimum_state_of_charge,
         "charge_margin": cycle.charge_margin_h,
@@ -130,139 +208,12 @@ def _metrics(perf: Performance) -> dict[str, FloatArray]:
         "full_charge": cycle.full_charge_h,
         "solar_energy": cycle.energy_budget.solar_wh,
         "load_energy": cycle.energy_budget.load_wh,
-        "day_length": perf.day.sunset_h - perf.day.sunrise_h,
+        "day_length": found.day.sunset_h - found.day.sunrise_h,
+        "status": cycle.status.astype(np.int8),
     }
-
-
-def map_dataset(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    latitudes_deg: ArrayLike,
-    days: ArrayLike,
-    columns: dict[str, NDArray[Any]],
-) -> xr.Dataset:
-    """Map of what :func:`map_block` found, in one block or in many that are put together.
-
-    Cells that failed have a flag of their own.
-    """
-    import xarray as xr
-
-    described = VARIABLES | {
-        "endurance": ("h", "longest flight over all launch times; infinite where perpetual")
-    }
-    dims = ("latitude", "day")
-    variables: dict[str, Any] = {
-        name: (dims, values, {"units": described[name][0], "long_name": described[name][1]})
-        for name, values in columns.items()
-        if name != "status"
-    }
-    failed = [("failed", FAILED)] if np.any(columns["status"] == FAILED) else []
-    flags = failed + [(s.name, s.value) for s in Status]
-    variables["status"] = (
-        dims,
-        columns["status"],
-        {
-            "long_name": "how the repeated day ends",
-            "flag_values": np.array([value for _, value in flags], np.int8),
-            "flag_meanings": " ".join(name for name, _ in flags),
-        },
-    )
-    return xr.Dataset(
-        variables,
-        coords=coordinates(latitudes_deg, days),
-        attrs={
-            "Conventions": "CF-1.11",
-            "title": f"Feasibility of {aircraft.name}",
-            "source": f"solar-uav {__version__}",
-            "solar_model": solar.model,
-            "correction": solar.correction,
-            "aircraft": aircraft.model_dump_json(),
-            "mission": mission.model_dump_json(),
-        },
-    )
-
-
-def to_netcdf_bytes(data: xr.Dataset) -> bytes:
-    """NetCDF-4 file of a map."""
-    import tempfile
-    from pathlib import Path
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "map.nc"
-        data.to_netcdf(path, engine="h5netcdf")
-        return path.read_bytes()
+    return columns | ({"endurance": found.endurance_h()} if endurance else {})
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:
-    """Days of the map's days on which each latitude is flown perpetually."""
-    perpetual = data["status"].isin([Status.perpetual, Status.always_lit])
-    return perpetual.sum("day")
-
-
-def map_figure(data: xr.Dataset) -> Figure:
-    """Excess time over season and latitude, with the edge of perpetual flight drawn as a line.
-
-    Cells are drawn as they are: nothing is smoothed or filled in between.
-    """
-    from matplotlib.colors import BoundaryNorm
-
-    from studies.output.cells import cell_edges
-    from studies.output.plots import correction_label, new_figure
-
-    corrected = correction_label(data.attrs["correction"])
-    figure, (axes,) = new_figure(
-        title=f"{data.attrs['title']} ({data.attrs['solar_model']}, {corrected}); "
-        "line: edge of perpetual flight",
-        size_in=(8.5, 5.2),
-        grid="",
-    )
-    days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
-    excess = data["excess_time"].to_numpy()
-    top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
-    shown = np.where(np.isposinf(excess), 2.0 * top, excess)
-    levels = _levels(top)
-    norm = BoundaryNorm(levels, ncolors=256, extend="both")
-    edges = cell_edges(days), cell_edges(latitudes)
-    mesh = axes.pcolormesh(*edges, shown, cmap="PuOr", norm=norm)
-    bar = figure.colorbar(mesh, ax=axes, ticks=levels)
-    bar.set_label("excess time [h]; beyond the top: no night")
-    if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
-        axes.contour(days, latitudes, np.where(shown > 0.0, 1.0, 0.0), [0.5], colors="black")
-    season_axes(axes, days)
-    return figure
-
-
-_LEVELS = 6  # on either side of zero
-
-
-def _levels(top: float) -> FloatArray:
-    """Symmetric levels around zero, so that white is where perpetual flight begins."""
-    steps = (0.5, 1.0, 2.0, 3.0, 4.0)
-    step = next((s for s in steps if top <= _LEVELS * s), float(np.ceil(top / _LEVELS)))
-    return step * np.arange(-_LEVELS, _LEVELS + 1.0)
-
-
-def coordinates(latitudes_deg: ArrayLike, days: ArrayLike) -> dict[str, Any]:
-    """Coordinates of a map, with CF attributes."""
-    degrees = {"units": "degrees_north", "standard_name": "latitude"}
-    return {
-        "latitude": ("latitude", np.asarray(latitudes_deg, float), degrees),
-        "day": ("day", np.asarray(days, int), {"long_name": "day of year", "units": "1"}),
-    }
-
-
-_DATES = 6  # along an axis of less than two months
-
-
-def season_axes(axes: Axes, days: FloatArray) -> None:
-    """Months along the axis of days, and the name of the other one."""
-    starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
-    if np.count_nonzero((days.min() <= starts) & (starts <= days.max())) > 1:
-        axes.set_xticks(starts, MONTH_NAMES, ha="left")
-        axes.set_xlim(days.min(), days.max())
-    else:
-        shown = np.unique(np.linspace(days.min(), days.max(), _DATES).round().astype(int))
-        axes.set_xticks(shown, [date_label(int(day)) for day in shown])
-    lowest, highest = axes.get_ylim()
-    axes.set(ylabel="latitude [deg]", ylim=(max(lowest, -90.0), min(highest, 90.0)))
+    """Number of the map's days on which each latitude is flown perpetually."""
+    return data["status"].isin([Status.perpetual, Status.always_lit]).sum("day")

@@ -3,97 +3,108 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
-import xarray as xr
-from rich.console import Console
-from rich.table import Table
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from missions.mission import latitude_label
 from sizing.results.records import finite
-from studies.maps.feasibility import season_length
+from sizing.results.tables import Column, Table
+from studies.maps.feasibility import MapStatus, season_length
 from studies.output.columns import SIZED, SizingStatus
-from studies.output.tables import print_seasons
 
-_RANGES = {"wingspan_m": "wingspan", "total_mass_kg": "total_mass", "excess_time_h": "excess_time"}
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["designs_record", "designs_table", "seasons_record", "seasons_table"]
 
 
 def seasons_record(data: xr.Dataset) -> dict[str, Any]:
-    """Days of perpetual flight at each latitude, JSON-ready."""
-    return {
-        "latitude_deg": data["latitude"].to_numpy().tolist(),
-        "days": data["day"].to_numpy().tolist(),
+    """On how many of the days each latitude is flown perpetually, and how many are unknown."""
+    failed = (data["status"] == MapStatus.failed).sum("day")
+    return _places(data) | {
         "perpetual_days": season_length(data).to_numpy().tolist(),
+        "failed_days": failed.to_numpy().tolist(),
     }
 
 
-def show_seasons(console: Console, data: xr.Dataset) -> None:
-    """Print the days of perpetual flight at each latitude.
-
-    Parameters
-    ----------
-    console : Console
-    data : xarray.Dataset
-        Map of a fixed aircraft.
-    """
-    print_seasons(console, data, season_length(data))
+def seasons_table(data: xr.Dataset) -> Table:
+    """Days of perpetual flight at each latitude, and the largest excess time."""
+    record = seasons_record(data)
+    most = data["excess_time"].max("day").to_numpy().tolist()
+    columns = (
+        Column("perpetual_days", f"days of {data.sizes['day']} mapped"),
+        Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
+    )
+    rows = list(zip(record["perpetual_days"], most, strict=True))
+    return _table(f"{data.attrs['title']}: perpetual flight", record, columns, rows)
 
 
 def designs_record(data: xr.Dataset) -> dict[str, Any]:
-    """Of every latitude: on how many days there is a design, and the range of its size."""
-    record: dict[str, Any] = {
-        "latitude_deg": data["latitude"].to_numpy().tolist(),
-        "days": data["day"].to_numpy().tolist(),
-        "objective": data.attrs["objective"],
-    }
+    """Of every latitude: on how many days a sizing ends in which way, and the range of its size."""
+    record = _places(data) | {"objective": data.attrs["objective"]}
     for status in SizingStatus:
         record[f"{status.name}_days"] = (data["status"] == status).sum("day").to_numpy().tolist()
-    for name in _RANGES:
-        least, largest = _range(data, name)
-        record[f"least_{name}"] = [finite(value) for value in least]
-        record[f"largest_{name}"] = [finite(value) for value in largest]
+    for name, unit in (("wingspan", "m"), ("total_mass", "kg"), ("excess_time", "h")):
+        for word, end in (("least", "min"), ("largest", "max")):
+            values = getattr(data[name], end)("day").to_numpy().tolist()
+            record[f"{word}_{name}_{unit}"] = [finite(value) for value in values]
     return record
 
 
-def show_designs(console: Console, data: xr.Dataset) -> None:
-    """Print on how many days there is a design at each latitude, and the range of its size.
-
-    Parameters
-    ----------
-    console : Console
-    data : xarray.Dataset
-        Map of sized aircraft.
-    """
+def designs_table(data: xr.Dataset) -> Table:
+    """Days with a design at each latitude, and the range of its size."""
     record = designs_record(data)
-    none = (SizingStatus.infeasible, SizingStatus.invalid)
-    groups = (SIZED, none, [kind for kind in SizingStatus if kind not in (*SIZED, *none)])
-    title = f"{data.attrs['title']} for {record['objective']}"
-    table = Table(title=title, title_justify="left")
-    shown = {"wingspan_m": "wingspan [m]", "total_mass_kg": "mass [kg]"}
+    groups = {
+        f"designs on {data.sizes['day']} days": SIZED,
+        "none": (SizingStatus.infeasible, SizingStatus.invalid),
+        "unknown": (SizingStatus.not_converged,),
+    }
+    shown = {"wingspan": "m", "total_mass": "kg"}
     if record["objective"] == "max_excess_time":
-        shown["excess_time_h"] = "excess time [h]"
-    heads = ("latitude", f"designs on {data.sizes['day']} days", "none", "unknown")
-    for name in (*heads, *shown.values()):
-        table.add_column(name, justify="right")
-    ranges = [list(zip(*_range(data, name), strict=True)) for name in shown]
-    for i, latitude in enumerate(record["latitude_deg"]):
-        table.add_row(
-            latitude_label(latitude),
-            *(str(sum(record[f"{kind.name}_days"][i] for kind in kinds)) for kinds in groups),
-            *(_range_text(*values[i]) for values in ranges),
+        shown["excess_time"] = "h"
+    columns = (
+        *(Column(head) for head in groups),
+        *(
+            Column(name, name.replace("total_", "").replace("_", " "), u)
+            for name, u in shown.items()
+        ),
+    )
+    ends = [
+        [getattr(data[name], end)("day").to_numpy() for end in ("min", "max")] for name in shown
+    ]
+    rows = [
+        (
+            *(sum(record[f"{kind.name}_days"][i] for kind in kinds) for kinds in groups.values()),
+            *(_range(float(least[i]), float(largest[i])) for least, largest in ends),
         )
-    console.print(table)
+        for i in range(data.sizes["latitude"])
+    ]
+    return _table(f"{data.attrs['title']} for {record['objective']}", record, columns, rows)
 
 
-def _range(data: xr.Dataset, name: str) -> tuple[list[float], list[float]]:
-    """Least and largest value over the days, at each latitude."""
-    values = data[_RANGES[name]]
-    return values.min("day").to_numpy().tolist(), values.max("day").to_numpy().tolist()
+def _places(data: xr.Dataset) -> dict[str, Any]:
+    return {
+        "latitude_deg": data["latitude"].to_numpy().tolist(),
+        "days": data["day"].to_numpy().tolist(),
+    }
 
 
-def _range_text(least: float, largest: float) -> str:
-    if math.isnan(least):
-        return "-"
-    if math.isinf(least):
-        return "unlimited"
-    return f"{least:.2f} to {'unlimited' if math.isinf(largest) else f'{largest:.2f}'}"
+def _table(
+    title: str, record: dict[str, Any], columns: Sequence[Column], rows: Sequence[tuple[Any, ...]]
+) -> Table:
+    """Table of one row for each latitude; failed days have a column where there are any."""
+    failed = record["failed_days"] if any(record["failed_days"]) else None
+    latitudes = map(latitude_label, record["latitude_deg"])
+    every = [
+        (latitude, *row, *([] if failed is None else [failed[i]]))
+        for i, (latitude, row) in enumerate(zip(latitudes, rows, strict=True))
+    ]
+    heads = (Column("latitude"), *columns, *([] if failed is None else [Column("failed")]))
+    return Table(title, heads, tuple(every))
+
+
+def _range(least: float, largest: float) -> str:
+    ends = Column("", form=".2f")
+    if math.isnan(least) or math.isinf(least):
+        return ends.text(least)
+    return f"{ends.text(least)} to {ends.text(largest)}"

@@ -1,4 +1,4 @@
-"""Season of perpetual flight: on which days of the year an aircraft flies for ever at a latitude.
+"""Season of perpetual flight: the days of the year on which it is possible at a latitude.
 
 The Full Model takes milliseconds for each day. Every eighth day is simulated, and all days between
 two of these that differ; a gap or a spell that lies wholly between two equal ones is not seen.
@@ -56,7 +56,7 @@ def season_of(perpetual: Flags, latitude_deg: float) -> Season:
 def perpetual_flags(
     aircraft: Aircraft, mission: Mission, latitude_deg: float, models: Sequence[SolarModel]
 ) -> dict[SolarModel, Flags]:
-    """For each model, on which of the 365 days of the year the aircraft flies for ever."""
+    """For each model, on which of the 365 days of the year the aircraft can fly perpetually."""
     known: dict[int, tuple[bool, ...]] = {}
 
     def simulate(days: Iterable[int]) -> None:

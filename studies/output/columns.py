@@ -1,48 +1,54 @@
-"""Many sizings as columns: one value of each result per sizing, and flags that tell how it ends."""
+"""Gridded results: many sizings as columns, and columns as variables with units, flags, attributes.
+
+Maps and trade studies share what is here.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.optimisation import cells as cell_sizing
-from sizing.optimisation.cells import CellSizings, CellStatus
+from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult
+from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.sunlight import SolarModel
+from solar._version import __version__
+from solar.names import RESIZE_NAMES
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "BLANKS",
     "DESCRIBED",
+    "HATCHES",
     "SIZED",
     "SizingStatus",
-    "flag_attributes",
+    "attributes",
+    "failed_cells",
+    "failed_count",
+    "resize_objective",
     "size_cells",
     "sizing_row",
+    "status_names",
+    "to_netcdf_bytes",
+    "variables",
 ]
 
 
-class SizingStatus(IntEnum):
-    """How a sizing ends; the values are flags of gridded results."""
-
-    failed = -1
-    optimal = 0
-    infeasible = 1
-    not_converged = 2
-    invalid = 3
-    certified = 4
-
-
 # There is a design.
-SIZED = (SizingStatus.optimal, SizingStatus.certified)
+SIZED = tuple(status for status in SizingStatus if status.sized)
 
+# Status without a result -> how figures hatch it.
+HATCHES = {"infeasible": "///", "invalid": "\\\\\\", "not_converged": "xx", "failed": ".."}
 
 _NAN = np.float64("nan")
 
@@ -85,14 +91,27 @@ DESCRIBED: dict[str, tuple[str, str]] = {
     ),
     "violated_requirement": ("1", "requirement that no design meets"),
     "message": ("1", "why there is no design"),
+    "status": ("1", "how it ends"),
 }
+
+
+def resize_objective(name: str | Objective) -> Objective:
+    """Objective that every cell of a map and every point of a trade study can have.
+
+    Raises
+    ------
+    ValueError
+        If the name is none of them.
+    """
+    if name not in RESIZE_NAMES:
+        raise ValueError(f"unknown objective {str(name)!r}; allowed: {', '.join(RESIZE_NAMES)}")
+    return Objective(name)
 
 
 def sizing_row(result: SizingResult) -> dict[str, Any]:
     """What a sizing has to say; what it has not is missing, see :data:`BLANKS`."""
-    status = SizingStatus[result.status]
-    row: dict[str, Any] = {"status": status}
-    if status is SizingStatus.not_converged:
+    row: dict[str, Any] = {"status": result.status}
+    if result.status is SizingStatus.not_converged:
         return row | {"message": f"the solver did not converge ({result.solver.message})"}
     if result.violations:
         worst = max(result.violations, key=lambda v: v.shortfall)
@@ -148,19 +167,10 @@ def _programs(aircraft: Aircraft) -> SizingProblems:
     return SizingProblems(aircraft)
 
 
-_STATUS_OF_CELL = {
-    CellStatus.certified: SizingStatus.certified,
-    CellStatus.optimal: SizingStatus.optimal,
-    CellStatus.infeasible: SizingStatus.infeasible,
-    CellStatus.not_converged: SizingStatus.not_converged,
-}
-
-
 def _columns(found: CellSizings) -> dict[str, Any]:
     chosen = found.variables
-    status = [_STATUS_OF_CELL[CellStatus(value)] for value in found.status]
     return {
-        "status": np.array(status, np.int8),
+        "status": found.status.astype(np.int8),
         "wingspan": chosen.wingspan_m,
         "aspect_ratio": chosen.aspect_ratio,
         "battery_mass": chosen.battery_mass_kg,
@@ -174,7 +184,7 @@ def _columns(found: CellSizings) -> dict[str, Any]:
         "power": found.load_w,
         "shortfall": found.shortfall,
         "violated_requirement": found.requirement.tolist(),
-        "message": [_message(one) for one in status],
+        "message": [_message(SizingStatus(one)) for one in found.status],
     }
 
 
@@ -193,10 +203,96 @@ _POLAR_NIGHT: dict[str, Any] = {
 }
 
 
-def flag_attributes(flags: type[IntEnum]) -> dict[str, Any]:
-    """CF attributes of a status."""
-    return {
-        "long_name": "how it ends",
-        "flag_values": np.array([s.value for s in flags], np.int8),
-        "flag_meanings": " ".join(s.name for s in flags),
+# ---- Columns as datasets
+
+
+def variables(
+    dims: tuple[str, ...],
+    columns: Mapping[str, Any],
+    described: Mapping[str, tuple[str, str]],
+    flags: type[IntEnum],
+) -> dict[str, Any]:
+    """Variables of a dataset, with CF attributes.
+
+    Parameters
+    ----------
+    dims : tuple of str
+        Dimensions of all columns.
+    columns : mapping of ndarray
+        Values by name; what is not described is left out.
+    described : mapping
+        Unit and long name of every variable.
+    flags : type of IntEnum
+        What the variable ``status`` may be.
+    """
+    found: dict[str, Any] = {}
+    for name, (unit, text) in described.items():
+        if name in columns and name != "status":
+            found[name] = (dims, columns[name], {"units": unit, "long_name": text})
+    meanings = {
+        "long_name": described["status"][1],
+        "flag_values": np.array([flag.value for flag in flags], np.int8),
+        "flag_meanings": " ".join(flag.name for flag in flags),
     }
+    return found | {"status": (dims, columns["status"], meanings)}
+
+
+def attributes(
+    title: str, aircraft: Aircraft, mission: Mission, solar: SolarModel
+) -> dict[str, Any]:
+    """Attributes of a dataset: everything that it was computed from."""
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": f"solar-uav {__version__}",
+        "solar_model": solar.model,
+        "correction": solar.correction,
+        "aircraft": aircraft.model_dump_json(),
+        "mission": mission.model_dump_json(),
+    }
+
+
+def failed_cells(
+    cells: Sequence[tuple[float, ...]], failures: Mapping[int, str], names: Sequence[str]
+) -> dict[str, str]:
+    """Attribute that says which cells failed, and why; none where none did.
+
+    Parameters
+    ----------
+    cells : sequence of tuple of float
+        All cells.
+    failures : mapping
+        Reasons by the number of the cell.
+    names : sequence of str
+        What the numbers of a cell are.
+    """
+    if not failures:
+        return {}
+    lines = [
+        ", ".join(f"{name} {value:g}" for name, value in zip(names, cells[i], strict=True))
+        + f": {text}"
+        for i, text in sorted(failures.items())
+    ]
+    return {"failed_cells": "\n".join(lines)}
+
+
+def status_names(data: xr.Dataset) -> dict[int, str]:
+    """Name of every flag of a dataset's status."""
+    flags = data["status"].attrs
+    return dict(zip(map(int, flags["flag_values"]), flags["flag_meanings"].split(), strict=True))
+
+
+def failed_count(data: xr.Dataset) -> int:
+    """Number of cells that could not be computed."""
+    return int((data["status"] == SizingStatus.failed).sum())  # the same in every status
+
+
+def to_netcdf_bytes(data: xr.Dataset) -> bytes:
+    """NetCDF-4 file of a dataset."""
+    import tempfile
+    from pathlib import Path
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "data.nc"
+        data.to_netcdf(path, engine="h5netcdf")
+        return path.read_bytes()

@@ -5,19 +5,24 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from sizing.parameters import catalogue
 
 __all__ = [
     "DESIGN_KEYS",
     "SAMPLE_NAMES",
     "Axis",
     "SampleName",
+    "axes_of",
+    "axis_label",
     "axis_names",
+    "cf_unit",
     "design_variable",
     "parse_axis",
     "points",
@@ -33,14 +38,9 @@ MAXIMUM_POINTS = 1_000_000
 _MAXIMUM_VALUES = 10_000
 
 # Design variables: their short names, and the keys of the aircraft file.
-DESIGN_KEYS = {
-    "wingspan_m": "airframe.wingspan_m",
-    "aspect_ratio": "airframe.aspect_ratio",
-    "battery_mass_kg": "battery.mass_kg",
-    "module_area_m2": "modules.area_m2",
-}
+DESIGN_KEYS = {one.name: one.key for one in catalogue().values() if one.kind == "design"}
 
-# How names end -> unit as CF spells it; longer endings first.
+# How names that the catalogue of parameters has not end -> unit as CF spells it; longer ones first.
 _UNITS = (
     ("_wh_per_kg", "W h kg-1"),
     ("_kg_per_m2", "kg m-2"),
@@ -108,8 +108,25 @@ def design_variable(key: str) -> str | None:
 
 
 def unit_of(key: str) -> str:
-    """Unit that a key's name ends in, 1 for none."""
+    """Unit of a key as CF spells it: the catalogue's, else what its name ends in, 1 for none."""
+    known = catalogue().get(key)
+    if known is not None:
+        return cf_unit(known.unit)
     return next((unit for ending, unit in _UNITS if key.endswith(ending)), "1")
+
+
+def axis_label(key: str) -> str:
+    """Key in words: the catalogue's, else its name without the unit that it ends in."""
+    known = catalogue().get(key)
+    return without_unit(_short(key)).replace("_", " ") if known is None else known.label
+
+
+def cf_unit(unit: str) -> str:
+    """Unit as CF spells it: ``W h kg-1`` for ``Wh/kg``."""
+    above, _, below = re.sub(r"Wh\b", "W h", unit).partition("/")
+    divided = re.sub(r"([A-Za-z]+)(\d*)", lambda m: f"{m[1]}-{m[2] or 1}", below)
+    plain = {"deg": "degree", "1": "" if divided else "1"}.get(above, above)
+    return f"{plain} {divided}".strip()
 
 
 def unit_label(unit: str) -> str:
@@ -137,8 +154,36 @@ def _short(key: str) -> str:
     return last if "_" in without_unit(last) or not before else f"{before[-1]}_{last}"
 
 
+def axes_of(vary: Mapping[str, ArrayLike]) -> list[Axis]:
+    """Axes from values by key, see :func:`studies.sweeps.study.sweep`.
+
+    Raises
+    ------
+    ValueError
+        If a key has no values, a value twice, or one that is no finite number.
+    """
+    axes = []
+    for key, values in vary.items():
+        numbers = np.atleast_1d(np.asarray(values))
+        if numbers.dtype.kind not in "iuf" or numbers.ndim != 1 or not np.isfinite(numbers).all():
+            raise ValueError(f"{key} needs a list of finite numbers")
+        axes.append(_axis(key, tuple(float(number) for number in numbers)))
+    return axes
+
+
+def _axis(key: str, values: tuple[float, ...], *, is_range: bool = False) -> Axis:
+    full = DESIGN_KEYS.get(key, key.removeprefix("aircraft."))
+    if not values:
+        raise ValueError(f"{key} needs values")
+    if len(set(values)) < len(values):
+        raise ValueError(f"{key} has a value twice")
+    return Axis(full, values, is_range)
+
+
 def parse_axis(text: str) -> Axis:
     """Read ``KEY=first:last:step``, ``KEY=first:last`` or ``KEY=v1,v2,...``.
+
+    Steps begin at ``first`` and do not lead beyond ``last``.
 
     Raises
     ------
@@ -149,14 +194,10 @@ def parse_axis(text: str) -> Axis:
     key = key.strip().removeprefix("aircraft.")
     if not (key and equals and values.strip()):
         raise ValueError("write KEY=first:last:step or KEY=v1,v2, e.g. battery_mass_kg=1:5:0.5")
-    key = DESIGN_KEYS.get(key, key)
     if ":" in values:
         numbers = [_number(part) for part in values.split(":")]
-        return Axis(key, _stepped(key, numbers), is_range=len(numbers) == 2)
-    listed = tuple(_number(part) for part in values.split(","))
-    if len(set(listed)) < len(listed):
-        raise ValueError(f"{key} has a value twice")
-    return Axis(key, listed)
+        return _axis(key, _stepped(key, numbers), is_range=len(numbers) == 2)
+    return _axis(key, tuple(_number(part) for part in values.split(",")))
 
 
 def _number(text: str) -> float:

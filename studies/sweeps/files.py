@@ -33,7 +33,7 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
         For Parquet without pyarrow.
     """
     if file_format == "nc":
-        from studies.maps.feasibility import to_netcdf_bytes
+        from studies.output.columns import to_netcdf_bytes
 
         return to_netcdf_bytes(data)
     from studies.sweeps.study import to_table

@@ -22,21 +22,17 @@ from studies.output.cells import (
     finite_range,
     hatch_cells,
 )
-from studies.output.columns import SIZED
+from studies.output.columns import HATCHES, SIZED, failed_count, status_names
 from studies.output.plots import CHARGE, LOAD, SUN, correction_label
-from studies.sweeps.axes import unit_label, without_unit
+from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.points import PointStatus
 from studies.sweeps.study import feasible, to_table
 
-__all__ = ["figure_of", "pareto_figure", "pareto_front", "pareto_table"]
+__all__ = ["pareto_front", "pareto_table", "plot_pareto", "plot_sweep"]
 
 MAXIMUM_PANELS = 12
-_HATCHES = {
-    "infeasible": "///",
-    "invalid": "\\\\\\",
-    "not_converged": "xx",
-    "failed": "..",
-}
+# How lines mark points without a result.
+_MARKERS = {"infeasible": "x", "invalid": "+", "not_converged": "*", "failed": "v"}
 # Objective -> variable that a chart of sized points shows, and another one beside it.
 _SHOWN = {
     "": ("excess_time", "charge_margin"),
@@ -57,7 +53,7 @@ _MORE_IS_BETTER = {
 }
 
 
-def figure_of(data: xr.Dataset) -> Figure:
+def plot_sweep(data: xr.Dataset) -> Figure:
     """Chart that suits a study: lines, contours, panels, parallel coordinates or a tornado.
 
     Raises
@@ -77,8 +73,8 @@ def figure_of(data: xr.Dataset) -> Figure:
 
 def _label(data: xr.Dataset, name: str) -> str:
     about = data[name].attrs
-    text = without_unit(name) if name in data.coords else str(about["long_name"])
-    text = text.removesuffix(" of the worst scenario").replace("_", " ")
+    text = str(about["long_name"]).removesuffix(" of the worst scenario")
+    text = axis_label(text) if name in data.coords else text.replace("_", " ")
     return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 
@@ -86,7 +82,9 @@ def _title(data: xr.Dataset) -> str:
     corrected = correction_label(data.attrs["correction"])
     objective = data.attrs["objective"]
     sized = f", sized for {objective}" if objective else ""
-    return f"{data.attrs['title']}{sized} ({data.attrs['solar_model']}, {corrected})"
+    failed = failed_count(data)
+    note = f"; {failed} of {data['status'].size} points failed" if failed else ""
+    return f"{data.attrs['title']}{sized} ({data.attrs['solar_model']}, {corrected}){note}"
 
 
 def _variables(data: xr.Dataset) -> tuple[str, str]:
@@ -102,10 +100,7 @@ def _drawable(data: xr.Dataset) -> xr.DataArray:
 
 def _reasons(data: xr.Dataset) -> dict[int, str]:
     """Statuses without a result, with their names."""
-    meanings = data["status"].attrs["flag_meanings"].split()
-    flags = [int(v) for v in data["status"].attrs["flag_values"]]
-    good = list(SIZED) if data.attrs["objective"] else list(range(PointStatus.never_lit + 1))
-    return {v: name for v, name in zip(flags, meanings, strict=True) if v not in good}
+    return {value: name for value, name in status_names(data).items() if name in HATCHES}
 
 
 # ---- Grids
@@ -125,12 +120,18 @@ def line_figure(data: xr.Dataset) -> Figure:
         axes.grid(alpha=0.3)
         if variable == "excess_time":
             axes.axhline(0.0, color="black", linewidth=0.8)
-        if not shown.all():
-            gone = x[~shown]
-            places = np.full(len(gone), 0.03)
-            transform = axes.get_xaxis_transform()
-            axes.plot(gone, places, "x", color="grey", transform=transform, label="no result")
-            axes.legend(fontsize="small")
+        for value, reason in _reasons(data).items():
+            gone = x[data["status"].to_numpy() == value]
+            if len(gone):
+                axes.plot(
+                    gone,
+                    np.full(len(gone), 0.03),
+                    _MARKERS[reason],
+                    color="grey",
+                    transform=axes.get_xaxis_transform(),
+                    label=reason.replace("_", " "),
+                )
+                axes.legend(fontsize="small")
     panels[-1].set(xlabel=_label(data, name))
     figure.suptitle(_title(data), parse_math=False, fontsize="medium", wrap=True)
     return figure
@@ -140,7 +141,8 @@ def contour_figure(data: xr.Dataset) -> Figure:
     """Two variables over the first two axes; a third axis makes panels.
 
     Colours are the computed points themselves; contour lines are drawn between neighbouring points
-    that all fly for ever, or were sized. Others are grey, or hatched where they have no result.
+    that can all fly perpetually, or were sized. Others are grey, or hatched where they have no
+    result.
     """
     names = [str(n) for n in data["status"].dims]
     third = data[names[2]].to_numpy() if len(names) == 3 else [None]
@@ -173,7 +175,7 @@ def contour_figure(data: xr.Dataset) -> Figure:
 
 
 def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
-    """Values of the points that fly for ever, or were sized; NaN elsewhere."""
+    """Values of the points that can fly perpetually, or were sized; NaN elsewhere."""
     values = np.where(feasible(data), data[variable].to_numpy(), np.nan)
     return np.where(np.isneginf(values), np.nan, values)
 
@@ -192,7 +194,7 @@ def _draw_contours(
     if (~good & _drawable(flat).to_numpy()).any():
         grey = hatch_cells(axes, x, y, ~good & _drawable(flat).to_numpy(), {True: ""}, _LIMITED)
         entries += grey
-    hatches = {value: _HATCHES[name] for value, name in reasons.items()}
+    hatches = {value: HATCHES[name] for value, name in reasons.items()}
     entries += hatch_cells(axes, x, y, status, hatches, reasons)
     draw_level_lines(axes, x, y, values, norm)
     return mesh, entries
@@ -361,7 +363,7 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
     return table
 
 
-def pareto_figure(data: xr.Dataset, x: str, y: str) -> Figure:
+def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
     """All feasible points over two variables, and those that no other beats in both.
 
     Raises

@@ -24,6 +24,7 @@ from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 from solar.names import ATTITUDE_MODELS
+from solar.schema import Record
 from studies.engine.run import Cell
 from studies.output import columns as sizing_columns
 from studies.output.columns import SizingStatus
@@ -34,10 +35,12 @@ __all__ = [
     "DESCRIBED",
     "MISSION_PREFIX",
     "SIZED_BLANKS",
+    "SIZED_DESCRIBED",
     "PointStatus",
     "SweepConfiguration",
     "held",
     "judge_points",
+    "plain_data",
     "size_points",
     "varied_files",
 ]
@@ -76,23 +79,19 @@ BLANKS: dict[str, Any] = {
     "message": np.str_(""),
 }
 
-DESCRIBED = {
-    "excess_time": ("h", "excess time of the worst scenario"),
-    "charge_margin": ("h", "charge margin of the worst scenario"),
-    "minimum_state_of_charge": ("1", "minimum state of charge of the worst scenario"),
-    "payload_mass": ("kg", "payload mass"),
+DESCRIBED = sizing_columns.DESCRIBED | {
     "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
     "worst_day": ("1", "day of year of the worst scenario"),
     "message": ("1", "why there is no result"),
 }
 
-
 SIZED_BLANKS: dict[str, Any] = dict(sizing_columns.BLANKS)
+SIZED_DESCRIBED = sizing_columns.DESCRIBED | {"message": DESCRIBED["message"]}
 
 
 @dataclass(frozen=True)
 class SweepConfiguration:
-    """What all points have in common; the files as plain data, overrides put in."""
+    """What all points have in common; aircraft and mission as plain data of files."""
 
     aircraft: Mapping[str, Any]
     mission: Mapping[str, Any]
@@ -100,6 +99,22 @@ class SweepConfiguration:
     solar: SolarModel
     cover: bool
     objective: Objective | None
+
+
+def plain_data(value: Any) -> Any:
+    """Data of a file that a record could be read from: the fields that were given, and kinds."""
+    if isinstance(value, Record):
+        given = {
+            field.alias or name: getattr(value, name)
+            for name, field in type(value).model_fields.items()
+            if name in value.model_fields_set or name == "kind"
+        }
+        return plain_data(given)
+    if isinstance(value, Mapping):
+        return {key: plain_data(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [plain_data(item) for item in value]
+    return value
 
 
 def _text(value: float) -> str:
@@ -111,7 +126,20 @@ def _text(value: float) -> str:
 def varied_files(
     aircraft: Document, mission: Document, keys: Sequence[str], values: Sequence[float]
 ) -> tuple[Aircraft, Mission]:
-    """Aircraft and mission with values put in, checked like files."""
+    """Aircraft and mission with values put in, checked like files.
+
+    Parameters
+    ----------
+    aircraft, mission : Document
+        Plain data of files, see :func:`plain_data`.
+    keys, values : sequence
+        What is put in; keys of the mission begin with ``mission.``.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or a value is not allowed.
+    """
     texts = [f"{key}={_text(value)}" for key, value in zip(keys, values, strict=True)]
     of_mission = [t.removeprefix(MISSION_PREFIX) for t in texts if t.startswith(MISSION_PREFIX)]
     of_aircraft = [t for t in texts if not t.startswith(MISSION_PREFIX)]

@@ -6,9 +6,8 @@ import math
 from typing import Any
 
 import xarray as xr
-from rich.console import Console
-from rich.table import Table
 
+from sizing.results.tables import Column, Summary, Table
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.study import to_table
 
@@ -40,19 +39,12 @@ def _counts(data: xr.Dataset) -> dict[str, int]:
     return {str(k): int(v) for k, v in to_table(data)["status"].value_counts().items()}
 
 
-def show_points(console: Console, data: xr.Dataset) -> None:
-    """Print how many points end in which way, and the points where they fit on a screen.
-
-    Parameters
-    ----------
-    console : Console
-    data : xarray.Dataset
-        Trade study.
-    """
+def points_summary(data: xr.Dataset) -> Summary:
+    """How many points end in which way, and the points where they fit on a screen."""
     counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
     count = data["status"].size
     noun = "point" if count == 1 else "points"
-    console.print(f"{data.attrs['title']}: {count} {noun}: {counts}")
+    heading = f"{data.attrs['title']}: {count} {noun}: {counts}"
     rows = to_table(data)
     varied = [str(name) for name in data.coords if name != "sample"]
     if "varied" in varied:
@@ -62,26 +54,21 @@ def show_points(console: Console, data: xr.Dataset) -> None:
     sized = ("wingspan", "battery_mass") if data.attrs["objective"] else ()
     results = [name for name in sized if _VARIED_AS[name] not in varied]
     names = [*varied, "status", *results, "total_mass", "excess_time", "charge_margin"]
-    table = Table()
-    for name in names:
-        unit = data[name].attrs.get("units", "1") if name in data else "1"
-        head = _head(name) if unit == "1" else f"{_head(name)} [{unit_label(unit)}]"
-        table.add_column(head, justify="left" if name in ("status", "varied") else "right")
-    for _, row in rows.head(_ROWS).iterrows():
-        table.add_row(*(_cell(row[name], ".6g" if name in varied else ".2f") for name in names))
-    console.print(table)
-    if len(rows) > _ROWS:
-        console.print(f"... {len(rows) - _ROWS} more points: --out FILE or --json has them all")
+    columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
+    cells = rows.head(_ROWS)[names].astype(object).itertuples(index=False, name=None)
+    table = Table("", columns, tuple(tuple(map(_words, row)) for row in cells))
+    if len(rows) <= _ROWS:
+        return Summary((heading, table))
+    more = f"... {len(rows) - _ROWS} more points: --out FILE or --json has them all"
+    return Summary((heading, table, more))
 
 
-def _head(name: str) -> str:
-    """Name without the unit that it ends in."""
-    return without_unit(name).replace("_", " ")
+def _column(data: xr.Dataset, name: str, form: str) -> Column:
+    """Column of a result or a varied key; its heading has the unit once."""
+    unit = data[name].attrs.get("units", "1") if name in data else "1"
+    label = without_unit(name).replace("_", " ")
+    return Column(name, label, "" if unit == "1" else unit_label(unit), form)
 
 
-def _cell(value: Any, form: str) -> str:
-    if isinstance(value, str):
-        return value.replace("_", " ")
-    if math.isnan(value):
-        return "-"
-    return "unlimited" if math.isinf(value) else f"{value:{form}}"
+def _words(value: Any) -> Any:
+    return value.replace("_", " ") if isinstance(value, str) else value

@@ -1,8 +1,8 @@
 """Trade studies: any numeric keys of aircraft and mission varied, each point judged or sized.
 
-Without an objective every point's design is flown by the simulator: that of the file, with what is
-varied put in; a parametric design is closed, so that its mass follows. With an objective the varied
-design variables are held and the others sized.
+Without an objective every point's design is simulated: that of the aircraft, with what is varied
+put in; a parametric design is closed, so that its mass follows. With an objective the varied design
+variables are held and the others sized.
 """
 
 from __future__ import annotations
@@ -12,32 +12,49 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from missions.files.errors import InputError, Problem
+from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
-from solar._version import __version__
-from solar.names import ATTITUDE_MODELS
-from studies.cli.files import LoadedAircraft, LoadedMission
-from studies.engine.chunk_store import ChunkStore
-from studies.engine.run import Job, Outcome, pieces, run
-from studies.engine.workers import AutomaticCrew, Crew
-from studies.output import columns as sizing_columns
-from studies.output.columns import SIZED, SizingStatus
-from studies.sweeps.axes import DESIGN_KEYS, Axis, SampleName, axis_names, points, unit_of
+from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
+from studies.engine.run import Job, Outcome, compute, pieces
+from studies.output.columns import (
+    SIZED,
+    SizingStatus,
+    attributes,
+    failed_cells,
+    resize_objective,
+    status_names,
+    variables,
+)
+from studies.sweeps.axes import (
+    DESIGN_KEYS,
+    SAMPLE_NAMES,
+    Axis,
+    SampleName,
+    axes_of,
+    axis_names,
+    points,
+    unit_of,
+)
 from studies.sweeps.points import (
     BLANKS,
     DESCRIBED,
     MISSION_PREFIX,
     SIZED_BLANKS,
+    SIZED_DESCRIBED,
     PointStatus,
     SweepConfiguration,
     judge_points,
+    plain_data,
     size_points,
     varied_files,
 )
@@ -78,115 +95,159 @@ class Study:
 
 
 def sweep(
-    aircraft: LoadedAircraft,
-    mission: LoadedMission,
-    axes: Sequence[Axis],
-    solar: SolarModel | None = None,
+    aircraft: Aircraft,
+    mission: Mission,
+    vary: Mapping[str, ArrayLike],
     *,
+    resize: str | Objective | None = None,
+    cover: bool | None = None,
     sample: SampleName = "grid",
     samples: int = 64,
     seed: int = 0,
-    resize: Objective | None = None,
-    cover: bool | None = None,
-    crew: Crew | None = None,
-    store: ChunkStore | None = None,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    workers: int | None = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Compute a trade study.
 
     Parameters
     ----------
-    aircraft, mission
-        As :mod:`studies.cli.files` loads them.
-    axes : sequence of Axis
-        What is varied, see :func:`studies.sweeps.axes.parse_axis`.
-    solar : SolarModel, optional
-        Solar power model and its correction.
-    sample, samples, seed
-        Which points, see :func:`studies.sweeps.axes.points`.
-    resize : Objective, optional
-        Size every point for this objective.
+    aircraft : Aircraft
+        What flies.
+    mission : Mission
+        Where, when and in which air.
+    vary : mapping
+        Values by key: of the aircraft's file, of the mission's behind ``mission.``, or
+        ``wingspan_m``, ``aspect_ratio``, ``battery_mass_kg``, ``module_area_m2``. Drawn samples
+        lie between the least and the largest value.
+    resize : str or Objective, optional
+        Size every point for this objective: ``min_wingspan``, ``min_mass``, ``max_excess_time``,
+        ``max_payload_mass`` or ``max_payload_power``. Varied design variables are held.
     cover : bool, optional
         Whether the module area is the largest that the wing takes; by default where a parametric
         aircraft's wingspan or aspect ratio is varied and the module area is not.
-    crew, store, progress
-        See :func:`studies.engine.run.run`.
+    sample : {"grid", "lhs", "sobol", "one-at-a-time"}, optional
+        Which points, see :func:`studies.sweeps.axes.points`.
+    samples, seed : int, optional
+        Number of drawn points, and where the drawing starts.
+    model : {"CAM", "CDM", "VM", "FM"}, optional
+        Solar power model.
+    correction : {"none", "report", "loiter"}, optional
+        Correction of the model's systematic error.
+    workers : int or None, optional
+        Processes that compute: 1 starts none, None as many as there are cores where that pays. The
+        result is the same to the last bit. A script that starts workers needs
+        ``if __name__ == "__main__":``.
+    progress : callable, optional
+        Called with the points done and the points in all.
 
     Returns
     -------
     xarray.Dataset
         On the varied keys as dimensions for a grid, else on ``sample``; configuration and version
-        in its attributes. ``status`` tells why a number is NaN.
+        in its attributes. ``status`` tells why a number is NaN. Points that could not be computed
+        have the status ``failed``; the attribute ``failed_cells`` lists them, and a warning counts
+        them.
 
     Raises
     ------
     InputError
-        If a key or a value is wrong.
+        If a key or a value is wrong (a ValueError).
+    ValueError
+        If a name is none of those allowed.
+    ComputationError
+        If every point failed.
     """
     study = prepare(
         aircraft,
         mission,
-        axes,
-        solar or SolarModel(),
+        axes_of(vary),
+        SolarModel(model, correction),
         sample=sample,
         samples=samples,
         seed=seed,
         resize=resize,
         cover=cover,
     )
-    return dataset(study, run(study.job, crew or AutomaticCrew(), store, progress))
+    return dataset(study, compute(study.job, workers, progress, "points"))
 
 
 def prepare(
-    aircraft: LoadedAircraft,
-    mission: LoadedMission,
+    aircraft: Aircraft,
+    mission: Mission,
     axes: Sequence[Axis],
     solar: SolarModel,
     *,
     sample: SampleName = "grid",
     samples: int = 64,
     seed: int = 0,
-    resize: Objective | None = None,
+    resize: str | Objective | None = None,
     cover: bool | None = None,
 ) -> Study:
     """Check a trade study and divide it into chunks; parameters as those of :func:`sweep`."""
-    _check(aircraft, mission, axes, resize, cover, combined=sample != "one-at-a-time")
+    if sample not in SAMPLE_NAMES:
+        raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
+    objective = None if resize is None else resize_objective(resize)
+    files = _Files(aircraft, mission)
+    _check(files, axes, objective, cover, combined=sample != "one-at-a-time")
     base = None
     if sample == "one-at-a-time":
-        base = [_base_value(aircraft.aircraft, mission.mission, axis) for axis in axes]
+        base = [_base_value(aircraft, mission, axis) for axis in axes]
     try:
         table, varied = points(axes, sample, base=base, samples=samples, seed=seed)
     except ValueError as error:
-        raise _vary_error("", str(error)) from None
+        raise _error("", str(error)) from None
     order = _order(axes, table)
     configuration = SweepConfiguration(
-        aircraft.document.data,
-        mission.document.data,
+        files.aircraft_file.data,
+        files.mission_file.data,
         tuple(axis.key for axis in axes),
         solar,
-        _covers(aircraft.aircraft, axes, resize, cover),
-        resize,
+        _covers(aircraft, axes, objective, cover),
+        objective,
     )
-    each = _points_per_chunk(mission.mission, axes, solar, resize)
+    each = _points_per_chunk(mission, axes, solar, objective)
     cells = [tuple(float(value) for value in table[i]) for i in order]
     chunks = tuple(tuple(cells[piece]) for piece in pieces(len(cells), each))
-    blanks = BLANKS if resize is None else SIZED_BLANKS
-    job = Job(judge_points if resize is None else size_points, configuration, chunks, blanks)
-    return Study(
-        tuple(axes), sample, table, varied, order, job, aircraft.aircraft, mission.mission, seed
-    )
+    blanks = BLANKS if objective is None else SIZED_BLANKS
+    job = Job(judge_points if objective is None else size_points, configuration, chunks, blanks)
+    return Study(tuple(axes), sample, table, varied, order, job, aircraft, mission, seed)
 
 
 # ---- Checks
 
 
-def _vary_error(key: str, message: str) -> InputError:
-    return InputError([Problem(f"--vary {key}".rstrip(), None, None, "", message)])
+def _error(key: str, message: str) -> InputError:
+    return InputError([Problem(key or "the study", None, None, "", message)])
+
+
+@dataclass(frozen=True)
+class _Files:
+    """Aircraft and mission, and the data of files that hold them."""
+
+    aircraft: Aircraft
+    mission: Mission
+
+    @cached_property
+    def aircraft_file(self) -> Document:
+        return Document("aircraft", plain_data(self.aircraft))
+
+    @cached_property
+    def mission_file(self) -> Document:
+        return Document("mission", plain_data(self.mission))
+
+    def wrong(self, values: Mapping[str, float]) -> InputError | None:
+        """What is wrong with values put into the files, none if nothing is."""
+        try:
+            varied_files(self.aircraft_file, self.mission_file, list(values), list(values.values()))
+        except InputError as error:
+            return error
+        return None
 
 
 def _check(
-    aircraft: LoadedAircraft,
-    mission: LoadedMission,
+    files: _Files,
     axes: Sequence[Axis],
     resize: Objective | None,
     cover: bool | None,
@@ -195,60 +256,44 @@ def _check(
 ) -> None:
     """Refuse what no point could make sense of: every value must be right in one at least."""
     if not axes:
-        raise _vary_error("", "nothing is varied")
-    measured = isinstance(aircraft.aircraft.airframe, MeasuredAirframe)
-    if measured and cover:
-        raise _vary_error("", "--cover needs a parametric aircraft, this one is measured")
-    if measured and resize is not None:
-        raise _vary_error("", "--resize needs a parametric aircraft, this one is measured")
+        raise _error("", "nothing is varied")
+    measured = isinstance(files.aircraft.airframe, MeasuredAirframe)
+    if measured and (cover or resize is not None):
+        asked = "cover" if cover else "resize"
+        raise _error("", f"{asked} needs a parametric aircraft, this one is measured")
     for number, axis in enumerate(axes):
         if any(other.key == axis.key for other in axes[:number]):
-            raise _vary_error(axis.key, "is varied twice")
+            raise _error(axis.key, "is varied twice")
         if measured and axis.design_variable in ("wingspan_m", "aspect_ratio"):
-            raise _vary_error(
+            raise _error(
                 axis.key,
                 "a measured aircraft's power does not follow from its wing; take a parametric one",
             )
         if resize is Objective.min_wingspan and axis.design_variable == "wingspan_m":
-            raise _vary_error(axis.key, "is varied and cannot be minimised as well")
+            raise _error(axis.key, "is varied and cannot be minimised as well")
         others = [*axes[:number], *axes[number + 1 :]] if combined else []
-        _check_values(aircraft, mission, axis, others)
+        _check_values(files, axis, others)
 
 
-def _check_values(
-    aircraft: LoadedAircraft, mission: LoadedMission, axis: Axis, others: Sequence[Axis]
-) -> None:
+def _check_values(files: _Files, axis: Axis, others: Sequence[Axis]) -> None:
     if axis.design_variable is not None:
         # Alone a design variable may contradict the others, which is no mistake of the user.
         least = 0.0 if axis.design_variable == "module_area_m2" else _LEAST
         low, high = min(axis.values), max(axis.values)
         if low < least or high > _LARGEST:
             wrong = low if low < least else high
-            raise _vary_error(axis.key, f"must be from {least:g} to {_LARGEST:g} (got {wrong:g})")
+            raise _error(axis.key, f"must be from {least:g} to {_LARGEST:g} (got {wrong:g})")
         return
     for value in _telling_values(axis.values):
-        error = _wrong(aircraft, mission, {axis.key: value})
+        error = files.wrong({axis.key: value})
         # What the file's other values forbid may be right with those that they are varied to.
         if error is not None and not any(
-            _wrong(aircraft, mission, {axis.key: value} | corner) is None
-            for corner in _corners(others)
+            files.wrong({axis.key: value} | corner) is None for corner in _corners(others)
         ):
             hint = _meant(axis.key)
             if hint is not None:
-                raise _vary_error(axis.key, hint)
-            problem = replace(error.problems[0], source=f"--vary {axis.key}", line=None)
-            raise InputError([problem])
-
-
-def _wrong(
-    aircraft: LoadedAircraft, mission: LoadedMission, values: Mapping[str, float]
-) -> InputError | None:
-    """What is wrong with values put into the files, none if nothing is."""
-    try:
-        varied_files(aircraft.document, mission.document, list(values), list(values.values()))
-    except InputError as error:
-        return error
-    return None
+                raise _error(axis.key, hint)
+            raise InputError([replace(error.problems[0], source=axis.key, line=None)])
 
 
 def _corners(axes: Sequence[Axis]) -> Iterator[dict[str, float]]:
@@ -289,7 +334,7 @@ def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
         is_index = isinstance(node, list | tuple) and part.isdecimal()
         node = node[int(part)] if is_index else getattr(node, part, None)
     if isinstance(node, bool) or not isinstance(node, int | float):
-        raise _vary_error(axis.key, "has no single number in the file to start from")
+        raise _error(axis.key, "has no single number in the file to start from")
     return float(node)
 
 
@@ -301,10 +346,10 @@ def _covers(
     parametric = not isinstance(aircraft.airframe, MeasuredAirframe)
     if resize is not None:
         if cover:
-            raise _vary_error("", "--cover: with --resize the module area is sized, or varied")
+            raise _error("", "cover: with resize the module area is sized, or varied")
         return False
     if cover and "module_area_m2" in varied:
-        raise _vary_error("modules.area_m2", "is varied and cannot follow the wing as well")
+        raise _error("modules.area_m2", "is varied and cannot follow the wing as well")
     if cover is not None:
         return cover
     return (
@@ -347,7 +392,6 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     import xarray as xr
 
     objective = study.job.configuration.objective
-    described = sizing_columns.DESCRIBED | DESCRIBED
     place = np.argsort(study.order)
     columns = {name: values[place] for name, values in outcome.columns.items()}
     for number, text in outcome.failures.items():
@@ -366,48 +410,33 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     if study.sample == "one-at-a-time":
         varied = [names[i] if i >= 0 else "" for i in study.varied]
         coords["varied"] = (("sample",), varied, {"long_name": "what differs from the file"})
-    variables = {
-        name: (dims, columns[name].reshape(shape), {"units": text[0], "long_name": text[1]})
-        for name, text in described.items()
-        if name in columns and name not in coords  # the aspect ratio may be varied
-    }
+    # The aspect ratio may be varied, and is no result then.
+    shaped = {n: values.reshape(shape) for n, values in columns.items() if n not in coords}
+    described = DESCRIBED if objective is None else SIZED_DESCRIBED
     flags = PointStatus if objective is None else SizingStatus
-    status = columns["status"].reshape(shape)
-    variables["status"] = (dims, status, sizing_columns.flag_attributes(flags))
-    return xr.Dataset(variables, coords=coords, attrs=_attributes(study))
+    return xr.Dataset(
+        variables(dims, shaped, described, flags),
+        coords=coords,
+        attrs=_attributes(study) | failed_cells(study.job.cells, outcome.failures, names),
+    )
 
 
 def _attributes(study: Study) -> dict[str, Any]:
-    configuration: SweepConfiguration = study.job.configuration
-    objective = configuration.objective
-    required = study.mission.required_excess_time_h
-    vary = {axis.key: list(axis.values) for axis in study.axes}
-    return {
-        "Conventions": "CF-1.11",
-        "title": f"Trade study of {study.aircraft.name} on {study.mission.name}",
-        "source": f"solar-uav {__version__}",
-        "vary": json.dumps(vary),
+    asked: SweepConfiguration = study.job.configuration
+    title = f"Trade study of {study.aircraft.name} on {study.mission.name}"
+    return attributes(title, study.aircraft, study.mission, asked.solar) | {
+        "vary": json.dumps({axis.key: list(axis.values) for axis in study.axes}),
         "sample": study.sample,
         "seed": study.seed,
-        "modules_cover_the_wing": int(configuration.cover),
-        "objective": "" if objective is None else objective.value,
-        "required_excess_time_h": required,
-        "solar_model": configuration.solar.model,
-        "correction": configuration.solar.correction,
-        "aircraft": study.aircraft.model_dump_json(),
-        "mission": study.mission.model_dump_json(),
+        "modules_cover_the_wing": int(asked.cover),
+        "objective": "" if asked.objective is None else asked.objective.value,
+        "required_excess_time_h": study.mission.required_excess_time_h,
     }
 
 
 def to_table(data: xr.Dataset) -> pd.DataFrame:
     """One row per point; the status in words, attributes of the data in those of the table."""
-    names = dict(
-        zip(
-            data["status"].attrs["flag_values"].tolist(),
-            data["status"].attrs["flag_meanings"].split(),
-            strict=True,
-        )
-    )
+    names = status_names(data)
     table = data.to_dataframe().reset_index()
     table["status"] = [names[int(value)] for value in table["status"]]
     first = [str(name) for name in data.coords if name in table.columns]
@@ -418,7 +447,7 @@ def to_table(data: xr.Dataset) -> pd.DataFrame:
 
 
 def feasible(data: xr.Dataset) -> xr.DataArray:
-    """Mark the points that fly for ever, or that were sized."""
+    """Mark the points that can fly perpetually, or that were sized."""
     if data.attrs["objective"]:
         return data["status"].isin(SIZED)
     return data["status"].isin([PointStatus.perpetual, PointStatus.always_lit])

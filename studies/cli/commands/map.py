@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
 from solar.names import RESIZE_NAMES
@@ -24,14 +22,14 @@ from studies.cli.options import (
     type=Grid(-90.0, 90.0),
     default="-70:70:2",
     show_default=True,
-    help="Latitudes [deg], north positive; both ends included.",
+    help="Latitudes [deg], north positive; the last one is met where the steps lead to it.",
 )
 @click.option(
     "--days",
-    type=Grid(1.0, 365.0),
+    type=Grid(1.0, 365.0, whole=True),
     default="1:365:4",
     show_default=True,
-    help="Days of the year, 1 to 365.",
+    help="Days of the year, 1 to 365; the last one is met where the steps lead to it.",
 )
 @click.option(
     "--endurance",
@@ -69,18 +67,15 @@ def map_(
     """Map where and when AIRCRAFT (name, file or folder) flies perpetually.
 
     Latitude against season; of the mission the air and the load count, not its latitudes and
-    dates. With --resize: which design flies there and then.
+    dates. With --resize: which design flies there and then. The exit code is 1 if any cell could
+    not be computed.
     """
-    import numpy as np
-
-    from sizing.optimisation.objectives import Objective
     from studies.cli.checks import check_outputs, refuse_climb, require_parametric, require_path
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
     from studies.cli.outputs import tell, write_results
-    from studies.maps import feasibility as feasibility_map
-    from studies.maps import jobs as map_jobs
-    from studies.maps import results
+    from studies.maps import feasibility, plots, resized, results
+    from studies.output.columns import to_netcdf_bytes
 
     if objective is not None and endurance:
         raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
@@ -94,25 +89,16 @@ def map_(
     if objective is not None:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     check_outputs(out=out_file, plot=plot_file)
-    axes = np.array(latitudes), np.unique(np.round(days).astype(int))
-    asked = case.aircraft, case.mission, case.solar
+    asked = case.aircraft, case.mission
     if objective is None:
-        job = map_jobs.map_job(map_jobs.MapConfiguration(*asked, endurance), *axes)
+        study = feasibility.prepare(*asked, latitudes, days, case.solar, endurance)
+        draw, record, table = plots.plot_map, results.seasons_record, results.seasons_table
     else:
-        sized = map_jobs.SizedMapConfiguration(*asked, Objective(objective))
-        job = map_jobs.sized_map_job(sized, *axes)
-    with completed(job, options, out_file, "cells") as outcome:
-        if objective is None:
-            data = map_jobs.map_dataset(job, outcome, *axes)
-            figure: Any = feasibility_map.map_figure
-        else:
-            data = map_jobs.sized_map_dataset(job, outcome, *axes)
-            figure = map_jobs.sized_map_figure
-        write_results(
-            out_file, lambda: feasibility_map.to_netcdf_bytes(data), plot_file, lambda: figure(data)
-        )
-    if objective is None:
-        record, shown = results.seasons_record(data), results.show_seasons
-    else:
-        record, shown = results.designs_record(data), results.show_designs
-    tell(case, case.named(record), lambda console: shown(console, data), as_json=as_json)
+        study = resized.prepare(*asked, objective, latitudes, days, case.solar)
+        draw, record = plots.plot_resized_map, results.designs_record
+        table = results.designs_table
+    with completed(study.job, options, out_file, "cells") as outcome:
+        data = study.dataset(outcome)
+        write_results(out_file, lambda: to_netcdf_bytes(data), plot_file, lambda: draw(data))
+        named = case.named(record(data))
+        tell(case, named, lambda: table(data), as_json=as_json)

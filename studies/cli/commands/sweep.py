@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
 from solar.names import RESIZE_NAMES
 from studies.cli.options import (
+    EXIT_FAILED,
     Parsed,
     check_image,
     mission_option,
@@ -31,11 +34,11 @@ _MOST_SAMPLES = 1_000_000
 @click.option(
     "--vary",
     "axes",
-    type=Parsed("key=values", "studies.sweeps.axes:parse_axis"),
+    type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=True),
     multiple=True,
     required=True,
-    help="KEY=first:last:step or KEY=v1,v2,...; a key as of --set, or wingspan_m, aspect_ratio, "
-    "battery_mass_kg, module_area_m2. May be repeated.",
+    help="KEY=first:last:step (last is met where the steps lead to it) or KEY=v1,v2,...; a key as "
+    "of --set, or wingspan_m, aspect_ratio, battery_mass_kg, module_area_m2. May be repeated.",
 )
 @click.option(
     "--resize",
@@ -95,9 +98,12 @@ def sweep(
     overrides: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Trade study: vary keys of AIRCRAFT (name, file or folder) and mission, each point judged."""
+    """Trade study: vary keys of AIRCRAFT (name, file or folder) and mission, each point judged.
+
+    The exit code is 1 if any point could not be computed.
+    """
+    from missions.files.errors import InputError
     from missions.files.writing import write_files_atomically
-    from sizing.optimisation.objectives import Objective
     from studies.cli.checks import check_outputs, refuse_climb, require_path
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
@@ -105,9 +111,9 @@ def sweep(
     from studies.sweeps import study
     from studies.sweeps.axes import axis_names
     from studies.sweeps.files import FORMATS, table_format, to_bytes
-    from studies.sweeps.plots import figure_of, pareto_figure
+    from studies.sweeps.plots import plot_pareto, plot_sweep
     from studies.sweeps.points import BLANKS, SIZED_BLANKS
-    from studies.sweeps.results import points_record, show_points
+    from studies.sweeps.results import points_record, points_summary
 
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     if pareto is not None:
@@ -123,14 +129,18 @@ def sweep(
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     refuse_climb(case, "sweep")
     require_path(case)
-    prepared = study.prepare(
-        *(case.craft, case.where, axes, case.solar),
-        sample=sample,  # type: ignore[arg-type]  # click checked it
-        samples=samples,
-        seed=seed,
-        resize=None if objective is None else Objective(objective),
-        cover=cover,
-    )
+    try:
+        prepared = study.prepare(
+            *(case.aircraft, case.mission, axes, case.solar),
+            sample=sample,  # type: ignore[arg-type]  # click checked it
+            samples=samples,
+            seed=seed,
+            resize=objective,
+            cover=cover,
+        )
+    except InputError as error:
+        named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
+        raise InputError(named) from None
     check_outputs(out=out_file, plot=plot_file)
     with completed(prepared.job, options, out_file, "points") as outcome:
         data = study.dataset(prepared, outcome)
@@ -140,16 +150,18 @@ def sweep(
         trouble = None
         if plot_file is not None:
             try:
-                figure = figure_of(data) if pareto is None else pareto_figure(data, *pareto)
+                figure = plot_sweep(data) if pareto is None else plot_pareto(data, *pareto)
                 contents[plot_file] = figure_bytes(figure, plot_file)
             except ValueError as error:
                 # The points are worth keeping even where there is nothing to draw.
                 trouble = str(error)
         write_files_atomically(contents)
-    record = case.named(points_record(data))
-    tell(case, record, lambda console: show_points(console, data), as_json=as_json)
+        record = case.named(points_record(data))
+        tell(case, record, lambda: points_summary(data), as_json=as_json)
+        if trouble is not None:
+            click.echo(f"solar-uav: no chart: {trouble}", err=True)
     if trouble is not None:
-        raise click.ClickException(f"no chart: {trouble}")
+        sys.exit(EXIT_FAILED)
 
 
 def _check_pareto(names: tuple[str, str], allowed: list[str]) -> None:

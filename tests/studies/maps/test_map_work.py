@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -26,12 +27,12 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
-from studies.engine.run import run as compute
-from studies.engine.workers import ProcessCrew, SerialCrew
-from studies.maps import feasibility as feasibility_map
-from studies.maps import jobs as map_jobs
-from studies.maps.jobs import MapConfiguration, SizedMapConfiguration, rectangles
-from studies.output.columns import SizingStatus
+from studies.engine.run import ComputationError, compute
+from studies.maps import feasibility
+from studies.maps.grid import Grid
+from studies.maps.plots import plot_map, plot_resized_map
+from studies.maps.resized import ResizedMapConfiguration, _resized_chunk, resized_map
+from studies.output.columns import SizingStatus, to_netcdf_bytes
 
 pytestmark = pytest.mark.slow
 
@@ -51,7 +52,7 @@ def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Res
 @pytest.mark.parametrize("cell_s", [1e-6, 0.004, 0.03, 10.0])
 def test_chunks_hold_every_cell_once_and_are_rectangles(cell_s: float) -> None:
     latitudes, days = np.linspace(-70, 70, 15), np.arange(1, 362, 20)
-    chunks = rectangles(latitudes, days, cell_s)
+    chunks = Grid.of(latitudes, days).chunks(cell_s)
     cells = [cell for chunk in chunks for cell in chunk]
     assert sorted(cells) == [(lat, day) for lat in latitudes for day in days]
     for chunk in chunks:
@@ -59,23 +60,20 @@ def test_chunks_hold_every_cell_once_and_are_rectangles(cell_s: float) -> None:
         assert len(chunk) <= max(0.5 / cell_s, 1.0) + 1.0
 
 
-def test_map_of_chunks_is_that_of_the_function() -> None:
+def test_map_of_chunks_is_that_of_one_block(monkeypatch: pytest.MonkeyPatch) -> None:
     latitudes, days = np.linspace(-80, 80, 9), np.arange(1, 362, 4)
-    job = map_jobs.map_job(MapConfiguration(AS2, JULY, SolarModel()), latitudes, days)
-    assert len(job.chunks) == 1
+    whole = feasibility.prepare(AS2, JULY, latitudes, days, SolarModel())
+    assert len(whole.job.chunks) == 1
     # In chunks of five rows, by two processes.
-    cut = map_jobs.map_job(MapConfiguration(AS2, JULY, SolarModel()), latitudes, days)
-    small = type(cut)(
-        cut.function, cut.configuration, rectangles(latitudes, days, 1e-3), cut.blanks
-    )
-    assert len(small.chunks) > 1
-    pooled = map_jobs.map_dataset(small, compute(small, ProcessCrew(2)), latitudes, days)
-    alone = map_jobs.map_dataset(small, compute(small, SerialCrew()), latitudes, days)
+    monkeypatch.setattr("studies.maps.grid._CELL_S", 1e-3)
+    small = feasibility.prepare(AS2, JULY, latitudes, days, SolarModel())
+    assert len(small.job.chunks) > 1
+    pooled, alone = (small.dataset(compute(small.job, workers)) for workers in (2, 1))
     xr.testing.assert_identical(pooled, alone)
-    whole = feasibility_map.feasibility_map(AS2, JULY, latitudes, days, SolarModel())
     # The fixed point is settled to 1e-11 of the battery, in whatever block a cell stands.
-    xr.testing.assert_allclose(alone, whole, rtol=1e-7, atol=1e-9)
-    assert alone.attrs == whole.attrs
+    one = whole.dataset(compute(whole.job))
+    xr.testing.assert_allclose(alone, one, rtol=1e-7, atol=1e-9)
+    assert alone.attrs == one.attrs
 
 
 def test_command_is_the_same_with_processes_and_leaves_no_parts(
@@ -96,7 +94,7 @@ def test_kept_parts_are_used_again(invoke: Any, tmp_path: Path, monkeypatch: Any
     def refuse(*arguments: Any) -> None:
         raise AssertionError("computed again")
 
-    monkeypatch.setattr(feasibility_map, "map_block", refuse)
+    monkeypatch.setattr(feasibility, "map_block", refuse)
     first = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     # Another file, the same work.
     answer = invoke(*SMALL, "--out", "again.nc", "--work", "map.nc.parts")
@@ -108,18 +106,25 @@ def test_kept_parts_are_used_again(invoke: Any, tmp_path: Path, monkeypatch: Any
 def test_cells_that_fail_have_a_flag_and_are_tried_again(
     invoke: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    block = feasibility_map.map_block
+    block = feasibility.map_block
 
     def failing(aircraft: Any, mission: Any, latitudes: Any, days: Any, *rest: Any) -> Any:
         if 44.0 in latitudes and 81 in days:
             raise FloatingPointError("not today")
         return block(aircraft, mission, latitudes, days, *rest)
 
-    monkeypatch.setattr(feasibility_map, "map_block", failing)
+    monkeypatch.setattr(feasibility, "map_block", failing)
     answer = invoke(*SMALL, "--out", "map.nc", "--workers", "1", "--json")
-    assert answer.exit_code == 0, answer.output
-    assert "1 of 60 cells failed; the first: FloatingPointError: not today" in answer.stderr
-    json.loads(answer.stdout)
+    assert answer.exit_code == 1, answer.output
+    said = "1 of 60 cells failed; the first: FloatingPointError: not today"
+    first, *_, last = answer.stderr.splitlines()
+    assert said in first
+    assert said in last
+    assert json.loads(answer.stdout)["failed_days"] == [0, 0, 1, 0, 0, 0]
+    table = invoke(*SMALL, "--workers", "1")
+    assert table.exit_code == 1
+    (row,) = (line.split() for line in table.output.splitlines() if " 44 N" in line)
+    assert row[-2] == "1", table.output
     data = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     flags = dict(
         zip(
@@ -133,6 +138,8 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
     assert failed[2, 2]
     assert np.isnan(data["excess_time"].values[2, 2])
     assert data.attrs["failed_cells"] == "latitude 44, day 81: FloatingPointError: not today"
+    (legend,) = plot_map(data).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["failed"]
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
     assert invoke(*SMALL, "--out", "map.nc").exit_code == 0
@@ -147,7 +154,7 @@ def test_where_every_cell_fails_there_is_no_file(
     def failing(*arguments: Any) -> None:
         raise FloatingPointError("never")
 
-    monkeypatch.setattr(feasibility_map, "map_block", failing)
+    monkeypatch.setattr(feasibility, "map_block", failing)
     answer = invoke(*SMALL, "--out", "map.nc", "--workers", "1")
     assert answer.exit_code == 1
     assert "60 of 60 cells failed" in answer.stderr
@@ -155,7 +162,7 @@ def test_where_every_cell_fails_there_is_no_file(
 
 
 def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
-    root = str(Path(feasibility_map.__file__).parents[2])
+    root = str(Path(feasibility.__file__).parents[2])
     return subprocess.Popen(
         [sys.executable, "-m", "studies.cli", *arguments],
         stdout=subprocess.PIPE,
@@ -171,7 +178,7 @@ def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 def test_a_stopped_command_says_how_to_go_on(
     tmp_path: Path, signum: signal.Signals, workers: str
 ) -> None:
-    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:4"]
+    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:10"]
     asked = ["map", *asked, "--days", "1:365:10", "--out", "m.nc", "--workers", workers]
     process = command(*asked, cwd=tmp_path)
     folder = tmp_path / "m.nc.parts"
@@ -193,8 +200,8 @@ def test_a_stopped_command_says_how_to_go_on(
     assert not folder.exists()
     data = xr.load_dataset(tmp_path / "m.nc", engine="h5netcdf")
     found = set(data["status"].to_numpy().ravel().tolist())
-    assert SizingStatus.certified in found
-    assert found <= {SizingStatus.certified, SizingStatus.optimal, SizingStatus.infeasible}
+    assert SizingStatus.cross_checked in found
+    assert found <= {SizingStatus.cross_checked, SizingStatus.optimal, SizingStatus.infeasible}
 
 
 @pytest.mark.parametrize(
@@ -230,41 +237,24 @@ def test_a_measured_aircraft_cannot_be_sized(invoke: Any) -> None:
 
 @pytest.fixture(scope="module")
 def sized() -> xr.Dataset:
-    latitudes, days = np.array([0.0, 47.6, 75.0]), np.array([172, 355])
-    asked = SizedMapConfiguration(DESIGN, JULY, SolarModel(), Objective.min_wingspan)
-    job = map_jobs.sized_map_job(asked, latitudes, days)
-    return map_jobs.sized_map_dataset(job, compute(job, SerialCrew()), latitudes, days)
+    return resized_map(DESIGN, JULY, "min_wingspan", latitudes=[0.0, 47.6, 75.0], days=[172, 355])
 
 
 def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft() -> None:
     """Each task brings its own copy of the aircraft; the worker keeps the programs of the last."""
-    asked = SizedMapConfiguration(DESIGN, JULY, SolarModel(), Objective.min_wingspan)
-    once = map_jobs.sized_map_chunk(asked, [(0.0, 172.0)])
+    asked = ResizedMapConfiguration(DESIGN, JULY, SolarModel(), Objective.min_wingspan)
+    once = _resized_chunk(asked, [(0.0, 172.0)])
     # What was derived while it was used in this process travels along.
-    again = map_jobs.sized_map_chunk(pickle.loads(pickle.dumps(asked)), [(0.0, 172.0)])
-    assert once["status"].tolist() == again["status"].tolist() == [SizingStatus.certified]
+    again = _resized_chunk(pickle.loads(pickle.dumps(asked)), [(0.0, 172.0)])
+    assert once["status"].tolist() == again["status"].tolist() == [SizingStatus.cross_checked]
     assert once["wingspan"].tolist() == again["wingspan"].tolist()
-
-
-@pytest.mark.slow
-def test_sized_map_is_the_same_whoever_computes_it(invoke: Any, tmp_path: Path) -> None:
-    asked = ["atlantiksolar-design", "--resize", "min_wingspan"]
-    asked += ["--latitudes", "-70:70:10", "--days", "1:365:15"]
-    maps = []
-    for name, options in (("some", []), ("one", ["--workers", "1"]), ("two", ["--workers", "2"])):
-        answer = invoke(*asked, "--out", f"{name}.nc", *options)
-        assert answer.exit_code == 0, answer.output
-        maps.append(xr.load_dataset(tmp_path / f"{name}.nc", engine="h5netcdf"))
-        assert not (maps[-1]["status"] == SizingStatus.failed).any()
-    xr.testing.assert_identical(maps[0], maps[1])
-    xr.testing.assert_identical(maps[0], maps[2])
 
 
 def test_cells_are_sizings_of_their_own(sized: xr.Dataset) -> None:
     mission = JULY.model_copy(update={"latitude_deg": 47.6, "dates": Dates(on="06-21")})
     result = size_aircraft(DESIGN, mission, Objective.min_wingspan)
     cell = sized.sel(latitude=47.6, day=172)
-    assert int(cell["status"]) == SizingStatus.certified
+    assert int(cell["status"]) == SizingStatus.cross_checked
     # Two searches that both stop within 0.012 h of the requirement.
     assert float(cell["wingspan"]) == pytest.approx(result.objective_value, rel=2e-3)
     assert float(cell["excess_time"]) > 0.0
@@ -284,11 +274,11 @@ def test_infeasible_cells_say_what_is_missing(sized: xr.Dataset) -> None:
 
 def test_sized_map_follows_cf_and_survives_its_file(sized: xr.Dataset, tmp_path: Path) -> None:
     path = tmp_path / "sized.nc"
-    path.write_bytes(feasibility_map.to_netcdf_bytes(sized))
+    path.write_bytes(to_netcdf_bytes(sized))
     again = xr.load_dataset(path, engine="h5netcdf")
     meanings = again["status"].attrs["flag_meanings"].split()
     assert meanings == [
-        *("failed", "optimal", "infeasible", "not_converged", "invalid", "certified")
+        *("failed", "optimal", "infeasible", "not_converged", "invalid", "cross_checked")
     ]
     assert again["status"].attrs["flag_values"].tolist() == [-1, 0, 1, 2, 3, 4]
     assert again["latitude"].attrs["standard_name"] == "latitude"
@@ -297,19 +287,116 @@ def test_sized_map_follows_cf_and_survives_its_file(sized: xr.Dataset, tmp_path:
     xr.testing.assert_equal(again, sized)
 
 
-def test_table_counts_the_certified_designs(invoke: Any) -> None:
+def test_table_counts_the_cross_checked_designs(invoke: Any) -> None:
     asked = ["atlantiksolar-design", "--resize", "min_wingspan", "--workers", "1"]
     answer = invoke(*asked, "--latitudes", "0:75:75", "--days", "172:355:183")
     assert answer.exit_code == 0, answer.output
     rows = {row.split()[1]: row.split() for row in answer.output.splitlines() if "N" in row[:12]}
-    # Latitude, days with a design, without one, unknown: certified is a design.
+    # Latitude, days with a design, without one, unknown: cross-checked is a design.
     assert [rows["0"][i] for i in (4, 6, 8)] == ["2", "0", "0"]
     assert [rows["75"][i] for i in (4, 6, 8)] == ["1", "1", "0"]
 
 
 def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None:
-    figure = map_jobs.sized_map_figure(sized)
+    figure = plot_resized_map(sized)
     assert "wingspan [m]" in figure.axes[1].get_ylabel()
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["infeasible"]
     assert any(c.get_hatch() for c in figure.axes[0].collections)
+
+
+# ---- in Python
+
+
+def test_maps_in_python_are_those_of_the_command(invoke: Any, tmp_path: Path) -> None:
+    where = {"latitudes": [40.0, 47.0], "days": [100, 172]}
+    grid = ["--latitudes", "40:47:7", "--days", "100:172:72"]
+    found = feasibility.feasibility_map(AS2, JULY, model="CDM", correction="report", **where)
+    asked = ["atlantiksolar-as2", *grid, "--model", "CDM", "--correction", "report"]
+    assert invoke(*asked, "--out", "m.nc").exit_code == 0
+    xr.testing.assert_equal(found, xr.load_dataset(tmp_path / "m.nc", engine="h5netcdf"))
+    found = resized_map(DESIGN, JULY, "min_mass", required_excess_time_h=2.0, **where)
+    asked = ["atlantiksolar-design", *grid, "--resize", "min_mass"]
+    asked += ["--set", "mission.required_excess_time_h=2"]
+    assert invoke(*asked, "--out", "s.nc").exit_code == 0
+    xr.testing.assert_equal(found, xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf"))
+    assert found.attrs["required_excess_time_h"] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM, VM, FM"),
+        ({"correction": "some"}, "unknown correction 'some'; allowed: none, report, loiter"),
+        ({"latitudes": [50, 40]}, "latitudes must ascend within -90 to 90"),
+        ({"latitudes": []}, "latitudes must ascend"),
+        ({"latitudes": [float("nan")]}, "latitudes must ascend"),
+        ({"days": [0, 1]}, "days must ascend within 1 to 365"),
+        ({"days": [1.5]}, "days must be whole numbers"),
+        ({"workers": 0}, "workers must be at least 1"),
+    ],
+)
+def test_python_refuses_what_is_not_allowed(options: dict[str, Any], words: str) -> None:
+    small = {"latitudes": [40.0], "days": [172]}
+    with pytest.raises(ValueError, match=re.escape(words)):
+        feasibility.feasibility_map(AS2, JULY, **(small | options))
+    with pytest.raises(ValueError, match=re.escape(words)):
+        resized_map(DESIGN, JULY, "min_mass", **(small | options))
+
+
+def test_python_names_what_a_model_needs() -> None:
+    bare = JULY.model_copy(update={"flight_path": None})
+    for options in ({"model": "FM"}, {"correction": "loiter"}):
+        with pytest.raises(ValueError, match="needs a flight_path on the mission rafz-july"):
+            feasibility.feasibility_map(AS2, bare, latitudes=[0.0], days=[1], **options)
+
+
+def test_python_refuses_other_objectives_and_measured_aircraft() -> None:
+    for name in ("min_price", "longest_season"):
+        with pytest.raises(ValueError, match=f"unknown objective '{name}'; allowed: min_wingspan"):
+            resized_map(DESIGN, JULY, name)
+    with pytest.raises(ValueError, match="atlantiksolar-as2 is measured"):
+        resized_map(AS2, JULY, "min_mass")
+    with pytest.raises(ValueError, match="required_excess_time_h must be >= 0"):
+        resized_map(DESIGN, JULY, "min_mass", required_excess_time_h=-1.0)
+
+
+def test_python_warns_of_failed_cells_and_raises_where_all_failed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    block = feasibility.map_block
+
+    def failing(aircraft: Any, mission: Any, latitudes: Any, days: Any, *rest: Any) -> Any:
+        if 44.0 in latitudes:
+            raise FloatingPointError("not today")
+        return block(aircraft, mission, latitudes, days, *rest)
+
+    monkeypatch.setattr(feasibility, "map_block", failing)
+    with pytest.warns(RuntimeWarning, match="1 of 2 cells failed; the first: FloatingPointError"):
+        data = feasibility.feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[172])
+    assert data["status"].values[:, 0].tolist()[1] == feasibility.MapStatus.failed
+    with pytest.raises(ComputationError, match="1 of 1 cells failed"):
+        feasibility.feasibility_map(AS2, JULY, latitudes=[44.0], days=[172])
+
+
+@pytest.mark.parametrize(
+    ("grid", "note"),
+    [
+        (["--latitudes", "40:60:7"], "--latitudes 40:60:7 ends at 54"),
+        (["--days", "1:365:91"], ""),
+        (["--days", "1:300:90"], "--days 1:300:90 ends at 271"),
+    ],
+)
+def test_a_grid_that_does_not_meet_its_end_says_so(invoke: Any, grid: list[str], note: str) -> None:
+    small = ["--latitudes", "40:45:5", "--days", "100:200:100"]
+    answer = invoke("atlantiksolar-as2", *small, *grid, "--json")
+    assert answer.exit_code == 0, answer.output
+    assert note in answer.stderr
+    assert bool(note) == ("ends at" in answer.stderr)
+    json.loads(answer.stdout)
+
+
+def test_days_are_whole(invoke: Any) -> None:
+    answer = invoke("atlantiksolar-as2", "--days", "1:3:0.5")
+    assert answer.exit_code == 2
+    assert "whole numbers" in answer.output

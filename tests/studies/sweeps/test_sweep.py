@@ -16,7 +16,10 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 from missions.files.errors import InputError
+from missions.flight_path import Circle
 from missions.library import load_mission
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
 from sizing.design import design_of
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
@@ -24,28 +27,25 @@ from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
-from studies.cli.files import LoadedAircraft, LoadedMission, open_aircraft, open_mission
-from studies.engine.workers import ProcessCrew, SerialCrew
+from studies.engine.run import compute
 from studies.output.columns import SizingStatus
 from studies.sweeps import plots as sweep_plots
-from studies.sweeps.axes import Axis, axis_names, parse_axis, points, unit_of
+from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.plots import pareto_front
-from studies.sweeps.points import PointStatus, held
-from studies.sweeps.study import prepare, sweep, to_table
+from studies.sweeps.points import PointStatus, held, judge_points, plain_data
+from studies.sweeps.study import dataset, prepare, sweep, to_table
 
-pytestmark = pytest.mark.slow
-
-AS2 = open_aircraft("atlantiksolar-as2")
-DESIGN = open_aircraft("atlantiksolar-design")
-JULY = open_mission("rafz-july")
-SUMMER = open_mission("central-europe-summer")
+AS2 = load_aircraft("atlantiksolar-as2")
+DESIGN = load_aircraft("atlantiksolar-design")
+JULY = load_mission("rafz-july")
+SUMMER = load_mission("central-europe-summer")
 
 
-def study(
-    aircraft: LoadedAircraft, mission: LoadedMission, *texts: str, **options: Any
-) -> xr.Dataset:
+def study(aircraft: Aircraft, mission: Mission, *texts: str, **options: Any) -> xr.Dataset:
     axes = [parse_axis(text) for text in texts]
-    return sweep(aircraft, mission, axes, crew=SerialCrew(), **options)
+    solar = SolarModel(options.pop("model", "CAM"))
+    prepared = prepare(aircraft, mission, axes, solar, **options)
+    return dataset(prepared, compute(prepared.job))
 
 
 # ---- axes and points
@@ -85,6 +85,14 @@ def test_names_and_units_of_axes() -> None:
     ]
     names = axis_names([Axis(key, (1.0,)) for key in keys])
     assert names == ["battery_mass_kg", "payload_mass_kg", "latitude_deg", "power_avionics_w"]
+    assert [axis_label(key) for key in keys] == [
+        "battery mass",
+        "payload mass",
+        "latitude",
+        "avionics power",
+    ]
+    assert axis_label("mission.flight_path.radius_m") == "flight path radius"
+    assert unit_of("airframe.structure.modulus_pa") == "Pa"
     assert unit_of("battery.specific_energy_wh_per_kg") == "W h kg-1"
     assert unit_of("mission.wind_m_per_s") == "m s-1"
     assert unit_of("mission.clearness") == "1"
@@ -161,7 +169,7 @@ def test_measured_aircraft_is_taken_as_it_is() -> None:
     data = study(AS2, JULY, "battery_mass_kg=2:3:0.5", "power.avionics_w=6")
     for mass in (2.0, 2.5, 3.0):
         craft = load_aircraft("atlantiksolar-as2", [f"battery.mass_kg={mass}"])
-        excess = performance(craft, JULY.mission).cycle.excess_time_h[0]
+        excess = performance(craft, JULY).cycle.excess_time_h[0]
         cell = data["excess_time"].sel(battery_mass_kg=mass).item()
         assert cell == pytest.approx(excess, rel=1e-9)
 
@@ -192,9 +200,7 @@ def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
 
 
 def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
-    data = study(
-        DESIGN, SUMMER, "mission.wind_m_per_s=2,30", "battery_mass_kg=3", solar=SolarModel("FM")
-    )
+    data = study(DESIGN, SUMMER, "mission.wind_m_per_s=2,30", "battery_mass_kg=3", model="FM")
     good, bad = data["status"].values.ravel()
     assert good <= PointStatus.perpetual
     assert bad == PointStatus.infeasible
@@ -210,7 +216,7 @@ def test_a_value_that_is_right_with_another_key_alone_is_varied() -> None:
     assert int(status.sel(maximum_lift_coefficient=1.4)) == PointStatus.invalid
     assert int(status.sel(maximum_lift_coefficient=1.6)) == PointStatus.perpetual
     for alone in ({"sample": "one-at-a-time"}, {}):
-        with pytest.raises(InputError, match=r"--vary .*lift_coefficient: .* must be below"):
+        with pytest.raises(InputError, match=r"lift_coefficient: .* must be below"):
             study(DESIGN, JULY, *(texts if alone else texts[:1]), **alone)
 
 
@@ -227,7 +233,7 @@ def test_one_at_a_time_starts_from_the_files() -> None:
         )
     )
     assert table["varied"].tolist() == ["", *["power_avionics_w"] * 2, *["clearness"] * 2]
-    base = performance(DESIGN.aircraft, JULY.mission).cycle.excess_time_h[0]
+    base = performance(DESIGN, JULY).cycle.excess_time_h[0]
     assert table["excess_time"].iloc[0] == pytest.approx(base, rel=1e-7)
     assert table["excess_time"].iloc[4] == pytest.approx(base, rel=1e-7)  # a clearness of 1
     low, high = table["excess_time"].iloc[1:3]
@@ -236,8 +242,9 @@ def test_one_at_a_time_starts_from_the_files() -> None:
 
 def test_processes_agree_to_the_last_bit() -> None:
     axes = [parse_axis("wingspan_m=3:9:0.1"), parse_axis("battery_mass_kg=1:9:0.2")]
-    alone = sweep(DESIGN, JULY, axes, crew=SerialCrew())
-    xr.testing.assert_identical(alone, sweep(DESIGN, JULY, axes, crew=ProcessCrew(2)))
+    vary = {axis.key: axis.values for axis in axes}
+    alone = sweep(DESIGN, JULY, vary)
+    xr.testing.assert_identical(alone, sweep(DESIGN, JULY, vary, workers=2))
     assert prepare_chunks(axes) > 1
 
 
@@ -249,11 +256,11 @@ def prepare_chunks(axes: list[Axis]) -> int:
 
 
 def test_holding_a_variable_at_its_optimum_changes_nothing() -> None:
-    free = size_aircraft(DESIGN.aircraft, JULY.mission, Objective.min_wingspan)
+    free = size_aircraft(DESIGN, JULY, Objective.min_wingspan)
     assert free.design is not None
     battery = float(free.design.variables.battery_mass_kg)
     axis = Axis("battery.mass_kg", (0.8 * battery, battery, 1.3 * battery))
-    data = sweep(DESIGN, JULY, [axis], resize=Objective.min_wingspan, crew=SerialCrew())
+    data = sweep(DESIGN, JULY, {axis.key: axis.values}, resize=Objective.min_wingspan)
     best = float(free.design.variables.wingspan_m)
     spans = data["wingspan"].values
     # The solver stops within its tolerance of 0.012 h of excess time above the requirement.
@@ -271,8 +278,8 @@ def test_held_variables_keep_their_values_and_others_are_sized() -> None:
     assert float(data["wingspan"][1, 0]) == pytest.approx(6.0, rel=1e-12)
     assert float(data["shortfall"][0, 0]) > 0.0
     assert "short by" in str(data["message"][0, 0].item())
-    whole = held(DESIGN.aircraft, {"wingspan_m": 6.0, "aspect_ratio": 15.0})
-    same = size_aircraft(whole, JULY.mission, Objective.max_excess_time)
+    whole = held(DESIGN, {"wingspan_m": 6.0, "aspect_ratio": 15.0})
+    same = size_aircraft(whole, JULY, Objective.max_excess_time)
     assert float(data["excess_time"][1, 0]) == pytest.approx(same.objective_value, rel=1e-9)
 
 
@@ -286,7 +293,7 @@ def test_held_variables_keep_their_values_and_others_are_sized() -> None:
         (["battery_mass_kg=1,1e300"], {}, "must be from 1e-09 to 1e+12 (got 1e+300)"),
         (["wingspan_m=1,2", "airframe.wingspan_m=3"], {}, "varied twice"),
         (["wingspan_m=3,4"], {"resize": Objective.min_wingspan}, "cannot be minimised"),
-        (["battery_mass_kg=3,4"], {"resize": Objective.min_mass, "cover": True}, "--cover"),
+        (["battery_mass_kg=3,4"], {"resize": Objective.min_mass, "cover": True}, "cover"),
         (["module_area_m2=1,2"], {"cover": True}, "cannot follow the wing"),
         (["wingspan_m=3:4"], {}, "needs a step"),
         (["mission.latitude_deg=0,1"], {"sample": "one-at-a-time"}, "no single number"),
@@ -295,7 +302,7 @@ def test_held_variables_keep_their_values_and_others_are_sized() -> None:
 def test_mistakes_are_named_before_the_work(
     texts: list[str], options: dict[str, Any], words: str
 ) -> None:
-    with pytest.raises(InputError, match="--vary") as caught:
+    with pytest.raises(InputError) as caught:
         study(DESIGN, SUMMER, *texts, **options)
     assert words in str(caught.value)
 
@@ -330,7 +337,7 @@ def test_front_is_that_of_comparing_all_pairs() -> None:
 )
 def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str, Any]) -> None:
     data = study(DESIGN, JULY, *texts, **options)
-    figure = sweep_plots.figure_of(data)
+    figure = sweep_plots.plot_sweep(data)
     words = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())]
     assert any("[h]" in text for text in words)
     buffer = io.BytesIO()
@@ -435,10 +442,10 @@ def test_parquet_without_its_package_is_refused_at_once(
 @pytest.mark.parametrize(
     ("axis", "message"),
     [
-        ("wingspan=4,5", "--vary wingspan: unknown key; did you mean 'wingspan_m'?"),
+        ("wingspan=4,5", "wingspan: unknown key; did you mean 'wingspan_m'?"),
         (
             "cost=4,5",
-            "--vary cost: unknown key; allowed: wingspan_m, aspect_ratio, battery_mass_kg",
+            "cost: unknown key; allowed: wingspan_m, aspect_ratio, battery_mass_kg",
         ),
         ("payload.mass_kg=0,1", "is a key of the mission: write mission.payload.mass_kg"),
         ("battery.mas_kg=1,2", "unknown key; did you mean 'mass_kg'?"),
@@ -447,3 +454,92 @@ def test_parquet_without_its_package_is_refused_at_once(
 def test_unknown_keys_get_a_hint(axis: str, message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         prepare(DESIGN, JULY, [parse_axis(axis)], SolarModel())
+
+
+# ---- points that fail, and the call from Python
+
+
+def _failing(configuration: Any, cells: Any) -> Any:
+    if any(cell[0] == 3.0 for cell in cells):
+        raise FloatingPointError("not today")
+    return judge_points(configuration, cells)
+
+
+def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
+    invoke: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studies.sweeps.study.judge_points", _failing)
+    vary = ["--vary", "battery_mass_kg=2,3,4", "--workers", "1"]
+    answer = invoke("atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png", "--json")
+    assert answer.exit_code == 1
+    first, *_, last = answer.stderr.splitlines()
+    for line in (first, last):
+        assert "1 of 3 points failed; the first: FloatingPointError: not today" in line
+    assert json.loads(answer.stdout)["status"]["failed"] == 1
+    data = xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf")
+    assert data["status"].values.tolist()[1] == PointStatus.failed
+    assert data.attrs["failed_cells"] == "battery_mass_kg 3: FloatingPointError: not today"
+    assert "not today" in str(data["message"].values[1])
+    figure = sweep_plots.plot_sweep(data)
+    assert "1 of 3 points failed" in figure.get_suptitle()
+    assert [t.get_text() for t in figure.axes[0].get_legend().get_texts()] == ["failed"]
+    table = invoke("atlantiksolar-design", *vary)
+    assert table.exit_code == 1
+    assert "1 failed" in " ".join(table.stdout.split())
+
+
+def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("studies.sweeps.study.judge_points", _failing)
+    vary = {"battery_mass_kg": [2, 3, 4], "power.avionics_w": [4, 6]}
+    with pytest.warns(RuntimeWarning, match="2 of 6 points failed"):
+        data = sweep(DESIGN, JULY, vary)
+    (legend,) = sweep_plots.plot_sweep(data).legends
+    assert "failed" in [text.get_text() for text in legend.get_texts()]
+
+
+def test_python_is_the_command(invoke: Any, tmp_path: Path) -> None:
+    vary = ["--vary", "aircraft.battery.mass_kg=2:3:0.5", "--vary", "mission.clearness=0.8,1"]
+    answer = invoke("atlantiksolar-as2", *vary, "--model", "CDM", "--out", "s.nc")
+    assert answer.exit_code == 0, answer.output
+    found = sweep(
+        AS2, JULY, {"battery_mass_kg": [2, 2.5, 3], "mission.clearness": (0.8, 1)}, model="CDM"
+    )
+    xr.testing.assert_identical(found, xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf"))
+
+
+@pytest.mark.parametrize("name", ["atlantiksolar-as2", "atlantiksolar-design", "sky-sailor"])
+def test_plain_data_read_back_are_equal(name: str) -> None:
+    for record in (load_aircraft(name), JULY, SUMMER, load_mission("rafz-loiter")):
+        again = type(record).model_validate(json.loads(json.dumps(plain_data(record))))
+        assert again == record
+    path = Circle(radius_m=100.0, airspeed_m_per_s=9.0)  # its kind is a default
+    mission = JULY.model_copy(update={"flight_path": path})
+    assert Mission.model_validate(plain_data(mission)) == mission
+
+
+@pytest.mark.parametrize(
+    ("vary", "options", "words"),
+    [
+        ({"wingspan_m": [4, 5]}, {"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM"),
+        ({"wingspan_m": [4, 5]}, {"resize": "min_price"}, "unknown objective 'min_price'; allow"),
+        ({"wingspan_m": [4, 5]}, {"sample": "some"}, "unknown sample 'some'; allowed: grid, lhs"),
+        ({"wingspan_m": [4, 4]}, {}, "wingspan_m has a value twice"),
+        ({"wingspan_m": []}, {}, "wingspan_m needs"),
+        ({"wingspan_m": ["4"]}, {}, "wingspan_m needs a list of finite numbers"),
+        ({"wingspan": [4, 5]}, {}, "unknown key; did you mean 'wingspan_m'?"),
+        ({}, {}, "nothing is varied"),
+    ],
+)
+def test_python_refuses_what_is_not_allowed(
+    vary: dict[str, Any], options: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(ValueError, match=re.escape(words)):
+        sweep(DESIGN, JULY, vary, **options)
+
+
+def test_steps_that_do_not_meet_their_end_are_told(invoke: Any) -> None:
+    answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=2:4:0.7", "--json")
+    assert answer.exit_code == 0, answer.output
+    assert "--vary battery_mass_kg=2:4:0.7 ends at 3.4: no whole number of" in answer.stderr
+    answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=0.1:0.4:0.1", "--json")
+    assert answer.stderr == ""

@@ -1,0 +1,125 @@
+"""Figures of maps over season and latitude.
+
+Cells are drawn as they are: nothing is smoothed or filled in between. Cells without a result are
+hatched, by the reason.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+
+from missions.dates import MONTH_NAMES, date_label
+from studies.output.cells import (
+    cell_edges,
+    draw_cells,
+    draw_colour_bar,
+    draw_level_lines,
+    finite_range,
+    hatch_cells,
+)
+from studies.output.columns import HATCHES, SIZED, status_names
+from studies.output.plots import correction_label, new_figure
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from solar.types import FloatArray
+
+__all__ = ["plot_map", "plot_resized_map"]
+
+# Objective -> variable that is drawn.
+_SHOWN = {
+    "max_excess_time": "excess_time",
+    "min_wingspan": "wingspan",
+    "min_mass": "total_mass",
+    "max_payload_mass": "payload_mass",
+    "max_payload_power": "payload_power",
+}
+_LEVELS = 6  # on either side of zero
+_DATES = 6  # along an axis of less than two months
+
+
+def plot_map(data: xr.Dataset) -> Figure:
+    """Excess time over season and latitude, with the edge of perpetual flight drawn as a line."""
+    figure, axes = _begun(data, after="; line: edge of perpetual flight")
+    days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
+    excess = data["excess_time"].to_numpy()
+    top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
+    shown = np.where(np.isposinf(excess), 2.0 * top, excess)
+    levels = _levels(top)
+    norm = BoundaryNorm(levels, ncolors=256, extend="both")
+    mesh = axes.pcolormesh(cell_edges(days), cell_edges(latitudes), shown, cmap="PuOr", norm=norm)
+    bar = figure.colorbar(mesh, ax=axes, ticks=levels)
+    bar.set_label("excess time [h]; beyond the top: no night")
+    if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
+        # No edge leads along cells of which nothing is known.
+        perpetual = np.where(np.isnan(shown), np.nan, shown > 0.0)
+        axes.contour(days, latitudes, perpetual, [0.5], colors="black")
+    _finish(figure, axes, data)
+    return figure
+
+
+def plot_resized_map(data: xr.Dataset) -> Figure:
+    """Objective of the best design over season and latitude.
+
+    Lines lead from cell to cell where both have a design.
+    """
+    name = _SHOWN[data.attrs["objective"]]
+    figure, axes = _begun(data, before=f": {data.attrs['objective']}")
+    days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
+    values = np.where(data["status"].isin(SIZED), data[name].to_numpy(), np.nan)
+    norm = finite_range(values)
+    draw_colour_bar(
+        figure,
+        draw_cells(axes, days, latitudes, values, norm),
+        axes,
+        f"{data[name].long_name} [{data[name].units}]",
+        unlimited=bool(np.isposinf(values).any()),
+    )
+    draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
+    _finish(figure, axes, data)
+    return figure
+
+
+def _begun(data: xr.Dataset, *, before: str = "", after: str = "") -> tuple[Figure, Axes]:
+    """Figure with a title around the solar model."""
+    solar = f"{data.attrs['solar_model']}, {correction_label(data.attrs['correction'])}"
+    title = f"{data.attrs['title']}{before} ({solar}){after}"
+    figure, (axes,) = new_figure(title=title, size_in=(8.5, 5.2), grid="")
+    return figure, axes
+
+
+def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
+    """Hatches with their legend, and months."""
+    names = {value: name for value, name in status_names(data).items() if name in HATCHES}
+    hatches = {value: HATCHES[name] for value, name in names.items()}
+    days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
+    entries = hatch_cells(axes, days, latitudes, data["status"].to_numpy(), hatches, names)
+    if entries:
+        figure.legend(handles=entries, loc="outside lower right", ncols=3)
+    _season_axes(axes, days)
+
+
+def _levels(top: float) -> FloatArray:
+    """Symmetric levels around zero, so that white is where perpetual flight begins."""
+    steps = (0.5, 1.0, 2.0, 3.0, 4.0)
+    step = next((s for s in steps if top <= _LEVELS * s), float(np.ceil(top / _LEVELS)))
+    return step * np.arange(-_LEVELS, _LEVELS + 1.0)
+
+
+def _season_axes(axes: Axes, days: FloatArray) -> None:
+    """Months along the axis of days, and the name of the other one."""
+    starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
+    if np.count_nonzero((days.min() <= starts) & (starts <= days.max())) > 1:
+        axes.set_xticks(starts, MONTH_NAMES, ha="left")
+        axes.set_xlim(days.min(), days.max())
+    else:
+        shown = np.unique(np.linspace(days.min(), days.max(), _DATES).round().astype(int))
+        axes.set_xticks(shown, [date_label(int(day)) for day in shown])
+    lowest, highest = axes.get_ylim()
+    axes.set(ylabel="latitude [deg]", ylim=(max(lowest, -90.0), min(highest, 90.0)))

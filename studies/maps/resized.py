@@ -1,0 +1,137 @@
+"""Map of the best design over latitude and season: the aircraft is sized anew in every cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.optimisation.objectives import Objective
+from sizing.sunlight import SolarModel
+from solar.names import CorrectionName, ModelName
+from studies.engine.run import Cell, Job, compute
+from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
+from studies.output.columns import BLANKS, DESCRIBED, SizingStatus, resize_objective, size_cells
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["prepare", "resized_map"]
+
+_SIZING_S = 8e-3  # of a cell, roughly
+
+
+@dataclass(frozen=True)
+class ResizedMapConfiguration:
+    """What all cells of a map have in common."""
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    objective: Objective
+
+
+def resized_map(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: str | Objective,
+    *,
+    latitudes: ArrayLike = LATITUDES_DEG,
+    days: ArrayLike = DAYS,
+    required_excess_time_h: float | None = None,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    workers: int | None = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Best design in every cell of latitude and day.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Parametric aircraft whose design variables are chosen.
+    mission : Mission
+        In which air and with which payload; its own latitudes and dates play no part.
+    objective : str or Objective
+        ``min_wingspan``, ``min_mass``, ``max_excess_time``, ``max_payload_mass`` or
+        ``max_payload_power``.
+    latitudes : array_like, optional
+        Latitudes [deg], north positive, ascending.
+    days : array_like, optional
+        Days of year from 1 to 365, ascending.
+    required_excess_time_h : float, optional
+        Excess time that every design must have [h]; by default the mission's.
+    model : {"CAM", "CDM", "VM", "FM"}, optional
+        Solar power model.
+    correction : {"none", "report", "loiter"}, optional
+        Correction of the model's systematic error.
+    workers : int or None, optional
+        Processes that compute: 1 starts none, None as many as there are cores where that pays. The
+        result is the same to the last bit. A script that starts workers needs
+        ``if __name__ == "__main__":``.
+    progress : callable, optional
+        Called with the cells done and the cells in all.
+
+    Returns
+    -------
+    xarray.Dataset
+        On the dimensions ``latitude`` and ``day``, with CF attributes. Numbers of cells without a
+        design are NaN; ``status`` (:class:`studies.output.columns.SizingStatus`),
+        ``violated_requirement`` and ``message`` tell why. Cells that could not be computed have
+        the status ``failed``; the attribute ``failed_cells`` lists them, and a warning counts them.
+
+    Raises
+    ------
+    ValueError
+        If a name or a number is out of what is allowed, or the aircraft is measured.
+    ComputationError
+        If every cell failed.
+    """
+    if required_excess_time_h is not None:
+        if not 0.0 <= required_excess_time_h < math.inf:
+            raise ValueError(f"required_excess_time_h must be >= 0 (got {required_excess_time_h})")
+        mission = mission.model_copy(
+            update={"required_excess_time_h": float(required_excess_time_h)}
+        )
+    solar = SolarModel(model, correction)
+    study = prepare(aircraft, mission, objective, latitudes, days, solar)
+    return study.dataset(compute(study.job, workers, progress))
+
+
+def prepare(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: str | Objective,
+    latitudes: ArrayLike,
+    days: ArrayLike,
+    solar: SolarModel,
+) -> MapStudy:
+    """Check a map and divide it into chunks; parameters are those of :func:`resized_map`."""
+    asked = resize_objective(objective)
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
+    grid = Grid.of(latitudes, days)
+    chunks = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))
+    configuration = ResizedMapConfiguration(aircraft, mission, solar, asked)
+    return MapStudy(
+        Job(_resized_chunk, configuration, chunks, BLANKS),
+        grid,
+        f"Best designs of {aircraft.name}",
+        DESCRIBED,
+        SizingStatus,
+        {
+            "objective": asked.value,
+            "required_excess_time_h": mission.required_excess_time_h,
+        },
+    )
+
+
+def _resized_chunk(configuration: ResizedMapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Best designs of some cells."""
+    asked = configuration
+    return size_cells(asked.aircraft, asked.mission, cells, asked.objective, asked.solar)
