@@ -8,12 +8,8 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from missions.dates import day_of_year
-from missions.library import load_mission
-from missions.mission import Scenarios
-from sizing.library import load_aircraft
-from sizing.optimisation.cells import size_cells
-from sizing.sunlight import SolarModel
+import missions
+import sizing
 
 SPECIFIC_ENERGIES_WH_PER_KG = np.arange(200.0, 501.0, 25.0)
 DATES = {"21 June": "06-21", "15 August": "08-15", "23 September": "09-23"}
@@ -22,14 +18,14 @@ LATITUDE_DEG = 47.6
 
 def smallest_wingspans_m(specific_energy_wh_per_kg: float) -> np.ndarray:
     """Least wingspan on each date with 3 h of excess time; NaN where no design is feasible."""
-    days = np.array([day_of_year(date) for date in DATES.values()])
-    energy = f"battery.specific_energy_wh_per_kg={specific_energy_wh_per_kg}"
+    days = np.array([missions.day_of_year(date) for date in DATES.values()])
+    better = {"battery.specific_energy_wh_per_kg": specific_energy_wh_per_kg}
     # Every date is a cell of its own; cells are sized for the least wingspan unless told otherwise.
-    found = size_cells(
-        load_aircraft("atlantiksolar-design", [energy]),
-        load_mission("rafz-july"),
-        Scenarios(np.full(len(days), LATITUDE_DEG), days),
-        solar=SolarModel("CAM", "report"),
+    found = sizing.size_cells(
+        sizing.load_aircraft("atlantiksolar-design", better),
+        missions.load_mission("rafz-july"),
+        missions.Scenarios(np.full(len(days), LATITUDE_DEG), days),
+        solar=sizing.SolarModel("CAM", "report"),
         required_excess_time_h=3.0,
     )
     return found.objective_value

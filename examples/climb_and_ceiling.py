@@ -1,23 +1,21 @@
-"""How high AtlantikSolar AS-2 flies for ever in June, and what climbing with surplus power gains.
+"""Ceiling of perpetual flight of AtlantikSolar AS-2 in June, and what climbing by day gains.
 
 Run with: python examples/climb_and_ceiling.py
 """
 
-from missions.library import load_mission
-from sizing.altitude.ceiling import highest_perpetual_altitude
-from sizing.altitude.climb_cycle import climb_performance
-from sizing.library import load_aircraft
+import missions
+import sizing
 
 # 47.6 N on 21 June in standard air; empty brackets take out what the file says of the air.
-JUNE = ["dates={on: 06-21}", "air={}"]
+JUNE = {"dates": {"on": "06-21"}, "air": {}}
 
 
 def main() -> None:
     """Print the ceiling of flight at constant altitude, then the gain of climbs by day."""
-    aircraft = load_aircraft("atlantiksolar-as2")
-    mission = load_mission("rafz-july", JUNE)
+    aircraft = sizing.load_aircraft("atlantiksolar-as2")
+    mission = missions.load_mission("rafz-july", JUNE)
 
-    found = highest_perpetual_altitude(aircraft, mission, step_m=1000.0)
+    found = sizing.highest_perpetual_altitude(aircraft, mission, step_m=1000.0)
     if found.highest is None:
         print("no perpetual flight at any altitude")
         return
@@ -28,13 +26,12 @@ def main() -> None:
 
     # Potential-energy storage: climb once the battery is full, glide in the evening.
     for ceiling_m in (1536, 3536, 6536):
-        climbs = load_mission("rafz-july", [*JUNE, f"climb={{ceiling_m: {ceiling_m}}}"])
-        result = climb_performance(aircraft, climbs)
-        stored_wh = result.climb.maximum_potential_energy_wh[0]
+        climbs = missions.load_mission("rafz-july", JUNE | {"climb": {"ceiling_m": ceiling_m}})
+        climb = sizing.analyse(aircraft, climbs).to_dict()["climb"]
         print(
-            f"climbing to {ceiling_m} m stores {stored_wh:.1f} Wh, "
-            f"glides {result.climb.gliding_h[0]:.1f} h and adds {result.gain_h[0]:.2f} h "
-            f"to {result.constant.cycle.excess_time_h[0]:.2f} h of excess time"
+            f"climbing to {ceiling_m} m stores {climb['stored_height_wh']:.1f} Wh, "
+            f"glides {climb['gliding_h']:.1f} h and adds {climb['gain_in_excess_time_h']:.2f} h "
+            f"to {climb['constant_altitude_excess_time_h']:.2f} h of excess time"
         )
 
 

@@ -8,7 +8,7 @@ import sys
 from missions.library import load_mission
 from sizing.library import load_aircraft
 from studies.models.comparison import compare
-from studies.models.plots import comparison_figure
+from studies.models.plots import plot_comparison
 from studies.models.solar_models import model_label
 
 
@@ -34,7 +34,7 @@ def main() -> None:
     print(found.headline())
 
     if len(sys.argv) > 1:
-        comparison_figure(found).savefig(sys.argv[1], dpi=150)
+        plot_comparison(found).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

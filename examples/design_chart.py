@@ -9,7 +9,7 @@ import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from studies.sweeps.plots import figure_of
+from studies.sweeps.plots import plot_sweep
 from studies.sweeps.study import feasible, sweep
 
 
@@ -40,7 +40,7 @@ def main() -> None:
                 f"with {float(row.idxmax()):.2f} kg of battery"
             )
     if len(sys.argv) > 1:
-        figure_of(data).savefig(sys.argv[1], dpi=150)
+        plot_sweep(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

@@ -8,27 +8,23 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from missions.dates import day_of_year
-from missions.library import load_mission
-from missions.mission import Scenarios
-from sizing.library import load_aircraft
-from sizing.optimisation.cells import size_cells
-from sizing.sunlight import SolarModel
+import missions
+import sizing
 
 LATITUDES_DEG = np.arange(-30.0, 61.0, 10.0)
 PAYLOADS_KG = np.array([0.0, 1.0, 2.0])
 # The summer is its two ends and the solstice. They make one cell: the worst of them counts.
-DAYS = np.array([day_of_year(date) for date in ("05-01", "06-21", "08-15")])
+DAYS = np.array([missions.day_of_year(date) for date in ("05-01", "06-21", "08-15")])
 
 
 def main() -> None:
     """Size every case at once, print a table and draw a curve for each payload."""
     payload, latitude = (v.ravel() for v in np.meshgrid(PAYLOADS_KG, LATITUDES_DEG, indexing="ij"))
-    found = size_cells(
-        load_aircraft("atlantiksolar-design"),
-        load_mission("central-europe-summer"),
-        Scenarios(np.repeat(latitude, len(DAYS)), np.tile(DAYS, len(latitude))),
-        solar=SolarModel("CAM", "report"),
+    found = sizing.size_cells(
+        sizing.load_aircraft("atlantiksolar-design"),
+        missions.load_mission("central-europe-summer"),
+        missions.Scenarios(np.repeat(latitude, len(DAYS)), np.tile(DAYS, len(latitude))),
+        solar=sizing.SolarModel("CAM", "report"),
         scenarios_per_cell=len(DAYS),
         required_excess_time_h=2.0,
         payload_mass_kg=payload,

@@ -9,7 +9,7 @@ import numpy as np
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from studies.maps.plots import resized_map_figure
+from studies.maps.plots import plot_resized_map
 from studies.maps.resized import resized_map
 from studies.output.columns import SIZED, SizingStatus
 
@@ -41,7 +41,7 @@ def main() -> None:
         names = sorted(set(lacking.to_numpy().tolist()) - {""})
         print(f"{text}; else missed: {', '.join(names)}" if names else text)
     if len(sys.argv) > 1:
-        resized_map_figure(data).savefig(sys.argv[1], dpi=150)
+        plot_resized_map(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

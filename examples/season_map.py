@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from missions.library import load_mission
 from sizing.library import load_aircraft
 from studies.maps.feasibility import feasibility_map, season_length
-from studies.maps.plots import map_figure
+from studies.maps.plots import plot_map
 
 AIRCRAFT = {"as built": [], "half the battery": ["battery.mass_kg=1.46"]}
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366, 2)
@@ -42,7 +42,7 @@ def main() -> None:
 
 def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     """Map as built; dashed the edge with half the battery; what was published, and the tropics."""
-    figure = map_figure(built)
+    figure = plot_map(built)
     axes = figure.axes[0]
     flies = (half["excess_time"] > 0.0).astype(float)
     axes.contour(DAYS, LATITUDES_DEG, flies, [0.5], colors="black", linestyles="dashed")

@@ -3,44 +3,34 @@
 Run with: python examples/size_an_aircraft.py
 """
 
-from missions.library import load_mission
-from sizing.library import load_aircraft
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.search import size_aircraft
-from sizing.sunlight import SolarModel
+import missions
+import sizing
 
 
 def main() -> None:
     """Print the sized aircraft for two margins, or what stands in the way."""
     # AtlantikSolar's technology; span, battery and module area are free within its design space.
-    aircraft = load_aircraft("atlantiksolar-design")
+    aircraft = sizing.load_aircraft("atlantiksolar-design")
     # 45 to 50 N, 1 May to 15 August, with a payload.
-    mission = load_mission("central-europe-summer", ["payload.mass_kg=0.25", "payload.power_w=3"])
+    camera = {"payload.mass_kg": 0.25, "payload.power_w": 3}
+    mission = missions.load_mission("central-europe-summer", camera)
 
     # Hours without sun that remain possible at every dawn. Try 30.
-    for margin_h in (2.0, 4.0):
-        result = size_aircraft(
+    for required_h in (2.0, 4.0):
+        sized = sizing.size(
             aircraft,
             mission,
-            Objective.min_wingspan,
-            SolarModel("CAM", "report"),
-            required_excess_time_h=margin_h,
+            "min_wingspan",
+            required_excess_time_h=required_h,
+            correction="report",
         )
-        print(f"margin of {margin_h:g} h: {result.status.label}")
-        if result.design is None or result.simulated is None:
-            for violation in result.violations:
-                print(f"  {violation.text}")
-            continue
-        chosen = result.design.variables
-        print(
-            f"  wingspan {chosen.wingspan_m:.2f} m, battery {chosen.battery_mass_kg:.2f} kg, "
-            f"modules {chosen.module_area_m2:.2f} m2, mass {result.design.total_mass_kg:.2f} kg"
-        )
-        # The simulator repeats what the optimiser promised.
-        worst = result.simulated.worst_scenario()
-        where = result.simulated.day.scenarios.label(worst)
-        print(f"  simulated: {result.simulated.cycle.excess_time_h[worst]:.2f} h at {where}")
-        print(f"  limited by: {', '.join(result.active_constraints)}")
+        # An optimum, or the requirement that cannot be met and what would help.
+        print(f"required excess time of {required_h:g} h")
+        print(sized)
+
+    # A sized aircraft is an aircraft again: what would the Full Model say of the last one?
+    flown = sizing.analyse(sized.sized_aircraft(), sized.sized_mission(), model="FM")
+    print(f"on a circle, by FM: excess time {flown.excess_time_h:.2f} h")
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from sizing.optimisation.sensitivity import (
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel
-from studies.output.plots import tornado_figure
+from studies.output.plots import plot_sensitivities
 
 pytestmark = pytest.mark.slow
 
@@ -240,7 +240,7 @@ def test_every_objective_with_sensitivities_has_a_chart(objective: Objective) ->
         Sensitivity("battery.specific_energy_wh_per_kg", "Wh/kg", 100.0, 0.25, 0.5),
         Sensitivity("airframe.avionics_mass_kg", "kg", 100.0, -0.12, -0.5),
     ]
-    (axes,) = tornado_figure(worth, objective, "name", SolarModel("CAM")).axes
+    (axes,) = plot_sensitivities(worth, objective, "name", SolarModel("CAM")).axes
     better, worse = axes.containers
     # More is better of a payload or an excess time, less of a span or a mass.
     gained = 0.25 if objective.maximised else -0.12

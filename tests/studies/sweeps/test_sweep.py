@@ -337,7 +337,7 @@ def test_front_is_that_of_comparing_all_pairs() -> None:
 )
 def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str, Any]) -> None:
     data = study(DESIGN, JULY, *texts, **options)
-    figure = sweep_plots.figure_of(data)
+    figure = sweep_plots.plot_sweep(data)
     words = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())]
     assert any("[h]" in text for text in words)
     buffer = io.BytesIO()
@@ -480,7 +480,7 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     assert data["status"].values.tolist()[1] == PointStatus.failed
     assert data.attrs["failed_cells"] == "battery_mass_kg 3: FloatingPointError: not today"
     assert "not today" in str(data["message"].values[1])
-    figure = sweep_plots.figure_of(data)
+    figure = sweep_plots.plot_sweep(data)
     assert "1 of 3 points failed" in figure.get_suptitle()
     assert [t.get_text() for t in figure.axes[0].get_legend().get_texts()] == ["failed"]
     table = invoke("atlantiksolar-design", *vary)
@@ -493,7 +493,7 @@ def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
     vary = {"battery_mass_kg": [2, 3, 4], "power.avionics_w": [4, 6]}
     with pytest.warns(RuntimeWarning, match="2 of 6 points failed"):
         data = sweep(DESIGN, JULY, vary)
-    (legend,) = sweep_plots.figure_of(data).legends
+    (legend,) = sweep_plots.plot_sweep(data).legends
     assert "failed" in [text.get_text() for text in legend.get_texts()]
 
 
