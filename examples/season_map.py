@@ -10,9 +10,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from missions.library import load_mission
-from sizing.library import load_aircraft
-from studies.maps.feasibility import feasibility_map, season_length
+import missions
+import sizing
+import studies
+from studies.maps.feasibility import season_length
 from studies.maps.plots import map_figure
 
 AIRCRAFT = {"as built": [], "half the battery": ["battery.mass_kg=1.46"]}
@@ -25,11 +26,11 @@ SOLSTICE, HALF_WINDOW_D, MID_EUROPE_DEG = 172, 91, (45.0, 50.0)
 def main() -> None:
     """Print the days of perpetual flight by latitude, and draw the map."""
     # The mission gives the air and the load; latitudes and days are those of the map.
-    mission = load_mission("rafz-july")
+    mission = missions.load_mission("rafz-july")
     maps = {}
     for name, overrides in AIRCRAFT.items():
-        aircraft = load_aircraft("atlantiksolar-as2", overrides)
-        maps[name] = feasibility_map(
+        aircraft = sizing.load_aircraft("atlantiksolar-as2", overrides)
+        maps[name] = studies.feasibility_map(
             aircraft, mission, latitudes=LATITUDES_DEG, days=DAYS, correction="report"
         )
         share = season_length(maps[name]) / len(DAYS)

@@ -4,7 +4,9 @@ from .ceiling import perpetual_ceiling as perpetual_ceiling
 from .flight_logs.verification import Verification as Verification
 from .flight_logs.verification import verify as verify
 from .maps.feasibility import feasibility_map as feasibility_map
+from .maps.resized import resized_map as resized_map
 from .models.comparison import Comparison as Comparison
 from .models.comparison import compare as compare
 from .models.plots import comparison_figure as comparison_figure
+from .output.plots import plot_cycle as plot_cycle
 from .sweeps.study import sweep as sweep

@@ -144,6 +144,21 @@ def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -
 # ---- The cycle of a day
 
 
+def plot_cycle(analysis: Analysis) -> Figure:
+    """Power and state of charge: the replayed flight where there is one, else the worst scenario.
+
+    Parameters
+    ----------
+    analysis : Analysis
+
+    Returns
+    -------
+    Figure
+    """
+    flight = analysis.flight
+    return cycle_figure(analysis) if flight is None else flight_figure(analysis, flight)
+
+
 def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
     """State of charge and power over the cycle of one scenario.
 
