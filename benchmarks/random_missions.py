@@ -1,10 +1,10 @@
-"""Random missions and technology sets, sized, certified and held against a search by simulation.
+"""Random missions and technology sets, sized, cross-checked and held against a simulated grid.
 
 ``python -m benchmarks.random_missions --count 300``. Each case is drawn from its own seed:
 aircraft, latitudes, dates, altitude, clearness, turbulence, payload, wind, uncertainty margins,
 battery, cells, avionics, free variables, objective and required excess time. The optimum is
-certified; the verdict, feasible or not, is compared with a grid over the whole design space that
-only the simulator judges.
+cross-checked; the verdict, feasible or not, is compared with a grid over the whole design space
+that only the simulator judges.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe, Range
 from sizing.design import FlightConditions, variables_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
-from sizing.optimisation.cross_check import certify, design_grid
+from sizing.optimisation.cross_check import cross_check, design_grid
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
@@ -91,7 +91,15 @@ def _random_mission(rng: np.random.Generator) -> Mission:
 def feasible_on_grid(
     aircraft: Aircraft, mission: Mission, objective: Objective, required_h: float
 ) -> bool:
-    """Whether the simulator finds any feasible design on a grid over the design space."""
+    """Whether the simulator finds any feasible design on a grid over the design space.
+
+    Parameters
+    ----------
+    aircraft, mission, objective
+        As for :func:`sizing.optimisation.search.size_aircraft`.
+    required_h : float
+        Required excess time [h].
+    """
     own = variables_of(aircraft)._replace(
         lift_coefficient=None,
         payload_mass_kg=mission.payload.mass_kg,
@@ -108,7 +116,7 @@ def feasible_on_grid(
 
 
 def judged(seed: int) -> dict[str, Any]:
-    """Verdict, certificate and time of a seed."""
+    """Verdict, cross-check and time of a seed."""
     aircraft, mission, objective, required_h = random_case(seed)
     begun = time.process_time()
     result = size_aircraft(aircraft, mission, objective, required_excess_time_h=required_h)
@@ -116,13 +124,13 @@ def judged(seed: int) -> dict[str, Any]:
         "seed": seed,
         "objective": objective.value,
         "required_h": required_h,
-        "status": result.status,
+        "status": result.status.name,
         "value": result.objective_value,
         "cpu_s": time.process_time() - begun,
     }
     if result.feasible:
-        found = certify(aircraft, mission, result)
-        row |= {"certified": found.certified, "best_found": found.best_found}
+        found = cross_check(aircraft, mission, result)
+        row |= {"cross_checked": found.cross_checked, "best_found": found.best_found}
     else:
         row["on_grid"] = feasible_on_grid(aircraft, mission, objective, required_h)
     return row
@@ -132,18 +140,22 @@ def judged(seed: int) -> dict[str, Any]:
 @click.option("--count", default=300, show_default=True, help="Number of cases.")
 @click.option("--first", default=0, show_default=True, help="First seed.")
 def main(count: int, first: int) -> None:
-    """Size random missions, certify the optima and check the verdicts; print the exceptions."""
+    """Size random missions, cross-check the optima and check the verdicts; print the exceptions."""
     rows = []
     for seed in range(first, first + count):
         rows.append(judged(seed))
         row = rows[-1]
-        if row["status"] == "not_converged" or row.get("on_grid") or row.get("certified") is False:
+        if (
+            row["status"] == "not_converged"
+            or row.get("on_grid")
+            or row.get("cross_checked") is False
+        ):
             click.echo(row)
     statuses = Counter(row["status"] for row in rows)
-    certified = sum(bool(row.get("certified")) for row in rows)
+    checked = sum(bool(row.get("cross_checked")) for row in rows)
     contradicted = sum(bool(row.get("on_grid")) for row in rows)
     click.echo(f"{count} cases: {dict(statuses)}")
-    click.echo(f"{certified} of {statuses['optimal']} optima certified")
+    click.echo(f"{checked} of {statuses['optimal']} optima pass the cross-check")
     click.echo(f"{contradicted} infeasible verdicts contradicted by the grid")
     for status in statuses:
         times = [row["cpu_s"] for row in rows if row["status"] == status]

@@ -78,7 +78,7 @@ def recorded_commands() -> Commands:
             commands[f"size-{aircraft}-{objective}"] = [
                 *("size", aircraft, "-m", "central-europe-summer", "--objective", objective),
                 *("--required-excess-time", "1"),
-                *([] if season else ["--sensitivities", "--certify"]),
+                *([] if season else ["--sensitivities", "--cross-check"]),
             ]
     commands |= {f"random-{seed:03d}": _random_sizing(seed) for seed in range(100)}
     return commands

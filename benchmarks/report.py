@@ -44,16 +44,15 @@ includes the simulation that confirms the optimum. The run fails if the optima d
 its own aerodynamics, is not measured here.""",
     "sizing, solve again": """More requirements for the same aircraft. AeroSandbox keeps its
 program, sets the parameter and starts from the last solution. Ours keeps its program as well and
-goes from one answer to the next by sequential quadratic programming (`sizing.optimisation.cells`);
-the
-simulator confirms every design.""",
+goes from one solution to the next by sequential quadratic programming
+(`sizing.optimisation.cells`); the simulator confirms every design.""",
     "map of 240 sizings": """Twenty latitudes times twelve payloads, three dates each; in the
 southern winter there is no design for heavy payloads. Ours sizes all cells at once, with the
-requirements at a price: an infeasible cell says what is missing in about the time of a feasible
+requirements penalised: an infeasible cell says what is missing in about the time of a feasible
 one, while IPOPT searches the collocation for a feasible point until it gives up. AeroSandbox is
 given 150 iterations and 1 s for each cell, and this limit makes most of its time in infeasible
 ones; without it some of them took up to 30 s. Its program is built once. An AeroSandbox user could
-make the program elastic too. Our time includes sun, simulation and certification of every cell.""",
+penalise its requirements too. Our time includes sun, simulation and cross-check of every cell.""",
     "its feasible cells": """The feasible cells of that map alone: what the choice of a limit has
 no part in.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar

@@ -33,7 +33,7 @@ def main() -> None:
     print(found.headline())
 
     if len(sys.argv) > 1:
-        studies.comparison_figure(found).savefig(sys.argv[1], dpi=150)
+        studies.plot_comparison(found).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

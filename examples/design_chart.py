@@ -10,7 +10,6 @@ import numpy as np
 import missions
 import sizing
 import studies
-from studies.sweeps.plots import figure_of
 from studies.sweeps.study import feasible
 
 
@@ -41,7 +40,7 @@ def main() -> None:
                 f"with {float(row.idxmax()):.2f} kg of battery"
             )
     if len(sys.argv) > 1:
-        figure_of(data).savefig(sys.argv[1], dpi=150)
+        studies.plot_sweep(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ import numpy as np
 import missions
 import sizing
 import studies
-from studies.maps.plots import resized_map_figure
 from studies.output.columns import SIZED, SizingStatus
 
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
@@ -41,7 +40,7 @@ def main() -> None:
         names = sorted(set(lacking.to_numpy().tolist()) - {""})
         print(f"{text}; else missed: {', '.join(names)}" if names else text)
     if len(sys.argv) > 1:
-        resized_map_figure(data).savefig(sys.argv[1], dpi=150)
+        studies.plot_resized_map(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

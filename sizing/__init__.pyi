@@ -16,6 +16,7 @@ from .library import load_aircraft as load_aircraft
 from .optimisation.cells import size_cells as size_cells
 from .optimisation.objectives import Objective as Objective
 from .optimisation.result import SizingResult as SizingResult
+from .optimisation.result import SizingStatus as SizingStatus
 from .performance import Performance as Performance
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import Design, FlightConditions, flown_at
+from sizing.parameters import unit
 from sizing.smooth import Value
 
 
@@ -83,46 +84,29 @@ class DesignInFlight(NamedTuple):
         )
 
 
-class Quantity(NamedTuple):
-    """A quantity that may be bounded: its unit and its formula."""
-
-    unit: str
-    of: Callable[[DesignInFlight], Value]
-
-
-QUANTITIES: dict[LimitedQuantity, Quantity] = {
-    "total_mass_kg": Quantity("kg", lambda it: it.design.total_mass_kg),
-    "structure_mass_kg": Quantity("kg", lambda it: it.design.masses.structure),
-    "battery_energy_wh": Quantity("Wh", lambda it: it.design.battery_energy_wh),
-    "battery_fraction": Quantity(
-        "1", lambda it: it.design.masses.battery / it.design.total_mass_kg
-    ),
-    "payload_fraction": Quantity(
-        "1", lambda it: it.design.masses.payload / it.design.total_mass_kg
-    ),
-    "wing_area_m2": Quantity("m2", lambda it: it.design.wing_area_m2),
-    "chord_m": Quantity("m", lambda it: it.chord_m),
-    "module_coverage": Quantity(
-        "1", lambda it: it.design.variables.module_area_m2 / it.design.wing_area_m2
-    ),
-    "wing_loading_kg_per_m2": Quantity(
-        "kg/m2", lambda it: it.design.total_mass_kg / it.design.wing_area_m2
-    ),
-    "airspeed_m_per_s": Quantity("m/s", lambda it: it.design.airspeed_m_per_s),
-    "stall_speed_m_per_s": Quantity("m/s", lambda it: it.design.airspeed_m_per_s / it.stall_margin),
-    "stall_margin": Quantity("1", lambda it: it.stall_margin),
-    "lift_coefficient": Quantity("1", lambda it: it.lift_coefficient),
-    "reynolds_number": Quantity("1", lambda it: it.reynolds_number),
-    "propulsion_power_w": Quantity("W", lambda it: it.design.propulsion_power_w),
-    "rated_power_w": Quantity("W", lambda it: it.rated_power_w),
-    "load_w": Quantity("W", lambda it: it.load_w),
-    "climb_rate_m_per_s": Quantity("m/s", lambda it: it.climb_rate_m_per_s),
-    "cruise_discharge_rate_per_h": Quantity(
-        "1/h", lambda it: it.load_w / it.design.battery_energy_wh
-    ),
-    "climb_discharge_rate_per_h": Quantity(
-        "1/h",
-        lambda it: (it.rated_power_w + it.design.constant_power_w) / it.design.battery_energy_wh,
+# Quantities that may be bounded; their units and labels are in the catalogue of parameters.
+QUANTITIES: dict[LimitedQuantity, Callable[[DesignInFlight], Value]] = {
+    "total_mass_kg": lambda it: it.design.total_mass_kg,
+    "structure_mass_kg": lambda it: it.design.masses.structure,
+    "battery_energy_wh": lambda it: it.design.battery_energy_wh,
+    "battery_fraction": lambda it: it.design.masses.battery / it.design.total_mass_kg,
+    "payload_fraction": lambda it: it.design.masses.payload / it.design.total_mass_kg,
+    "wing_area_m2": lambda it: it.design.wing_area_m2,
+    "chord_m": lambda it: it.chord_m,
+    "module_coverage": lambda it: it.design.variables.module_area_m2 / it.design.wing_area_m2,
+    "wing_loading_kg_per_m2": lambda it: it.design.total_mass_kg / it.design.wing_area_m2,
+    "airspeed_m_per_s": lambda it: it.design.airspeed_m_per_s,
+    "stall_speed_m_per_s": lambda it: it.design.airspeed_m_per_s / it.stall_margin,
+    "stall_margin": lambda it: it.stall_margin,
+    "lift_coefficient": lambda it: it.lift_coefficient,
+    "reynolds_number": lambda it: it.reynolds_number,
+    "propulsion_power_w": lambda it: it.design.propulsion_power_w,
+    "rated_power_w": lambda it: it.rated_power_w,
+    "load_w": lambda it: it.load_w,
+    "climb_rate_m_per_s": lambda it: it.climb_rate_m_per_s,
+    "cruise_discharge_rate_per_h": lambda it: it.load_w / it.design.battery_energy_wh,
+    "climb_discharge_rate_per_h": lambda it: (
+        (it.rated_power_w + it.design.constant_power_w) / it.design.battery_energy_wh
     ),
 }
 
@@ -141,6 +125,15 @@ def design_requirements(
     """Requirements on the design itself; the mass budget, an equation, comes first.
 
     Texts say what is wrong when the requirement is missed; ``{missed}`` stands for by how much.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Its technology, coverage and limits.
+    design : Design
+        Of floats, arrays or symbols.
+    conditions : FlightConditions
+        Air, payload, turbulence and wind.
     """
     it = DesignInFlight(aircraft, design, conditions)
     covered = it.airframe.maximum_module_coverage * design.wing_area_m2
@@ -163,9 +156,8 @@ def design_requirements(
         ),
     ]
     for name, limit in aircraft.design_space.all_limits().items():
-        quantity = QUANTITIES[name]
-        value = quantity.of(it)
-        label = name if quantity.unit == "1" else f"{name} [{quantity.unit}]"
+        value = QUANTITIES[name](it)
+        label = name if unit(name) == "1" else f"{name} [{unit(name)}]"
         if limit.minimum is not None:
             text = f"{label} falls short of its minimum {limit.minimum:g} by {{missed}}"
             rows.append(Requirement(f"{name}_minimum", value / limit.minimum - 1.0, text))
@@ -178,7 +170,24 @@ def design_requirements(
 def meets_requirements(
     aircraft: Aircraft, design: Design, conditions: FlightConditions, *, tolerance: float
 ) -> NDArray[np.bool_]:
-    """Whether closed designs, of floats or arrays, keep every requirement on the design itself."""
+    """Whether closed designs keep every requirement on the design itself.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Its technology, coverage and limits.
+    design : Design
+        Of floats, or of arrays of one shape.
+    conditions : FlightConditions
+        Air, payload, turbulence and wind; a payload that the design chooses replaces this one.
+    tolerance : float
+        By how much a requirement may be missed, relative to its limit.
+
+    Returns
+    -------
+    ndarray of bool
+        Of the designs' shape.
+    """
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
     carried = conditions.with_payload_of(design.variables)
     mass = np.asarray(design.total_mass_kg)

@@ -1,25 +1,145 @@
-"""Technology parameters: numbers of an aircraft or a mission, named by their key in its file.
+"""The catalogue of parameters, and how to read and replace one of an aircraft or a mission.
 
-Keys of the mission carry the prefix ``mission.``, as on the command line.
+A parameter is a number named by its key in the aircraft's file; keys of the mission carry the
+prefix ``mission.``, as on the command line. What is known of each, its unit, symbol, label and
+sensible range, stands once in ``data/parameters.csv``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, TypeVar
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from pydantic import BaseModel
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
-from missions.mission import Mission
-from sizing.smooth import Value
+    from missions.mission import Mission
+    from sizing.smooth import Value
+
+    M = TypeVar("M", bound=BaseModel)
+
+__all__ = [
+    "MISSION_PREFIX",
+    "Kind",
+    "Parameter",
+    "catalogue",
+    "label",
+    "parameter",
+    "parameter_value",
+    "replaced",
+    "unit",
+    "with_parameter",
+]
 
 MISSION_PREFIX = "mission."
 
-M = TypeVar("M", bound=BaseModel)
+Kind = Literal["design", "quantity", "technology", "mission", "bound"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A row of the catalogue.
+
+    Attributes
+    ----------
+    key : str
+        In the aircraft's file, behind ``mission.`` in the mission's, or the name of a quantity.
+    name : str
+        In results.
+    kind : str
+        ``design`` variable, ``quantity`` of a design, ``technology`` of the aircraft, ``mission``
+        or ``bound`` of the design space.
+    unit : str
+        For instance ``Wh/kg``; ``1`` for none.
+    symbol : str
+        In LaTeX, as in the literature; may be empty.
+    label : str
+        For people: axes and tables.
+    minimum, maximum : float
+        Sensible range, about what has been built or is in sight.
+    relaxable : str
+        ``up`` or ``down`` where a relaxation may move it that way, else empty.
+    sensitive : bool
+        Whether its sensitivity is worth a row.
+    """
+
+    key: str
+    name: str
+    kind: Kind
+    unit: str
+    symbol: str
+    label: str
+    minimum: float
+    maximum: float
+    relaxable: Literal["up", "down", ""]
+    sensitive: bool
+
+
+@cache
+def catalogue() -> Mapping[str, Parameter]:
+    """Every parameter by its key, in the order of the file."""
+    text = (resources.files("sizing") / "data" / "parameters.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return MappingProxyType({row["key"]: _from_row(row) for row in rows})
+
+
+def _from_row(row: dict[str, Any]) -> Parameter:
+    return Parameter(
+        **(
+            row
+            | {end: float(row[end]) for end in ("minimum", "maximum")}
+            | {"name": row["name"] or row["key"], "sensitive": row["sensitive"] == "yes"}
+        )
+    )
+
+
+@cache
+def parameter(key: str) -> Parameter:
+    """Parameter by its key or its name in results.
+
+    Raises
+    ------
+    KeyError
+        If the catalogue has none.
+    """
+    found = catalogue().get(key) or next((p for p in catalogue().values() if p.name == key), None)
+    if found is None:
+        raise KeyError(f"the catalogue of parameters has no {key}")
+    return found
+
+
+def label(key: str) -> str:
+    """Parameter in words."""
+    return parameter(key).label
+
+
+def unit(key: str) -> str:
+    """Unit of a parameter, ``1`` for none."""
+    return parameter(key).unit
 
 
 def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> float | None:
-    """Value of a parameter of an aircraft or a mission; None where it has none."""
+    """Value of a parameter.
+
+    Parameters
+    ----------
+    owner : BaseModel
+        Aircraft.
+    mission : Mission or None
+        Where keys of the mission are read.
+    key : str
+        Parameter.
+
+    Returns
+    -------
+    float or None
+        In the parameter's unit; None where neither has one.
+    """
     on_mission = key.startswith(MISSION_PREFIX)
     node: Any = mission if on_mission else owner
     for part in key.removeprefix(MISSION_PREFIX).split("."):
@@ -28,7 +148,19 @@ def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> floa
 
 
 def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[M, Mission]:
-    """Aircraft and mission with one parameter replaced, unchecked; see :func:`replaced`."""
+    """Aircraft and mission with one parameter replaced, unchecked; see :func:`replaced`.
+
+    Parameters
+    ----------
+    owner : BaseModel
+        Aircraft.
+    mission : Mission
+        Where keys of the mission are replaced.
+    key : str
+        Parameter.
+    value : float, array or symbol
+        In the parameter's unit.
+    """
     parts = key.removeprefix(MISSION_PREFIX).split(".")
     if key.startswith(MISSION_PREFIX):
         return owner, replaced(mission, parts, value)
@@ -38,8 +170,16 @@ def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[
 def replaced(node: M, parts: Sequence[str], value: Value) -> M:
     """Copy of a description with one value replaced, without validation.
 
-    The value may be a symbol or an array: the formulas use arithmetic only. The copy is built
-    anew, because a plain copy would take over what the original has cached.
+    The copy is built anew, because a plain copy would take over what the original has cached.
+
+    Parameters
+    ----------
+    node : BaseModel
+        Description, for instance an aircraft.
+    parts : sequence of str
+        Names of the fields that lead to the value.
+    value : float, array or symbol
+        The formulas use arithmetic only, so that any of them will do.
     """
     head, *rest = parts
     new = value if not rest else replaced(getattr(node, head), rest, value)

@@ -158,7 +158,7 @@ def _shown(found: PerpetualCeiling) -> list[AltitudeFlight]:
     return sorted(shown, key=lambda flight: flight.altitude_m)
 
 
-def ceiling_figure(result: Ceiling) -> Figure:
+def plot_ceiling(result: Ceiling) -> Figure:
     """Excess time, power and daily energies over altitude, the ceiling marked."""
     from studies.output.plots import CHARGE, LOAD, SUN, caption, new_figure
 

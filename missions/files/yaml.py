@@ -46,7 +46,7 @@ _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 40
 _MAX_EVENTS = 50_000
 _MAX_ALIASES = 50
-_MAX_VALUES = 50_000
+_MAX_COPIED = 10_000
 
 _TOO_DEEP = f"nested too deeply (at most {_MAX_DEPTH} levels)"
 _TOO_LARGE = f"is too large (at most {_MAX_BYTES // 1_000_000} MB)"
@@ -159,10 +159,10 @@ def parse_yaml(text: str, source: str) -> Document:
     InputError
         If the text is not a plain YAML mapping.
     """
-    root = _composed(text, source)
+    root, aliases = _composed(text, source)
     if root is None:
         raise file_error(source, "the file is empty; it must hold a mapping (key: value)")
-    read = _Reader(root, source)
+    read = _Reader(root, aliases, source)
     if not isinstance(read.data, dict):
         kind = "a list" if isinstance(read.data, list) else f"the single value {shown(read.data)}"
         message = f"the top level must be a mapping (key: value), not {kind}"
@@ -179,8 +179,8 @@ def parse_value(text: str) -> Any:
         If the text is no such value.
     """
     try:
-        root = _composed(text.strip(), "")
-        value = None if root is None else _Reader(root, "").data
+        root, aliases = _composed(text.strip(), "")
+        value = None if root is None else _Reader(root, aliases, "").data
     except InputError as error:
         message = "; ".join(problem.message for problem in error.problems)
         raise file_error("", f"the value {message}") from error
@@ -209,8 +209,8 @@ def set_absolute_paths(data: Any, folder: Path) -> None:
             data[key] = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
 
 
-def _composed(text: str, source: str) -> Any:
-    """Return the root node of the only document, None when it is empty."""
+def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:
+    """Return the root node of the only document, None when it is empty, and places of aliases."""
     if len(text.encode("utf-8", "replace")) > _MAX_BYTES:
         raise file_error(source, _TOO_LARGE)
     text = text.removeprefix("\ufeff")
@@ -219,20 +219,21 @@ def _composed(text: str, source: str) -> Any:
         raise InputError([Problem(source, *_place_of(text, odd.start()), "", message)])
     try:
         # Checked first: the composer of libyaml recurses in C and would crash on deep nesting.
-        _check_events(text, source)
+        aliases = _checked_aliases(text, source)
         root: Any = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError as error:
         raise _syntax_error(error, text, source) from error
     empty = isinstance(root, yaml.ScalarNode) and not (root.value or root.style)
-    return None if empty else root
+    return None if empty else root, aliases
 
 
-def _check_events(text: str, source: str) -> None:
-    """Refuse explicit tags, and what exceeds a limit."""
-    depth = aliases = documents = 0
+def _checked_aliases(text: str, source: str) -> list[Mark]:
+    """Refuse explicit tags, and what exceeds a limit; return the places of aliases."""
+    depth = documents = 0
+    aliases: list[Mark] = []
     for count, event in enumerate(yaml.parse(text, Loader=_Loader)):
         documents += isinstance(event, yaml.DocumentStartEvent)
-        aliases += isinstance(event, yaml.AliasEvent)
+        aliases += [_mark(event)] if isinstance(event, yaml.AliasEvent) else []
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if tag := getattr(event, "tag", None):
@@ -244,11 +245,12 @@ def _check_events(text: str, source: str) -> None:
             message = _TOO_DEEP
         elif count >= _MAX_EVENTS:
             message = "too many values in one file"
-        elif aliases > _MAX_ALIASES:
+        elif len(aliases) > _MAX_ALIASES:
             message = f"too many aliases (at most {_MAX_ALIASES})"
         else:
             continue
         raise InputError([Problem(source, *_mark(event), "", message)])
+    return aliases
 
 
 def _syntax_error(error: yaml.YAMLError, text: str, source: str) -> InputError:
@@ -277,53 +279,69 @@ def _mark(item: Any) -> Mark:
 class _Reader:
     """Turns nodes into plain data, a fresh copy for each alias, and notes places and problems."""
 
-    def __init__(self, root: Any, source: str) -> None:
+    def __init__(self, root: Any, aliases: list[Mark], source: str) -> None:
         self.keys: dict[KeyPath, Mark] = {}
         self.values: dict[KeyPath, Mark] = {}
         self._problems: list[Problem] = []
         self._source = source
+        self._aliases = iter(aliases)
+        self._seen: set[int] = set()
+        self._copied = 0
         self.data = self._plain(root, (), ())
         if self._problems:
             raise InputError(self._problems)
 
-    def _note(self, node: Any, path: KeyPath, message: str) -> None:
-        self._problems.append(Problem(self._source, *_mark(node), dotted(path), message))
+    def _note(self, mark: Mark, path: KeyPath, message: str) -> None:
+        self._problems.append(Problem(self._source, *mark, dotted(path), message))
 
-    def _plain(self, node: Any, path: KeyPath, around: tuple[Any, ...]) -> Any:
-        """Return the data of a node at a path within the nodes around it."""
-        self.values[path] = _mark(node)
+    def _place(self, node: Any, alias: Mark | None) -> tuple[Mark, Mark | None]:
+        """Return the place of a node, and that of the alias it is or is copied by."""
+        if alias is None and id(node) in self._seen:
+            alias = next(self._aliases)
+            return alias, alias
+        self._seen.add(id(node))
+        self._copied += alias is not None
+        return _mark(node), alias
+
+    def _plain(
+        self, node: Any, path: KeyPath, around: tuple[Any, ...], alias: Mark | None = None
+    ) -> Any:
+        """Return the data of a node within those around it."""
+        mark, alias = self._place(node, alias)
+        self.values[path] = mark
         if isinstance(node, yaml.ScalarNode):
             return _VALUES.get(node.tag, str)(node.value)
         for holds, message in (
             (node in around, "an alias refers to a value that contains it"),
             (len(around) >= _MAX_DEPTH, _TOO_DEEP),
-            (len(self.values) > _MAX_VALUES, "too many values after the expansion of aliases"),
+            (self._copied > _MAX_COPIED, "too many values after the expansion of aliases"),
         ):
             if holds:
-                self._note(node, path[:1], message)
+                self._note(alias or mark, path, message)
                 raise InputError(self._problems)
         around = (*around, node)
         if isinstance(node, yaml.SequenceNode):
-            return [self._plain(item, (*path, i), around) for i, item in enumerate(node.value)]
-        return self._mapping(node, path, around)
-
-    def _mapping(self, node: Any, path: KeyPath, around: tuple[Any, ...]) -> dict[str, Any]:
+            items = enumerate(node.value)
+            return [self._plain(item, (*path, i), around, alias) for i, item in items]
         data: dict[str, Any] = {}
         for key_node, value_node in node.value:
-            key = self._key(key_node, path)
+            key_mark, key_alias = self._place(key_node, alias)
+            key = self._key(key_node, key_mark, path, key_alias != alias)
             below = path if key is None else (*path, key)
-            value = self._plain(value_node, below, around)
+            value = self._plain(value_node, below, around, alias)
             if key in data:
                 line = self.keys[below][0]
-                self._note(key_node, below, f"duplicate key (first at line {line})")
+                self._note(key_mark, below, f"duplicate key (first at line {line})")
             elif key is not None:
-                self.keys[below] = _mark(key_node)
+                self.keys[below] = key_mark
                 data[key] = value
         return data
 
-    def _key(self, node: Any, path: KeyPath) -> str | None:
+    def _key(self, node: Any, mark: Mark, path: KeyPath, alias: bool) -> str | None:
         """Return the text of a key; None, with a problem noted, when it is not plain text."""
-        if isinstance(node, yaml.CollectionNode):
+        if alias:
+            message = "a key must be text (got an alias)"
+        elif isinstance(node, yaml.CollectionNode):
             kind = "a list" if isinstance(node, yaml.SequenceNode) else "a mapping"
             message = f"a key must be text (got {kind})"
         elif node.tag in _VALUES:
@@ -333,7 +351,7 @@ class _Reader:
             message = "merge keys (<<) are not allowed; write the keys out"
         else:
             return str(node.value)
-        self._note(node, path, message)
+        self._note(mark, path, message)
         return None
 
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import copy
-import dataclasses
 import os
-from pathlib import Path
 
 from missions.files.overrides import Overrides, with_overrides
 from missions.files.shipped import find_document
 from missions.files.validation import validate
-from missions.files.yaml import Document
 from sizing.aircraft import Aircraft
 
 
@@ -35,23 +31,5 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
     InputError
         With file, line, column and allowed values of every mistake.
     """
-    document = with_resolved_airfoil(find_document("aircraft", os.fspath(name_or_path)))
+    document = find_document("aircraft", os.fspath(name_or_path))
     return validate(with_overrides(document, overrides), Aircraft)
-
-
-def with_resolved_airfoil(document: Document) -> Document:
-    """Document of an aircraft whose airfoil's table is found from the working folder.
-
-    A relative path of a table is tried beside the aircraft's file first.
-    """
-    airframe = document.data.get("airframe")
-    aerodynamics = airframe.get("aerodynamics") if isinstance(airframe, dict) else None
-    airfoil = aerodynamics.get("airfoil") if isinstance(aerodynamics, dict) else None
-    if not (isinstance(airfoil, str) and airfoil.endswith(".csv")):
-        return document
-    beside = Path(document.source).parent / airfoil
-    if not beside.is_file():
-        return document
-    data = copy.deepcopy(document.data)
-    data["airframe"]["aerodynamics"]["airfoil"] = str(beside)
-    return dataclasses.replace(document, data=data)

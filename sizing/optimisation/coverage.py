@@ -1,6 +1,6 @@
-"""The longest season, or the widest band of latitudes, that one design keeps up.
+"""The longest season, or the widest band of latitudes, in which one design flies perpetually.
 
-A design stays up in a range if its worst scenario there has the required excess time; the best
+A design covers a range if its worst scenario there has the required excess time; the best
 design for a range is the one with the largest worst excess time. Ranges around the easiest day or
 latitude are nested by adding, again and again, the easier one of the two neighbours; the largest
 that has a feasible design is found by bisection. Which neighbour is easier depends on the design,
@@ -13,17 +13,21 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
+from sizing.optimisation.infeasibility import violations
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, Violation
+from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
+
+IntArray = NDArray[np.intp]
 
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
@@ -39,8 +43,8 @@ class WidestRange:
     Attributes
     ----------
     sizing : SizingResult
-        Design with the largest worst excess time in that range; infeasible where no design stays
-        up on the easiest day or at the easiest latitude.
+        Design with the largest worst excess time in that range; infeasible where no design flies
+        perpetually on the easiest day or at the easiest latitude.
     first, last : float or None
         Ends of the range: days of year (``last`` before ``first`` across the year's end) or
         latitudes [deg].
@@ -72,15 +76,14 @@ def widest_range(
     required_excess_time_h: float | None = None,
     problems: SizingProblems | None = None,
 ) -> WidestRange:
-    """Find the design that stays up for the longest season or in the widest band of latitudes.
+    """Find the design that covers the longest season or the widest band of latitudes.
 
     Parameters
     ----------
     aircraft, mission, solar
         As for :func:`sizing.optimisation.search.size_aircraft`. For ``longest_season`` every day
-        of the year
-        is tried at the latitudes of the mission, for ``widest_latitude_band`` every full degree on
-        its dates.
+        of the year is tried at the latitudes of the mission, for ``widest_latitude_band`` every
+        full degree on its dates.
     objective : Objective
         ``longest_season`` or ``widest_latitude_band``.
     required_excess_time_h : float, optional
@@ -140,7 +143,7 @@ class _Growth:
         centre, best = order[0], self._sized([order[0]], explain=True)
         for place in _OTHER_CENTRES:
             # Where the solver fails, nothing is said about the other members.
-            if best.status != "not_converged" or place >= len(order):
+            if best.status is not SizingStatus.not_converged or place >= len(order):
                 break
             centre, best = order[place], self._sized([order[place]])
         if not self._enough(best):
@@ -222,7 +225,7 @@ class _Growth:
         return first, first + len(held) - 1
 
     def _largest(self, nested: list[int], held: int) -> tuple[int, SizingResult | None]:
-        """Largest number of members that one design keeps up, above those held already."""
+        """Largest number of members that one design covers, above those held already."""
         low, high, best = held, len(nested) + 1, None
         while high - low > 1:
             middle = (low + high) // 2
@@ -263,31 +266,28 @@ class _Growth:
         return WidestRange(self._named(best, extent), *ends, members)
 
     def _named(self, sizing: SizingResult, extent: float | None) -> SizingResult:
-        """Sizing under the name of the objective that was asked for."""
-        short = sizing.simulated if extent is None else None
-        violations = sizing.violations
-        if short is not None:  # it flies, but with less excess time than required
-            violations = (*violations, _too_short(short, self.required_h))
-        return replace(
+        """Sizing under the name of the objective of the range."""
+        named = replace(
             sizing,
-            status="infeasible" if extent is None and short is not None else sizing.status,
             objective=self.objective,
             required_excess_time_h=self.required_h,
             objective_value=extent,
-            design=None if extent is None else sizing.design,
-            simulated=None if extent is None else sizing.simulated,
-            nearest=short if short is not None else sizing.nearest,
-            violations=violations,
             optimum=None,
         )
-
-
-def _too_short(perf: Performance, required_h: float) -> Violation:
-    worst = perf.worst_scenario()
-    found_h = float(perf.cycle.excess_time_h[worst])
-    where = perf.day.scenarios.label(worst)
-    text = (
-        f"an excess time of {required_h:g} h is out of reach even at {where}: the nearest design "
-        f"has {found_h:.2f} h"
-    )
-    return Violation("excess_time", required_h - found_h, text)
+        short = sizing.simulated
+        if extent is not None or short is None:
+            return named
+        # It flies, but with less excess time than required.
+        shortfall_h = self.required_h - float(np.min(short.cycle.excess_time_h))
+        missed = {"excess_time": shortfall_h}
+        return replace(
+            named,
+            status=SizingStatus.infeasible,
+            design=None,
+            simulated=None,
+            nearest=short,
+            violations=(
+                *sizing.violations,
+                *violations(self.aircraft, missed, short, self.required_h),
+            ),
+        )

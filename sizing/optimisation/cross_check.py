@@ -1,31 +1,35 @@
-"""Attack on an optimum, to find out whether any other design beats it in the simulator.
+"""Cross-check of an optimum: whether a search by simulation finds any better design.
 
-The optimum is simulated again with a fine time step, and three attacks look for a better design,
+The optimum is simulated again with a fine time step, and three searches look for a better design,
 all judged by the simulator alone: a grid over the whole design space, random neighbours of the
-optimum, and sizings from other starting designs.
+optimum, and sizings from other starting designs. A search is no proof.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions
+from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import meets_requirements
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingResult, objective_value
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import (
+    ABSOLUTE_TOLERANCE_H,
+    RELATIVE_TOLERANCE,
+    ROW_TOLERANCE,
+    SizingResult,
+    objective_value,
+)
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-# An attack that wins by less than this is within what the time steps and tolerances allow.
-RELATIVE_TOLERANCE = 0.005
-ABSOLUTE_TOLERANCE_H = 0.01
 _PAYLOAD_TOLERANCE = 0.001  # of the total mass or load
 _FINE_STEP_H = 1.0 / 60.0
 _GRID_STEP_H = 0.25
@@ -35,24 +39,22 @@ _FINALISTS = 8
 _NEIGHBOURS = 400
 _SPREADS = (0.03, 0.004)
 _STARTS = ((0.2, 0.2, 0.3), (0.8, 0.6, 0.6), (0.5, 0.8, 0.8))
-# The solver meets its constraints to about 1e-8.
-_ROW_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
-class Certificate:
-    """Outcome of the attack.
+class CrossCheck:
+    """Outcome of the cross-check.
 
     Attributes
     ----------
-    certified : bool
+    cross_checked : bool
         Nothing found is better by more than the tolerance, and the fine step agrees.
     objective_value : float
         Of the optimum, by the simulator.
     fine_step_value : float
         The same with a time step of one minute.
     best_found : float
-        Best objective of all attacks and the optimum.
+        Best objective of all searches and the optimum.
     advantage : float
         By how much that is better, in the objective's unit; zero where nothing is.
     found_by : str
@@ -61,7 +63,7 @@ class Certificate:
         Designs that the simulator judged.
     """
 
-    certified: bool
+    cross_checked: bool
     objective_value: float
     fine_step_value: float
     best_found: float
@@ -70,22 +72,22 @@ class Certificate:
     designs_tried: int
 
 
-def certify(
+def cross_check(
     aircraft: Aircraft,
     mission: Mission,
     result: SizingResult,
     solar: SolarModel = UNCORRECTED_CAM,
     *,
     seed: int = 0,
-) -> Certificate:
-    """Attack an optimum.
+) -> CrossCheck:
+    """Look for a design that is better than an optimum.
 
     Parameters
     ----------
     aircraft, mission, solar
-        What :func:`sizing.optimisation.search.size_aircraft` was asked.
+        As they were given to :func:`sizing.optimisation.search.size_aircraft`.
     result : SizingResult
-        Its answer.
+        An optimum.
     seed : int
         Of the random neighbours.
 
@@ -95,28 +97,26 @@ def certify(
         If the result is no optimum.
     """
     if result.design is None or result.simulated is None:
-        raise ValueError(f"the sizing is {result.status}: only an optimum can be certified")
+        raise ValueError(
+            f"the sizing is {result.status.name}: only an optimum can be cross-checked"
+        )
     judge = _Judge(aircraft, mission, solar, result)
     own = float(judge.value(result.simulated))
     fine_day = solar_day(aircraft, mission, solar, step_h=_FINE_STEP_H)
-    fine = float(
-        judge.value(
-            performance_of_designs(aircraft, mission, result.design.variables, solar, day=fine_day)
-        )
-    )
-    attacks = {
+    fine = float(judge.value(judge.performance(result.design.variables, fine_day)))
+    found = {
+        "optimum": own,
         "grid": judge.best_of_grid(),
         "neighbours": judge.best_of(_neighbours(aircraft, result, seed)),
         "other starts": judge.best_of_starts(),
     }
-    found: list[tuple[str, float]] = [("optimum", own), *attacks.items()]
-    found_by, best = max(found, key=lambda item: judge.merit(item[1]))
+    found_by, best = max(found.items(), key=lambda item: float(judge.merit(item[1])))
     # Equal first: the excess time is infinite where the battery is never needed.
-    advantage = 0.0 if best == own else judge.merit(best) - judge.merit(own)
+    advantage = 0.0 if best == own else float(judge.merit(best) - judge.merit(own))
     tolerance = judge.tolerance(own, result.simulated)
     confirmed = fine == own or abs(fine - own) <= tolerance
-    return Certificate(
-        certified=bool(advantage <= tolerance and confirmed),
+    return CrossCheck(
+        cross_checked=bool(advantage <= tolerance and confirmed),
         objective_value=own,
         fine_step_value=fine,
         best_found=best,
@@ -140,21 +140,22 @@ class _Judge:
         self.day = result.simulated.day
         self.tried = 0
 
-    def merit(self, value: Any) -> float:
-        """The larger the better; minus infinity for a design that misses a requirement."""
-        if np.isnan(value):
-            return -np.inf
-        return float(value if self.objective.maximised else -value)
+    def merit(self, values: ArrayLike) -> FloatArray:
+        """The larger the better; minus infinity for designs that miss a requirement."""
+        signed = np.asarray(values) if self.objective.maximised else -np.asarray(values)
+        return np.where(np.isnan(signed), -np.inf, signed)
 
     def tolerance(self, value: float, perf: Performance) -> float:
-        relative = RELATIVE_TOLERANCE * abs(value)
         # A payload is what is left of a mass, or of a load, that may be many times larger.
         least = {
             Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
             Objective.max_payload_mass: _PAYLOAD_TOLERANCE * float(perf.design.total_mass_kg),
             Objective.max_payload_power: _PAYLOAD_TOLERANCE * float(np.max(perf.nominal_load_w)),
         }
-        return max(relative, least.get(self.objective, 0.0))
+        return max(RELATIVE_TOLERANCE * abs(value), least.get(self.objective, 0.0))
+
+    def performance(self, variables: DesignVariables, day: SolarDay) -> Performance:
+        return performance_of_designs(self.aircraft, self.mission, variables, self.solar, day=day)
 
     def value(self, perf: Performance) -> FloatArray:
         self.tried += int(np.size(perf.design.total_mass_kg))
@@ -164,17 +165,14 @@ class _Judge:
             self.aircraft,
             perf.design,
             FlightConditions.of(self.mission),
-            tolerance=_ROW_TOLERANCE,
+            tolerance=ROW_TOLERANCE,
         )
         return np.where(kept, objective_value(self.objective, perf), np.nan)
 
     def best_of(self, variables: DesignVariables) -> float:
         if np.size(variables.wingspan_m) == 0:
             return float("nan")
-        values = self.value(
-            performance_of_designs(self.aircraft, self.mission, variables, self.solar, day=self.day)
-        )
-        return _best(values, self.merit)
+        return self._best(self.value(self.performance(variables, self.day)))
 
     def best_of_grid(self) -> float:
         """Best of a grid, screened with a coarse time step; the finalists with the usual one."""
@@ -186,34 +184,32 @@ class _Judge:
             scenarios=self.day.scenarios,
             step_h=_GRID_STEP_H,
         )
-        values = self.value(
-            performance_of_designs(self.aircraft, self.mission, variables, self.solar, day=coarse)
-        )
-        merits = np.array([self.merit(v) for v in values])
+        merits = self.merit(self.value(self.performance(variables, coarse)))
         order = np.argsort(-merits, kind="stable")[:_FINALISTS]
         order = order[merits[order] > -np.inf]
         return self.best_of(variables.mapped(lambda v: np.asarray(v)[order]))
 
     def best_of_starts(self) -> float:
-        values = []
-        for fractions in _STARTS:
-            started = _started_elsewhere(self.aircraft, fractions)
-            found = size_aircraft(
-                started,
+        """Best of sizings that start elsewhere in the design space."""
+        problems = SizingProblems(self.aircraft)
+        found = [
+            size_aircraft(
+                self.aircraft,
                 self.mission,
                 self.objective,
                 self.solar,
                 required_excess_time_h=self.required_h,
                 day=self.day,
-            )
-            if found.simulated is not None:
-                values.append(self.value(found.simulated)[()])
-        return _best(np.array(values), self.merit)
+                problems=problems,
+                start=_elsewhere(self.aircraft, fractions),
+            ).simulated
+            for fractions in _STARTS
+        ]
+        return self._best(np.array([self.value(one)[()] for one in found if one is not None]))
 
-
-def _best(values: FloatArray, merit: Any) -> float:
-    sound = values[~np.isnan(values)] if values.size else values
-    return float(max(sound, key=merit)) if sound.size else float("nan")
+    def _best(self, values: FloatArray) -> float:
+        """Best value; NaN where all designs miss a requirement."""
+        return float(values[np.argmax(self.merit(values))]) if values.size else float("nan")
 
 
 def _free_axes(
@@ -239,7 +235,17 @@ def _free_axes(
 def design_grid(
     aircraft: Aircraft, objective: Objective, optimum: DesignVariables
 ) -> DesignVariables:
-    """Designs on a grid over all variables that are free, evenly spaced in their logarithm."""
+    """Designs on a grid over all variables that are free, evenly spaced in their logarithm.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Its design space has the bounds.
+    objective : Objective
+        A payload that is maximised is free, around its optimum.
+    optimum : DesignVariables
+        Values of the variables that are not free.
+    """
     bounds = _free_axes(aircraft, objective, optimum)
     points = _GRID_POINTS[len(bounds)]
     axes = [np.geomspace(*ends, points) for ends in bounds.values()]
@@ -264,8 +270,8 @@ def _neighbours(aircraft: Aircraft, result: SizingResult, seed: int) -> DesignVa
     return DesignVariables(**moved)
 
 
-def _started_elsewhere(aircraft: Aircraft, fractions: tuple[float, float, float]) -> Aircraft:
-    """Aircraft whose own design point lies elsewhere in its design space."""
+def _elsewhere(aircraft: Aircraft, fractions: tuple[float, float, float]) -> DesignVariables:
+    """Design elsewhere in the design space, at fractions of its logarithmic ranges."""
     space = aircraft.design_space
     span, battery, area = (
         float(r.minimum * (r.maximum / r.minimum) ** share)
@@ -273,10 +279,6 @@ def _started_elsewhere(aircraft: Aircraft, fractions: tuple[float, float, float]
             (space.wingspan_m, space.battery_mass_kg, space.module_area_m2), fractions, strict=True
         )
     )
-    return aircraft.model_copy(
-        update={
-            "airframe": aircraft.airframe.model_copy(update={"wingspan_m": span}),
-            "battery": aircraft.battery.model_copy(update={"mass_kg": battery}),
-            "modules": aircraft.modules.model_copy(update={"area_m2": area}),
-        }
+    return variables_of(aircraft)._replace(
+        wingspan_m=span, battery_mass_kg=battery, module_area_m2=area
     )

@@ -42,7 +42,21 @@ Charger = Callable[[Any, Any], _Taken]
 
 
 def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
-    """Sun, thermals, step and darkness of every scenario, shape ``(scenario, SUN_PARAMETERS)``."""
+    """Sun, thermals, step and darkness of every scenario.
+
+    Parameters
+    ----------
+    day : SolarDay
+        Specific power of the scenarios over the day.
+    mission : Mission
+        Its thermals.
+
+    Returns
+    -------
+    ndarray, shape (scenario, SUN_PARAMETERS)
+        Specific power [W/m2] and extra propulsion power [-] at the nodes, step between them [h] and
+        hours without light.
+    """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
     thermal = np.broadcast_to(thermal, day.specific_power_w_per_m2.shape)
     active = (day.specific_power_w_per_m2 > 0.0) | (thermal > 0.0)
@@ -57,8 +71,18 @@ def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
 def lowest_sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
     """Like :func:`sun_parameters`, with the lowest sun of the day and its highest thermals all day.
 
-    An aircraft that closes such a day needs no battery in the real one. A few seconds of night ask
-    for a hair more than the load: at equality rounding decides, and prices have a kink.
+    An aircraft that closes such a day needs no battery in the real one. A few seconds of night take
+    slightly more than the load: at equality rounding decides, and the multipliers jump.
+
+    Parameters
+    ----------
+    day, mission
+        As for :func:`sun_parameters`.
+
+    Returns
+    -------
+    ndarray, shape (scenario, SUN_PARAMETERS)
+        In the same order.
     """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
     lowest = day.specific_power_w_per_m2.min(axis=-1)

@@ -1,16 +1,18 @@
-"""What a sizing may be asked for."""
+"""What a sizing may be for."""
 
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import NamedTuple
+
+from sizing import parameters
 
 
 class Objective(StrEnum):
-    """What the optimiser is asked for.
+    """What the optimiser makes as large or as small as possible.
 
     The last two are no costs of one program but searches over many: the longest run of days and the
-    widest band of latitudes that one design keeps up. See :mod:`sizing.optimisation.coverage`.
+    widest band of latitudes in which one design flies perpetually. See
+    :mod:`sizing.optimisation.coverage`.
     """
 
     max_excess_time = "max_excess_time"
@@ -27,24 +29,24 @@ class Objective(StrEnum):
         return cls.max_payload_mass if value == "max_payload" else None
 
     @property
+    def variable(self) -> str:
+        """Quantity that the objective is the largest or least of."""
+        return _VARIABLES[self]
+
+    @property
     def unit(self) -> str:
         """Unit of the objective."""
-        return _SPECIFICATIONS[self].unit
+        return parameters.unit(self.variable)
 
     @property
     def label(self) -> str:
         """Quantity in words, for axes and tables."""
-        return _SPECIFICATIONS[self].label
+        return parameters.label(self.variable)
 
     @property
     def maximised(self) -> bool:
         """Whether more is better."""
-        return _SPECIFICATIONS[self].maximised
-
-    @property
-    def variable(self) -> str:
-        """Quantity that the objective is the largest or least of."""
-        return _SPECIFICATIONS[self].variable
+        return self not in (Objective.min_wingspan, Objective.min_mass)
 
     @property
     def of_range(self) -> bool:
@@ -52,26 +54,17 @@ class Objective(StrEnum):
         return self in (Objective.longest_season, Objective.widest_latitude_band)
 
 
-class _Specification(NamedTuple):
-    variable: str
-    label: str
-    unit: str
-    maximised: bool
-
-
-_SPECIFICATIONS = {
-    Objective.max_excess_time: _Specification("worst_excess_time_h", "excess time", "h", True),
-    Objective.min_wingspan: _Specification("wingspan_m", "wingspan", "m", False),
-    Objective.min_mass: _Specification("total_mass_kg", "total mass", "kg", False),
-    Objective.max_payload_mass: _Specification("payload_mass_kg", "payload mass", "kg", True),
-    Objective.max_payload_power: _Specification("payload_power_w", "payload power", "W", True),
-    Objective.longest_season: _Specification("season_days", "season", "days", True),
-    Objective.widest_latitude_band: _Specification(
-        "latitude_band_deg", "latitude band", "deg", True
-    ),
+_VARIABLES = {
+    Objective.max_excess_time: "worst_excess_time_h",
+    Objective.min_wingspan: "wingspan_m",
+    Objective.min_mass: "total_mass_kg",
+    Objective.max_payload_mass: "payload_mass_kg",
+    Objective.max_payload_power: "payload_power_w",
+    Objective.longest_season: "season_days",
+    Objective.widest_latitude_band: "latitude_band_deg",
 }
 
 
 def without_battery(objective: Objective) -> Objective:
-    """What is asked of designs that never need a battery: their excess time has no end anyway."""
+    """Objective of designs that never need a battery: their excess time is infinite anyway."""
     return Objective.min_mass if objective is Objective.max_excess_time else objective

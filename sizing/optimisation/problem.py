@@ -15,57 +15,51 @@ Energy over the day is integrated exactly as the simulator does it;
 
 Both together say that the cycle repeats itself with at least ``soc_dawn``, and the excess time is
 the energy at dawn over the load. Every cost is a weighted sum of variables. Slack variables, held
-at zero in the sizing itself, turn the same program into the question by how much the requirements
-are missed; technology variables, held too, into the question which value would meet them.
+at zero in the sizing itself, let the same program tell by how much the requirements are missed;
+technology variables, held too, which value would meet them.
+
+The program is data: every entry of the decision vector is a :class:`Variable`, every row a
+:class:`Constraint`, each with its name, unit and scale. Nothing else knows where they stand.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import Enum, auto
+from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
 
-from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.aircraft import Aircraft, ParametricAirframe, Range
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
-from sizing.parameters import parameter_value, replaced
+from sizing.parameters import catalogue, parameter_value, replaced, unit
 from solar.types import FloatArray
 
 Effort = Literal["quick", "steady", "patient", "next"]
 
-_IPOPT_EFFORTS: dict[Effort, dict[str, Any]] = {
-    "quick": {
-        "ipopt.hessian_approximation": "limited-memory",
-        "ipopt.mu_strategy": "monotone",
-        "ipopt.max_iter": 120,
-    },
-    "steady": {
-        "ipopt.hessian_approximation": "exact",
-        "ipopt.mu_strategy": "monotone",
-        "ipopt.max_iter": 300,
-    },
-    "patient": {
-        "ipopt.hessian_approximation": "exact",
-        "ipopt.mu_strategy": "adaptive",
-        "ipopt.max_iter": 600,
-    },
+# Hessian, strategy of the barrier and most iterations of the interior-point method.
+_IPOPT_EFFORTS: dict[Effort, tuple[str, str, int]] = {
+    "quick": ("limited-memory", "monotone", 120),
+    "steady": ("exact", "monotone", 300),
+    "patient": ("exact", "adaptive", 600),
 }
 
 _COMMON_OPTIONS = {
     "print_time": False,
     "show_eval_warnings": False,
     "error_on_fail": False,
-    # Prices of parameters are found only where they are asked for; sizing.optimisation.sensitivity.
+    # Multipliers of parameters are found only on request: sizing.optimisation.sensitivity.
     "calc_lam_p": False,
     "no_nlp_grad": True,
 }
 
-_IPOPT_OPTIONS = _COMMON_OPTIONS | {
+_IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.tol": 1e-8,
@@ -94,30 +88,36 @@ _SQP_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
 }
 
 WORST_EXCESS = "worst_excess_time_h"
-MAXIMUM_EXCESS_H = 1e4
+_MAXIMUM_EXCESS_H = 1e4
 
-# Technology that the program can free, to find the value that would make a mission feasible.
-TECHNOLOGY = (
-    "battery.specific_energy_wh_per_kg",
-    "modules.efficiency_stc",
-    "airframe.structure.calibration",
-    "airframe.structure.coefficient_kg",
-    "airframe.propulsion.propeller_efficiency",
-    "power.avionics_w",
-)
+# Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
 
-# Payload counts in these units so that all variables are of order one.
-LINEAR_SCALES = {"payload_mass_kg": 1.0, "payload_power_w": 10.0}
+
+class Role(Enum):
+    """What a variable of the program is."""
+
+    design = auto()
+    payload = auto()  # held at the mission's value unless it is freed
+    technology = auto()  # relative to the aircraft's own value, held there unless it is freed
+    dawn_state = auto()
+    worst_excess = auto()
+    slack = auto()
 
 
 class Variable(NamedTuple):
-    """A variable of the program: its logarithm, or the value over a scale."""
+    """A variable of the program: the logarithm of a value, or the value over a scale.
+
+    ``first_guess`` holds where nothing better is known.
+    """
 
     name: str
+    unit: str
     minimum: float
     maximum: float
     scale: float | None = None
+    role: Role = Role.design
+    first_guess: float = 0.1
 
     def to_program(self, value: float) -> float:
         """Value in the program."""
@@ -129,28 +129,40 @@ class Variable(NamedTuple):
 
 
 class Constraint(NamedTuple):
-    """A named requirement ``value >= 0`` of the program, scaled to order one."""
+    """A requirement ``value >= 0`` of the program, or ``value = 0``, scaled to order one.
+
+    ``block`` is the scenario block it belongs to, None for the design itself; the row is the
+    quantity over ``scale`` in ``unit``: over its limit, over the battery's capacity, or in hours.
+    """
 
     name: str
-    slot: int | None = None
+    block: int | None = None
+    unit: str = "1"
+    scale: float = 1.0
+    equation: bool = False
+
+    @property
+    def slack(self) -> str:
+        """Name of the variable by which the requirement may be missed, one for all blocks."""
+        return f"slack.{self.name}"
 
 
 @dataclass(frozen=True)
 class SizingProblem:
     """A built program; see the module's docstring.
 
-    A program has a number of *slots*, each filled with one scenario by its parameters, so that the
-    scenarios in it can be exchanged without building it anew.
+    A program has a number of *scenario blocks*, each filled with one scenario by its parameters, so
+    that the scenarios in it can be exchanged without building it anew.
 
     Attributes
     ----------
     aircraft : Aircraft
         Whose technology is in the formulas.
     variables : tuple of Variable
-        Design, payload and technology variables: the first part of the decision vector.
+        In the order of the decision vector.
     constraints : tuple of Constraint
         In the order of the constraint vector.
-    slots : int
+    blocks : int
         Scenarios in the program.
     symbols : dict
         Decision vector ``x``, parameters ``p``, cost ``f`` and constraints ``g``.
@@ -159,7 +171,7 @@ class SizingProblem:
     aircraft: Aircraft
     variables: tuple[Variable, ...]
     constraints: tuple[Constraint, ...]
-    slots: int
+    blocks: int
     symbols: dict[str, Any]
     _solvers: dict[Effort, ca.Function] = field(default_factory=dict)
 
@@ -168,56 +180,52 @@ class SizingProblem:
 
         The sizing itself makes do with a ``quick`` quasi-Newton Hessian: for a handful of variables
         it needs few more iterations than exact second derivatives of the charge recursion, and each
-        costs a third. The elastic program, whose slacks reach far, now and then wants exact ones:
-        ``steady`` lowers the barrier in steps, ``patient`` adaptively, longer. ``next`` is
-        sequential quadratic programming, which starts well from the answer to a similar question,
-        as interior points do not.
+        costs a third. With slacks, which reach far, exact ones are now and then better: ``steady``
+        lowers the barrier in steps, ``patient`` adaptively, longer. ``next`` is sequential
+        quadratic programming, which starts well from the solution of a similar problem, as interior
+        points do not.
         """
         if effort not in self._solvers:
             if effort == "next":
                 solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, _SQP_OPTIONS)
             else:
-                options: dict[str, Any] = _IPOPT_OPTIONS | _IPOPT_EFFORTS[effort]
+                hessian, barrier, iterations = _IPOPT_EFFORTS[effort]
+                options = _IPOPT_OPTIONS | {
+                    "ipopt.hessian_approximation": hessian,
+                    "ipopt.mu_strategy": barrier,
+                    "ipopt.max_iter": iterations,
+                }
                 solver = ca.nlpsol("sizing", "ipopt", self.symbols, options)
             self._solvers[effort] = solver
         return self._solvers[effort]
 
-    @property
-    def slack_names(self) -> tuple[str, ...]:
-        """Requirements that the elastic program may miss, in the order of the slacks."""
-        return tuple(dict.fromkeys(c.name for c in self.constraints))
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Place of every variable in the decision vector."""
+        return {v.name: i for i, v in enumerate(self.variables)}
 
-    @property
-    def variable_names(self) -> tuple[str, ...]:
-        """Names of the variables, in the order of the decision vector."""
-        return tuple(v.name for v in self.variables)
+    def of_role(self, *roles: Role) -> tuple[Variable, ...]:
+        """Variables of some roles."""
+        return tuple(v for v in self.variables if v.role in roles)
 
-    @property
-    def technology(self) -> tuple[str, ...]:
-        """Variables that are technology, each relative to the aircraft's own value."""
-        return _technology_of(self.variables)
+    def value(self, x: FloatArray, name: str) -> float:
+        """Value of a variable in its unit.
 
-    def places(self) -> dict[str, slice]:
-        """Where the parts of the decision vector are."""
-        design, dawn = len(self.variables), self.slots
-        return {
-            "variables": slice(0, design),
-            "dawn": slice(design, design + dawn),
-            WORST_EXCESS: slice(design + dawn, design + dawn + 1),
-            "slack": slice(design + dawn + 1, design + dawn + 1 + len(self.slack_names)),
-        }
+        Parameters
+        ----------
+        x : ndarray, shape (variable,)
+            Decision vector.
+        name : str
+            Name of the variable.
+        """
+        place = self.index[name]
+        return float(self.variables[place].from_program(x[place]))
 
     def weights(self, of: Mapping[str, float]) -> FloatArray:
-        """Cost per unit of the decision vector, from names of variables or of slacks."""
-        places = self.places()
-        weights = np.zeros(places["slack"].stop)
+        """Cost per unit of the decision vector, from names of variables."""
+        weights = np.zeros(len(self.variables))
         for name, weight in of.items():
-            if name == WORST_EXCESS:
-                weights[places[WORST_EXCESS]] = weight
-            elif name in self.slack_names:
-                weights[places["slack"].start + self.slack_names.index(name)] = weight
-            else:
-                weights[self.variable_names.index(name)] = weight
+            weights[self.index[name]] = weight
         return weights
 
     def parameters(
@@ -228,27 +236,60 @@ class SizingProblem:
         *,
         margin: float,
     ) -> FloatArray:
-        """Parameter vector, with one row of ``suns`` in every slot."""
-        return np.concatenate((weights, [margin], conditions, suns.ravel()))
+        """Parameter vector of the program.
+
+        Parameters
+        ----------
+        weights : ndarray, shape (variable,)
+            Cost per unit of the decision vector.
+        conditions : FlightConditions
+            Air, payload, turbulence and wind.
+        suns : ndarray, shape (block, SUN_PARAMETERS)
+            Sun of the scenario in every block.
+        margin : float
+            By how much more charge the day must return than the night takes, relative.
+        """
+        parts = {
+            "weights": weights,
+            "margin": [margin],
+            "conditions": conditions,
+            "suns": suns.ravel(),
+        }
+        return np.concatenate([parts[name] for name in _PARAMETERS])
 
     def design_variables(
         self, x: FloatArray, bounds: Mapping[str, tuple[float, float]]
     ) -> DesignVariables:
-        """Design in a decision vector, within its bounds: the solver may step over by a hair.
+        """Design in a decision vector, within its bounds: the solver may step slightly over.
 
-        ``bounds`` replace those of the variables.
+        Parameters
+        ----------
+        x : ndarray, shape (variable,)
+            Decision vector.
+        bounds : mapping
+            Bounds by name of a variable, in its unit, that replace its own.
         """
         values = {"aspect_ratio": self.aircraft.airframe.aspect_ratio}
-        for i, v in enumerate(self.variables):
-            ends = bounds.get(v.name, (v.minimum, v.maximum))
-            values[v.name] = float(np.clip(float(v.from_program(x[i])), *ends))
-        return DesignVariables(
-            **{name: values[name] for name in DesignVariables._fields if name in values}
-        )
+        for v in self.variables:
+            if v.name in DesignVariables._fields:
+                ends = bounds.get(v.name, (v.minimum, v.maximum))
+                values[v.name] = float(np.clip(self.value(x, v.name), *ends))
+        return DesignVariables(**values)
 
 
-def build_problem(aircraft: Aircraft, slots: int) -> SizingProblem:
+# Parts of the parameter vector, in their order.
+_PARAMETERS = ("weights", "margin", "conditions", "suns")
+
+
+def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
     """Build the program of an aircraft.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        With a parametric airframe.
+    blocks : int
+        Number of scenario blocks.
 
     Raises
     ------
@@ -257,82 +298,92 @@ def build_problem(aircraft: Aircraft, slots: int) -> SizingProblem:
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    variables = _variables(aircraft)
-    design, requirements = _design_function(aircraft, variables)
-    free = ca.MX.sym("design", len(variables))
-    dawn_soc = ca.MX.sym("dawn_state_of_charge", slots)
+    chosen = _chosen_variables(aircraft)
+    design, requirements = _design_function(aircraft, chosen)
+    free = ca.MX.sym("design", len(chosen))
+    dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)
     worst_h = ca.MX.sym(WORST_EXCESS)
     margin = ca.MX.sym("recharge_margin")
     conditions = ca.MX.sym("conditions", len(FlightConditions._fields))
-    sun = ca.MX.sym("sun", SUN_PARAMETERS, slots)
+    sun = ca.MX.sym("sun", SUN_PARAMETERS, blocks)
 
     lit_area, capacity_wh, nominal_w, propulsion_w, values = design(free, conditions)
-    rows = [(Constraint(one.name), values[k]) for k, one in enumerate(requirements)]
+    rows = [
+        (Constraint(one.name, equation=one.name == "mass_budget"), values[k])
+        for k, one in enumerate(requirements)
+    ]
     cycle = cycle_function(aircraft.battery)
     usable_h = capacity_wh * aircraft.battery.discharge_efficiency / nominal_w
-    for i in range(slots):
+    for i in range(blocks):
         deficit, charged = cycle(
             lit_area, capacity_wh, nominal_w, propulsion_w, dawn_soc[i], sun[:, i]
         )
-        # The margin asks for slightly more charge than the night takes. At equality the cycle
+        # The margin is slightly more charge than the night takes. At equality the cycle
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
         recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit
-        # The excess time counts in tenths of the day so that all rows are of order one.
+        excess = Constraint("excess_time", i, "h", 2.4)
         rows += [
             (Constraint("battery_capacity", i), 1.0 - dawn_soc[i] - deficit),
             (Constraint("energy_balance", i), recharged),
-            (Constraint("excess_time", i), (dawn_soc[i] * usable_h - worst_h) / 2.4),
+            (excess, (dawn_soc[i] * usable_h - worst_h) / excess.scale),
         ]
-    constraints = tuple(constraint for constraint, _ in rows)
-    slack_names = tuple(dict.fromkeys(c.name for c in constraints))
-    slack = ca.MX.sym("slack", len(slack_names))
+    slacks = list(dict.fromkeys(c.slack for c, _ in rows))
+    slack = ca.MX.sym("slack", len(slacks))
     x = ca.vertcat(free, dawn_soc, worst_h, slack)
-    weights = ca.MX.sym("weights", x.shape[0])
+    variables = (
+        *chosen,
+        *(
+            Variable(f"dawn_state_of_charge[{i}]", "1", 0.0, 1.0, 1.0, Role.dawn_state, 0.2)
+            for i in range(blocks)
+        ),
+        Variable(WORST_EXCESS, "h", 0.0, _MAXIMUM_EXCESS_H, 1.0, Role.worst_excess),
+        *(Variable(name, "1", 0.0, np.inf, 1.0, Role.slack) for name in slacks),
+    )
+    weights = ca.MX.sym("weights", len(variables))
+    parameters = {"weights": weights, "margin": margin, "conditions": conditions}
+    parameters["suns"] = ca.vec(sun)
     # The dawn states of scenarios that do not bind are otherwise undetermined.
     tie_break = -1e-7 * ca.sum1(dawn_soc)
     symbols = {
         "x": x,
-        "p": ca.vertcat(weights, margin, conditions, ca.vec(sun)),
+        "p": ca.vertcat(*(parameters[name] for name in _PARAMETERS)),
         "f": ca.dot(weights, x) + tie_break,
-        "g": ca.vertcat(*(value + slack[slack_names.index(c.name)] for c, value in rows)),
+        "g": ca.vertcat(*(value + slack[slacks.index(c.slack)] for c, value in rows)),
     }
-    return SizingProblem(aircraft, variables, constraints, slots, symbols)
+    return SizingProblem(aircraft, variables, tuple(c for c, _ in rows), blocks, symbols)
 
 
-def _variables(aircraft: Aircraft) -> tuple[Variable, ...]:
-    """Every variable that an objective or a question may free, with the widest bounds it has."""
-    airframe, space = aircraft.airframe, aircraft.design_space
-    assert isinstance(airframe, ParametricAirframe)
+def _chosen_variables(aircraft: Aircraft) -> tuple[Variable, ...]:
+    """Every variable of the design that may be freed, with the widest bounds it has."""
+    space = aircraft.design_space
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    lightest = space.battery_mass_kg.minimum
     heaviest = space.maximum_total_mass_kg or 40.0 * space.battery_mass_kg.maximum
     ranges = {
-        "wingspan_m": (space.wingspan_m.minimum, space.wingspan_m.maximum),
-        "battery_mass_kg": (space.battery_mass_kg.minimum, space.battery_mass_kg.maximum),
-        "module_area_m2": (space.module_area_m2.minimum, space.module_area_m2.maximum),
-        "total_mass_kg": (space.battery_mass_kg.minimum, heaviest),
+        "wingspan_m": space.wingspan_m,
+        "battery_mass_kg": space.battery_mass_kg,
+        "module_area_m2": space.module_area_m2,
+        "total_mass_kg": Range.model_construct(minimum=lightest, maximum=heaviest),
+        "aspect_ratio": space.aspect_ratio,
+        "lift_coefficient": space.lift_coefficient,
     }
-    found = [Variable(name, *ends) for name, ends in ranges.items()]
-    if space.aspect_ratio is not None:
-        ratio = space.aspect_ratio
-        found.append(Variable("aspect_ratio", ratio.minimum, ratio.maximum))
-    if space.lift_coefficient is not None:
-        lift = space.lift_coefficient
-        found.append(Variable("lift_coefficient", lift.minimum, lift.maximum))
-    for name, scale in LINEAR_SCALES.items():
-        # No aircraft carries more than it weighs; power is bounded by its energy.
-        found.append(Variable(name, 0.0, heaviest if scale == 1.0 else 1e6, scale))
-    for key in technology_keys(aircraft):
-        found.append(Variable(key, 1e-3, 1e3))
-    return tuple(found)
-
-
-def technology_keys(aircraft: Aircraft) -> tuple[str, ...]:
-    """Keys of the technology that the program of this aircraft can free."""
-    values = {key: parameter_value(aircraft, None, key) for key in TECHNOLOGY}
-    return tuple(key for key, value in values.items() if value)
-
-
-def _technology_of(variables: Sequence[Variable]) -> tuple[str, ...]:
-    return tuple(v.name for v in variables if v.name in TECHNOLOGY)
+    found = (
+        Variable(name, unit(name), ends.minimum, ends.maximum)
+        for name, ends in ranges.items()
+        if ends is not None
+    )
+    return (
+        *found,
+        # No aircraft carries more than it weighs; power is bounded by its energy. The scales make
+        # all variables of order one.
+        Variable("payload_mass_kg", "kg", 0.0, heaviest, 1.0, Role.payload),
+        Variable("payload_power_w", "W", 0.0, 1e6, 10.0, Role.payload),
+        *(
+            Variable(key, "1", 1e-3, 1e3, role=Role.technology)
+            for key, one in catalogue().items()
+            if one.kind == "technology" and one.relaxable and parameter_value(aircraft, None, key)
+        ),
+    )
 
 
 def _design_function(
@@ -347,18 +398,12 @@ def _design_function(
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
     values = {v.name: v.from_program(x[i]) for i, v in enumerate(variables)}
     technology = aircraft
-    for key in _technology_of(variables):
-        base = parameter_value(aircraft, None, key)
-        technology = replaced(technology, key.split("."), base * values[key])
-    chosen = DesignVariables(
-        wingspan_m=values["wingspan_m"],
-        aspect_ratio=values.get("aspect_ratio", aircraft.airframe.aspect_ratio),
-        battery_mass_kg=values["battery_mass_kg"],
-        module_area_m2=values["module_area_m2"],
-        lift_coefficient=values.get("lift_coefficient"),
-        payload_mass_kg=values["payload_mass_kg"],
-        payload_power_w=values["payload_power_w"],
-    )
+    for v in variables:
+        if v.role is Role.technology:
+            base = parameter_value(aircraft, None, v.name)
+            technology = replaced(technology, v.name.split("."), base * values[v.name])
+    own = {"aspect_ratio": aircraft.airframe.aspect_ratio}
+    chosen = DesignVariables(**_named(DesignVariables._fields, own | values))
     conditions = FlightConditions(*(symbols[i] for i in range(symbols.shape[0])))
     conditions = conditions.with_payload_of(chosen)
     design = parametric_design(technology, conditions, chosen, values["total_mass_kg"])
@@ -377,15 +422,19 @@ def _design_function(
     return function, requirements
 
 
+def _named(names: Iterable[str], values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: values[name] for name in names if name in values}
+
+
 class SizingProblems:
-    """Programs of one aircraft by their number of slots, built when they are first asked for."""
+    """Programs of one aircraft by their number of blocks, built when they are first needed."""
 
     def __init__(self, aircraft: Aircraft) -> None:
         self.aircraft = aircraft
         self._built: dict[int, SizingProblem] = {}
 
-    def of(self, slots: int) -> SizingProblem:
-        """Program with this number of slots."""
-        if slots not in self._built:
-            self._built[slots] = build_problem(self.aircraft, slots)
-        return self._built[slots]
+    def of(self, blocks: int) -> SizingProblem:
+        """Program with this number of scenario blocks."""
+        if blocks not in self._built:
+            self._built[blocks] = build_problem(self.aircraft, blocks)
+        return self._built[blocks]

@@ -1,14 +1,14 @@
 """What would make an infeasible mission feasible: the value of one parameter at a time.
 
-Each remedy is a sizing of its own: the program frees the parameter besides the design and moves it
-no further than it must. The simulator confirms the design with the parameter at the value told,
+Each relaxation is a sizing of its own: the program frees the parameter besides the design and moves
+it no further than it must. The simulator confirms the design with the parameter at the value told,
 which is rounded away from the edge.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -19,54 +19,47 @@ from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
 from sizing.design import DesignVariables
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.optimisation.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import SOLAR_TECHNOLOGY, Effort, SizingProblems, technology_keys
-from sizing.optimisation.result import SizingResult
-from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.solver import Answer, ProgramSolver, Question
-from sizing.parameters import parameter_value, with_parameter
+from sizing.optimisation.problem import SOLAR_TECHNOLOGY, WORST_EXCESS, Role, SizingProblems
+from sizing.optimisation.result import SizingResult, SizingStatus
+from sizing.optimisation.search import (
+    PENALTY,
+    Accepted,
+    Search,
+    run,
+    simulated,
+    size_aircraft,
+    telling_scenarios,
+)
+from sizing.optimisation.solver import (
+    GOAL_CUSHION_H,
+    ProblemInstance,
+    ProgramSolver,
+    Solution,
+)
+from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
 
 Direction = Literal["at least", "at most"]
 
-# How far each parameter may be moved: about what has been built or is in sight.
-_FURTHEST: dict[str, tuple[str, float]] = {
-    "battery.specific_energy_wh_per_kg": ("Wh/kg", 1000.0),
-    "modules.efficiency_stc": ("1", 0.47),  # best concentrator cells in laboratories
-    "airframe.propulsion.propeller_efficiency": ("1", 0.95),
-    "airframe.structure.calibration": ("1", 0.0),
-    "airframe.structure.coefficient_kg": ("kg", 0.0),
-    "power.avionics_w": ("W", 0.0),
-}
-# A structure lighter than this fraction of today's is no remedy.
+# A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
 _LEAST_RELATIVE = {"airframe.structure.calibration": 0.5, "airframe.structure.coefficient_kg": 0.5}
-_PAYLOADS = {
-    "payload_mass_kg": "mission.payload.mass_kg",
-    "payload_power_w": "mission.payload.power_w",
-}
-_PAYLOAD_UNITS = {"payload_mass_kg": "kg", "payload_power_w": "W"}
-_BOUNDS = {
-    "wingspan_m": "m",
-    "battery_mass_kg": "kg",
-    "module_area_m2": "m2",
-    "total_mass_kg": "kg",
-}
+_LEAST_OTHER = 1e-3
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
-_SLOTS = 2
+_BLOCKS = 2
 _AT_ONCE = 4  # latitudes that are sized together
 _HALVINGS, _NEAR_ENOUGH = 14, 0.003  # of a bisection, and where it may end: relative
-_STEPS_BEYOND = 3  # where the scenarios left out ask for a little more
+_STEPS_BEYOND = 3  # where the scenarios left out need a little more
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
 
 
 @dataclass(frozen=True)
-class Remedy:
+class Relaxation:
     """A parameter, and the value from which on the mission is feasible, all else unchanged.
 
     Attributes
@@ -94,39 +87,39 @@ class Remedy:
 
     @property
     def text(self) -> str:
-        """Remedy in words, for instance ``battery.specific_energy_wh_per_kg >= 287 Wh/kg``."""
+        """Relaxation in words, for instance ``battery.specific_energy_wh_per_kg >= 287 Wh/kg``."""
         sign = ">=" if self.direction == "at least" else "<="
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.parameter} {sign} {self.value:g}{unit} (now {self.present:g})"
 
     @property
     def relative_change(self) -> float:
-        """Size of the change relative to the present value, to compare remedies."""
+        """Size of the change relative to the present value, to compare relaxations."""
         return abs(self.value - self.present) / max(abs(self.present), 1e-12)
 
 
-def remedies(
+def relaxations(
     aircraft: Aircraft,
     mission: Mission,
     result: SizingResult,
     solar: SolarModel = UNCORRECTED_CAM,
     *,
     problems: SizingProblems | None = None,
-) -> list[Remedy]:
+) -> list[Relaxation]:
     """Find what would make an infeasible mission feasible, one parameter at a time.
 
     Parameters
     ----------
     aircraft, mission, solar
-        What :func:`sizing.optimisation.search.size_aircraft` was asked.
+        As they were given to :func:`sizing.optimisation.search.size_aircraft`.
     result : SizingResult
-        Its answer.
+        Infeasible.
     problems : SizingProblems, optional
         Programs of this very aircraft.
 
     Returns
     -------
-    list of Remedy
+    list of Relaxation
         Smallest relative change first; empty where no single parameter suffices.
 
     Raises
@@ -134,13 +127,15 @@ def remedies(
     ValueError
         If the result is not infeasible.
     """
-    if result.status != "infeasible" or result.nearest is None:
-        raise ValueError(f"the sizing is {result.status}: only an infeasible one has remedies")
-    search = _Remedies(aircraft, mission, result, solar, problems or SizingProblems(aircraft))
-    return sorted(search.all(), key=lambda remedy: remedy.relative_change)
+    if result.status is not SizingStatus.infeasible or result.nearest is None:
+        raise ValueError(
+            f"the sizing is {result.status.name}: only an infeasible one has relaxations"
+        )
+    search = _Relaxations(aircraft, mission, result, solar, problems or SizingProblems(aircraft))
+    return sorted(search.all(), key=lambda found: found.relative_change)
 
 
-class _Remedies:
+class _Relaxations:
     def __init__(
         self,
         aircraft: Aircraft,
@@ -158,168 +153,184 @@ class _Remedies:
         held = {label.partition(" (")[0] for label in result.active_constraints}
         self.in_the_way = self.others_missed | held
         self.day = result.nearest.day
-        self.solver = ProgramSolver(problems, mission, self.day)
+        self.solver = ProgramSolver(problems, mission, solar, self.day)
         self.start = result.nearest.design.variables.mapped(float)
-        self.previous: Answer | None = None
+        self.program = problems.of(_BLOCKS)
+        self.technology = [v.name for v in self.program.of_role(Role.technology)]
+        self.last: Solution | None = None
 
-    def all(self) -> Iterable[Remedy]:
-        """Every remedy that works."""
-        found = [self._technology(key) for key in technology_keys(self.aircraft)]
-        found += [self._payload(name) for name in _PAYLOADS]
-        found += [self._bound(name) for name in self._bounds_reached()]
+    def all(self) -> Iterable[Relaxation]:
+        """Every relaxation that works."""
+        found = [self._technology(key) for key in self.technology]
+        found += [self._payload(v.name) for v in self.program.of_role(Role.payload)]
+        found += [self._bound(key) for key, one in catalogue().items() if one.kind == "bound"]
         found += [self._latitude(), self._required_excess(), self._wind()]
         found += [self._limit(*place) for place in self._limits_in_the_way()]
-        return [remedy for remedy in found if remedy is not None]
+        return [one for one in found if one is not None]
 
     # --- one parameter in the program ----------------------------------------------------------
 
-    def _technology(self, key: str) -> Remedy | None:
-        unit, furthest = _FURTHEST[key]
+    def _technology(self, key: str) -> Relaxation | None:
         present = parameter_value(self.aircraft, self.mission, key)
         assert present is not None
-        limit = furthest / present
-        upwards = furthest > 0.0
-        if upwards and limit <= 1.0:
+        upwards = parameter(key).relaxable == "up"
+        furthest = parameter(key).maximum / present
+        if upwards and furthest <= 1.0:
             return None
-        least = _LEAST_RELATIVE.get(key, 1e-3)
-        ends = (1.0, limit) if upwards else (least, 1.0)
-        agreed = self._settled(
-            key, 1.0 if upwards else -1.0, ends, furthest=ends[1] if upwards else ends[0]
-        )
-        if agreed is None:
-            return None
-        found = present * agreed.answer.value(key)
-        return self._confirmed(
-            key, unit, present, found, "at least" if upwards else "at most", agreed
+        if not upwards:
+            furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
+        ends = (min(furthest, 1.0), max(furthest, 1.0))
+        moved = self._moved_least(key, ends, upwards=upwards, furthest=furthest)
+        return (
+            None
+            if moved is None
+            else self._confirmed(
+                key, present, present * moved.solution.value(key), moved.solution.design
+            )
         )
 
-    def _payload(self, name: str) -> Remedy | None:
-        key = _PAYLOADS[name]
+    def _payload(self, name: str) -> Relaxation | None:
+        key = parameter(name).key
         present = parameter_value(self.aircraft, self.mission, key)
         if not present or self.objective.variable == name:
             return None
-        agreed = self._settled(name, -1.0, (0.0, present), furthest=0.0)
-        if agreed is None:
+        moved = self._moved_least(name, (0.0, present), upwards=False, furthest=0.0)
+        if moved is None:
             return None
-        found = agreed.answer.value(name)
-        return self._confirmed(key, _PAYLOAD_UNITS[name], present, found, "at most", agreed)
+        carried = moved.solution.design._replace(payload_mass_kg=None, payload_power_w=None)
+        return self._confirmed(key, present, moved.solution.value(name), carried)
 
-    def _bounds_reached(self) -> list[str]:
-        """Upper bounds that the nearest design has reached, and always that of the wingspan."""
-        values = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
-        maxima = {v.name: v.maximum for v in self.problems.of(_SLOTS).variables}
-        return [
-            name
-            for name in _BOUNDS
-            if name == "wingspan_m" or values[name] >= _AT_BOUND * maxima[name]
-        ]
-
-    def _bound(self, name: str) -> Remedy | None:
-        maxima = {v.name: v.maximum for v in self.problems.of(_SLOTS).variables}
-        present = maxima[name]
-        agreed = self._settled(name, 1.0, (present, _WIDER * present))
-        if agreed is None:
+    def _bound(self, key: str) -> Relaxation | None:
+        """Upper bound that the nearest design has reached; that of the wingspan is always tried."""
+        name = key.removeprefix("design_space.").removesuffix(".maximum").removeprefix("maximum_")
+        present = self.program.variables[self.program.index[name]].maximum
+        reached = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
+        if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
             return None
-        key = "design_space." + (
-            "maximum_total_mass_kg" if name == "total_mass_kg" else f"{name}.maximum"
+        moved = self._moved_least(name, (present, _WIDER * present), upwards=True)
+        if moved is None:
+            return None
+        value = _rounded(moved.solution.value(name), "at least")
+        return Relaxation(
+            key, parameter(key).unit, present, "at least", value, moved.found.excess_time_h
         )
-        value = _rounded(agreed.answer.value(name), "at least")
-        worst_h = float(np.min(agreed.simulated.cycle.excess_time_h))
-        return Remedy(key, _BOUNDS[name], present, "at least", value, worst_h)
 
-    def _settled(
-        self, name: str, cost: float, ends: tuple[float, float], furthest: float | None = None
-    ) -> Agreed | None:
+    def _moved_least(
+        self,
+        name: str,
+        ends: tuple[float, float],
+        *,
+        upwards: bool,
+        furthest: float | None = None,
+    ) -> Accepted | None:
         """Design that moves one variable no further than it must.
 
         Most variables cannot help at all: what the best design reaches with the variable as far as
         it goes tells this soonest. ``furthest`` is that end, or none where the design chooses.
         """
-        question = Question(
-            cost={name: cost},
+        sign = 1.0 if upwards else -1.0
+        instance = ProblemInstance(
+            cost={name: sign},
             goal_h=self.required_h + GOAL_CUSHION_H,
             freed=(name,),
             bounds={name: ends},
         )
-        agreement = _SoftAgreement(
-            self.solver,
+        count = len(self.day.scenarios)
+        scenarios = telling_scenarios(self.nearest, min(_BLOCKS, count))
+        reached = self._solve(
             replace(
-                Question.of(Objective.max_excess_time, 0.0),
+                ProblemInstance.of(Objective.max_excess_time, 0.0),
                 freed=(name,),
                 bounds={name: ends if furthest is None else (furthest, furthest)},
             ),
-            self.required_h,
-            self._simulate,
-            lambda answer, _: -cost * answer.value(name),
+            scenarios,
+            self.start,
         )
-        agreement.slots = min(_SLOTS, len(self.day.scenarios))
-        agreement.chosen = telling_scenarios(self.nearest, agreement.slots)
-        agreement.previous = self.previous
-        reached = agreement.ask([self.start])
-        self.previous = agreement.previous
-        if reached is None or reached.worst_excess_time_h < self.required_h:
+        at_its_end = self.last
+        if reached is None or reached.value(WORST_EXCESS) < self.required_h:
             return None
-        agreement.question = question
-        answer = agreement.ask([reached.variables])
-        return None if answer is None else agreement.settle(answer)
 
-    def _simulate(self, answer: Answer) -> Performance:
+        def solve(search: Search) -> Solution | None:
+            before = reached if search.previous is None else search.previous
+            return self._solve(search.instance, search.filled(), before.design)
+
+        search = Search(instance, self.required_h, scenarios, solve, count=count)
+        run(
+            [search],
+            lambda some: [
+                simulated(self.solver, self._simulate(one.current), -sign * one.current.value(name))
+                for one in some
+            ],
+        )
+        # The next parameter starts with the same cost, not with this one's.
+        self.last = at_its_end
+        return search.best
+
+    def _solve(
+        self, instance: ProblemInstance, scenarios: list[int], start: DesignVariables
+    ) -> Solution | None:
+        """Solution from the last one of the same program; none where it misses a requirement."""
+        last = self.last
+        found = self.solver.solve(
+            instance.penalised(PENALTY),
+            scenarios,
+            [start],
+            efforts=("quick", "steady"),
+            previous=last if last is not None and len(last.scenarios) == len(scenarios) else None,
+        )
+        if found is None:
+            return None
+        self.last = found
+        return None if found.missed() else found
+
+    def _simulate(self, solution: Solution) -> Performance:
         """Performance with the technology that the program chose."""
         aircraft, day = self.aircraft, self.day
-        for key in answer.question.freed:
+        for key in solution.instance.freed:
             present = parameter_value(self.aircraft, self.mission, key)
-            if key in answer.problem.variable_names and present is not None:
-                aircraft, _ = with_parameter(
-                    aircraft, self.mission, key, present * answer.value(key)
-                )
+            if key in self.technology and present is not None:
+                relative = solution.value(key)
+                aircraft, _ = with_parameter(aircraft, self.mission, key, present * relative)
                 if key == SOLAR_TECHNOLOGY:
-                    day = day.scaled(answer.value(key))
-        return performance_of_designs(aircraft, self.mission, answer.variables, self.solar, day=day)
+                    day = day.scaled(relative)
+        return performance_of_designs(aircraft, self.mission, solution.design, self.solar, day=day)
 
     def _confirmed(
-        self,
-        key: str,
-        unit: str,
-        present: float,
-        found: float,
-        direction: Direction,
-        agreed: Agreed,
-    ) -> Remedy | None:
-        """Remedy at the rounded value, if the simulator finds the design feasible there."""
+        self, key: str, present: float, found: float, variables: DesignVariables
+    ) -> Relaxation | None:
+        """Relaxation at the rounded value, if the simulator finds the design feasible there."""
+        direction: Direction = "at least" if parameter(key).relaxable == "up" else "at most"
         value = _rounded(found, direction)
         aircraft, mission = with_parameter(self.aircraft, self.mission, key, value)
-        variables = agreed.answer.variables
-        if key in _PAYLOADS.values():
-            variables = variables._replace(payload_mass_kg=None, payload_power_w=None)
         day = solar_day(aircraft, mission, self.solar, scenarios=self.day.scenarios)
         perf = performance_of_designs(aircraft, mission, variables, self.solar, day=day)
         worst_h = float(np.min(perf.cycle.excess_time_h))
         if not (worst_h > 0.0 and worst_h >= self.required_h):
             return None
-        return Remedy(key, unit, present, direction, value, worst_h)
+        return Relaxation(key, parameter(key).unit, present, direction, value, worst_h)
 
     # --- latitude and required time ------------------------------------------------------------
 
-    def _required_excess(self) -> Remedy | None:
+    def _required_excess(self) -> Relaxation | None:
         """Largest excess time there is, where more is required."""
         worst_h = float(np.min(self.nearest.cycle.excess_time_h))
         # Missing anything else means that even without a required time no design exists.
         if self.others_missed or not 0.0 < worst_h < self.required_h:
             return None
         value = _rounded(worst_h, "at most")
-        return Remedy(
+        return Relaxation(
             "mission.required_excess_time_h", "h", self.required_h, "at most", value, worst_h
         )
 
-    def _latitude(self) -> Remedy | None:
-        """Latitude nearest to the mission's at which a design stays up."""
+    def _latitude(self) -> Relaxation | None:
+        """Latitude nearest to the mission's at which a design flies perpetually."""
         latitude = self.mission.latitude_deg
         if isinstance(latitude, LatitudeRange):
             return self._narrower_band(latitude)
         places = self._easier_latitudes(latitude)
         return self._least_move(latitude, places, "mission.latitude_deg", lambda place: place)
 
-    def _narrower_band(self, band: LatitudeRange) -> Remedy | None:
+    def _narrower_band(self, band: LatitudeRange) -> Relaxation | None:
         """End of the band that holds back, moved towards the other one."""
         worst = float(self.day.scenarios.latitude_deg[self.nearest.worst_scenario()])
         at_end = abs(worst - band.to_deg) < abs(worst - band.from_deg)
@@ -352,8 +363,8 @@ class _Remedies:
         places: FloatArray,
         key: str,
         as_latitude: Callable[[float], float | LatitudeRange],
-    ) -> Remedy | None:
-        """First of the places, ordered from hard to easy, at which a design stays up.
+    ) -> Relaxation | None:
+        """First of the places, ordered from hard to easy, at which a design flies perpetually.
 
         The easiest tells whether there is any. Of the others a few are sized at once, and then a
         few between the two that matter.
@@ -372,7 +383,7 @@ class _Remedies:
             worst_h = self._confirmed_excess_h(as_latitude(float(place)))
             if worst_h is not None:
                 direction: Direction = "at most" if place < present else "at least"
-                return Remedy(key, "deg", present, direction, float(place), worst_h)
+                return Relaxation(key, "deg", present, direction, float(place), worst_h)
         return None
 
     def _enough(
@@ -383,7 +394,7 @@ class _Remedies:
         Of the scenarios only those count that matter most to the nearest design.
         """
         latitudes = [as_latitude(float(place)) for place in places]
-        telling = telling_scenarios(self.nearest, min(_SLOTS, len(self.day.scenarios)))
+        telling = telling_scenarios(self.nearest, min(_BLOCKS, len(self.day.scenarios)))
         moved = [self._moved(latitude).scenarios() for latitude in latitudes]
         found = size_cells(
             self.aircraft,
@@ -427,9 +438,8 @@ class _Remedies:
 
     # --- what the program holds fixed -----------------------------------------------------------
 
-    def _wind(self) -> Remedy | None:
+    def _wind(self) -> Relaxation | None:
         """Strongest wind that can be flown in, where the airspeed does not suffice."""
-        present = self.mission.wind_m_per_s
         if "airspeed_above_wind" not in self.in_the_way:
             return None
 
@@ -439,19 +449,18 @@ class _Remedies:
 
         if reached_h(0.0) is None:
             return None
-        return _bisected("mission.wind_m_per_s", "m/s", present, 0.0, reached_h)
+        return _bisected("mission.wind_m_per_s", "m/s", self.mission.wind_m_per_s, 0.0, reached_h)
 
     def _limits_in_the_way(self) -> list[tuple[LimitedQuantity, LimitEnd]]:
-        limits = self.aircraft.design_space.all_limits()
         ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
         return [
             (quantity, end)
-            for quantity in limits
+            for quantity in self.aircraft.design_space.all_limits()
             for end in ends
             if f"{quantity}_{end}" in self.in_the_way
         ]
 
-    def _limit(self, quantity: LimitedQuantity, end: LimitEnd) -> Remedy | None:
+    def _limit(self, quantity: LimitedQuantity, end: LimitEnd) -> Relaxation | None:
         """Value to which a limit must be eased: no further than what is reached without it."""
         space = self.aircraft.design_space
 
@@ -466,9 +475,9 @@ class _Remedies:
         flown = DesignInFlight(self.aircraft, free.design, self.solver.conditions)
         return _bisected(
             f"design_space.{space.key_of_limit(quantity, end)}",
-            QUANTITIES[quantity].unit,
+            parameter(quantity).unit,
             getattr(space.all_limits()[quantity], end),
-            float(QUANTITIES[quantity].of(flown)),
+            float(QUANTITIES[quantity](flown)),
             lambda value: self._reached_h(sized(value)),
         )
 
@@ -479,7 +488,7 @@ def _bisected(
     present: float,
     enough: float,
     reached_h: Callable[[float], float | None],
-) -> Remedy | None:
+) -> Relaxation | None:
     """Value nearest to the present one at which the excess time suffices, as it does at another."""
     direction: Direction = "at least" if enough > present else "at most"
     bad, good = present, enough
@@ -493,32 +502,7 @@ def _bisected(
             good = middle
     value = _rounded(good, direction)
     worst_h = reached_h(value)
-    return None if worst_h is None else Remedy(key, unit, present, direction, value, worst_h)
-
-
-class _SoftAgreement(Agreement):
-    """Agreement by a program whose requirements have a price, each answer from the one before."""
-
-    previous: Answer | None = None
-
-    def ask(
-        self,
-        starts: Sequence[DesignVariables],
-        *,
-        effort: Effort = "quick",
-        question: Question | None = None,
-    ) -> Answer | None:
-        """Answer of the program alone; none where it misses a requirement."""
-        previous = self._fitting(self.previous)
-        answer = self.ask_softly(starts[0], previous=previous, question=question)
-        if answer is None:
-            return None
-        self.previous = answer
-        return None if answer.missed() else answer
-
-    def _fitting(self, answer: Answer | None) -> Answer | None:
-        """An answer of the same program; others have other variables."""
-        return answer if answer is not None and answer.problem.slots == self.slots else None
+    return None if worst_h is None else Relaxation(key, unit, present, direction, value, worst_h)
 
 
 def _rounded(value: float, direction: Direction) -> float:

@@ -3,14 +3,48 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 
 from sizing.design import Design
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Constraint
+from sizing.optimisation.solver import Solution, SolverReport
 from sizing.performance import Performance
 from solar.types import FloatArray
+
+# A design that is better than an optimum by less than this is within what the time steps and
+# tolerances allow; relative, and for excess times in hours.
+RELATIVE_TOLERANCE = 0.005
+ABSOLUTE_TOLERANCE_H = 0.01
+ROW_TOLERANCE = 1e-6  # of requirements, relative: the solver meets them to about 1e-8
+
+
+class SizingStatus(IntEnum):
+    """How a sizing ends; the numbers are the flags of gridded results, the names those of JSON.
+
+    ``failed`` stands for an error of the program, ``invalid`` for values that no aircraft or
+    mission can have, ``not_converged`` says nothing about feasibility. An optimum is one that the
+    simulator confirms; it is ``cross_checked`` where neighbouring designs were tried and none is
+    better.
+    """
+
+    failed = -1
+    optimal = 0
+    infeasible = 1
+    not_converged = 2
+    invalid = 3
+    cross_checked = 4
+
+    @property
+    def label(self) -> str:
+        """Name in words."""
+        return self.name.replace("_", " ")
+
+    @property
+    def sized(self) -> bool:
+        """Whether there is a design."""
+        return self in (SizingStatus.optimal, SizingStatus.cross_checked)
 
 
 @dataclass(frozen=True)
@@ -27,47 +61,16 @@ class Violation:
 
 
 @dataclass(frozen=True)
-class SolverReport:
-    """What the solver did: iterations and time over all starts and rounds."""
-
-    iterations: int
-    time_s: float
-    build_time_s: float
-    solves: int
-    message: str
-
-
-@dataclass(frozen=True)
-class Optimum:
-    """Solver's answer at an optimum: point, prices of the constraints, and what it was asked.
-
-    ``filled`` are the scenarios in the slots of the program, ``weights`` its cost; see
-    :class:`sizing.optimisation.problem.SizingProblem`. ``bound_prices`` are those of the variables
-    that
-    were free. Where ``needs_no_battery``, the program had the lowest sun of the day all day long.
-    """
-
-    x: FloatArray
-    constraints: tuple[Constraint, ...]
-    constraint_prices: FloatArray
-    bound_prices: dict[str, float]
-    filled: tuple[int, ...]
-    weights: FloatArray
-    margin: float
-    needs_no_battery: bool = False
-
-
-@dataclass(frozen=True)
 class SizingResult:
     """Outcome of a sizing: an optimum, or the requirements that cannot be met.
 
     ``status`` is ``optimal``, ``infeasible`` or ``not_converged``. Design, simulated performance
     and objective value (the simulator's number) exist for an optimum alone. ``nearest`` is the
     simulated design that comes closest where none is feasible, and ``active_constraints`` then name
-    what holds it back.
+    what holds it back. ``optimum`` is the program's solution.
     """
 
-    status: str
+    status: SizingStatus
     objective: Objective
     required_excess_time_h: float
     objective_value: float | None
@@ -77,16 +80,28 @@ class SizingResult:
     active_constraints: tuple[str, ...]
     violations: tuple[Violation, ...]
     solver: SolverReport
-    optimum: Optimum | None = None
+    optimum: Solution | None = None
 
     @property
     def feasible(self) -> bool:
         """Whether an optimum was found."""
-        return self.status == "optimal"
+        return self.status.sized
 
 
 def objective_value(objective: Objective, perf: Performance) -> FloatArray:
-    """Objective of simulated designs, of the shape of their batch.
+    """Objective of simulated designs.
+
+    Parameters
+    ----------
+    objective : Objective
+        Quantity of a single simulation.
+    perf : Performance
+        Of one design, or of a batch; the scenarios are the last axis.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of the batch, in the objective's unit.
 
     Raises
     ------

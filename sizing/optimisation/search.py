@@ -1,40 +1,249 @@
-"""Sizing: the best wingspan, battery mass and module area for a mission, or why there is none."""
+"""Sizing: the best wingspan, battery mass and module area for a mission, or why there is none.
+
+The program knows a few scenarios on coarse nodes; the simulator judges all of them on fine ones. A
+search solves the program, simulates the design that it finds, shifts the program's goal by what the
+simulator finds otherwise, and solves again; scenarios that turn out worse than those in the program
+join it. What counts is the simulator's number: of all designs that it accepts on the way, the best
+is the optimum.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, DesignVariables, Masses, variables_of
-from sizing.limits import design_requirements
-from sizing.optimisation.agreement import GOAL_CUSHION_H, Agreed, Agreement, telling_scenarios
-from sizing.optimisation.energy_constraints import lowest_sun_parameters, never_dark
-from sizing.optimisation.objectives import Objective, without_battery
-from sizing.optimisation.problem import TECHNOLOGY, Effort, SizingProblems
+from sizing.energy.cycle import Status
+from sizing.limits import meets_requirements
+from sizing.optimisation.energy_constraints import never_dark
+from sizing.optimisation.infeasibility import (
+    Verdict,
+    least_mission,
+    promising_designs,
+    short_of_largest_excess,
+    violations,
+)
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
-    Optimum,
     SizingResult,
-    SolverReport,
-    Violation,
+    SizingStatus,
     objective_value,
 )
-from sizing.optimisation.solver import Answer, ProgramSolver, Question
-from sizing.parameters import with_parameter
-from sizing.performance import Performance, performance_of_designs
+from sizing.optimisation.solver import (
+    GOAL_CUSHION_H,
+    ProblemInstance,
+    ProgramSolver,
+    Solution,
+)
+from sizing.performance import Performance
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from solar.types import FloatArray
 
-__all__ = ["SizingResult", "SolverReport", "Violation", "size_aircraft"]
+__all__ = ["Search", "SizingResult", "run", "size_aircraft"]
 
+# Scenarios that a program starts with; others join when the simulator finds them worse.
+_FIRST_BLOCKS = 3
+_ROUNDS = 12
+_WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
+# Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
+PENALTY = 300.0
+_UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
+_ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _ACTIVE_MULTIPLIER = 1e-5
-_RESCUES = 3
-_ELASTIC_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
-_GRID_POINTS = 9
-_GRID_STEP_H = 0.5
+_RESTARTS = 3
+_LEAST_MISSED_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
+
+
+# --- the loop --------------------------------------------------------------------------------
+
+
+class Simulated(NamedTuple):
+    """What the simulator finds for one solution.
+
+    ``worst`` is the scenario with the least excess time, ``merit`` the larger the better; ``sound``
+    tells whether the design keeps every requirement besides the excess time.
+    """
+
+    excess_time_h: float
+    worst: int
+    merit: float
+    sound: bool
+    performance: Performance | None = None
+
+
+class Accepted(NamedTuple):
+    """A design that the simulator accepts."""
+
+    solution: Solution
+    found: Simulated
+
+
+class Search:
+    """One search for a design that the simulator accepts.
+
+    Parameters
+    ----------
+    instance : ProblemInstance
+        What the program is to be solved for; its goal carries a cushion for all but the largest
+        excess time.
+    required_h : float
+        Excess time that the simulator must find in every scenario [h].
+    scenarios : sequence of int
+        Scenarios that are in the program from the beginning.
+    solve : callable
+        Solution of the search's instance; None where there is none.
+    count : int
+        Number of all scenarios that may join.
+    """
+
+    def __init__(
+        self,
+        instance: ProblemInstance,
+        required_h: float,
+        scenarios: Sequence[int],
+        solve: Callable[[Search], Solution | None],
+        *,
+        count: int,
+    ) -> None:
+        self.instance, self.required_h = instance, required_h
+        self.scenarios, self.blocks, self.count = list(scenarios), len(scenarios), count
+        self.cushion_h = GOAL_CUSHION_H
+        self._solve = solve
+        self.solution: Solution | None = None
+        self.previous: Solution | None = None
+        self.best: Accepted | None = None
+
+    def filled(self) -> list[int]:
+        """Scenarios in the blocks; spare ones repeat them."""
+        return [self.scenarios[i % len(self.scenarios)] for i in range(self.blocks)]
+
+    @property
+    def current(self) -> Solution:
+        """Solution to be judged."""
+        assert self.solution is not None
+        return self.solution
+
+    def solved(self) -> bool:
+        """Whether there is a solution to be judged, after solving the program if need be."""
+        if self.solution is None:
+            self.solution = self._solve(self)
+        return self.solution is not None
+
+    def judge(self, found: Simulated) -> bool:
+        """Keep the solution if it is the best one; whether the program is to be solved again."""
+        accepted = self.accepts(found)
+        if accepted and (self.best is None or found.merit > self.best.found.merit):
+            self.best = Accepted(self.current, found)
+        if accepted and found.worst in self.scenarios and not self._wasteful(found):
+            return False
+        self._tighten(found)
+        self.previous, self.solution = self.solution, None
+        return True
+
+    def accepts(self, found: Simulated) -> bool:
+        """Whether a design has enough excess time everywhere and keeps its requirements."""
+        if not (found.excess_time_h > 0.0 and found.excess_time_h >= self.required_h):
+            return False
+        # A limit on the total mass may be what is to be moved.
+        return found.sound or "total_mass_kg" in self.instance.bounds
+
+    def _wasteful(self, found: Simulated) -> bool:
+        """Whether a design has more excess time than needed, and another goal may change that."""
+        if self.instance.best_excess or self.instance.goal_h <= 0.0:
+            return False
+        return found.excess_time_h - self.required_h > _WASTE_H and not self._unchanged()
+
+    def _unchanged(self) -> bool:
+        """Whether the last goal made no difference: another requirement decides."""
+        if self.previous is None:
+            return False
+        then, now = (list(one.design.chosen().values()) for one in (self.previous, self.current))
+        return bool(np.allclose(then, now, rtol=_UNCHANGED, atol=0.0))
+
+    def _tighten(self, found: Simulated) -> None:
+        """Let the worst scenario join, or shift the goal if it is there already."""
+        if found.worst not in self.scenarios:
+            self.scenarios.append(found.worst)
+            if len(self.scenarios) > self.blocks:
+                self.blocks = min(2 * self.blocks, self.count)
+            return
+        goal_h, margin = self.instance.goal_h, self.instance.margin
+        if found.excess_time_h <= 0.0:
+            # The battery runs empty over many days: the day must return more.
+            goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
+        else:
+            goal_h = max(goal_h + self.required_h - found.excess_time_h + self.cushion_h, 0.0)
+        self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
+
+
+def run(
+    searches: Sequence[Search],
+    simulate: Callable[[Sequence[Search]], Sequence[Simulated]],
+    *,
+    rounds: int = _ROUNDS,
+) -> None:
+    """Solve, simulate, shift and keep the best, until the simulator accepts each design.
+
+    Parameters
+    ----------
+    searches : sequence of Search
+        They are solved one after the other and simulated together.
+    simulate : callable
+        What the simulator finds for the solutions of some searches.
+    rounds : int
+        How often at most.
+    """
+    for _ in range(rounds):
+        searches = [search for search in searches if search.solved()]
+        if not searches:
+            return
+        judged = zip(searches, simulate(searches), strict=True)
+        searches = [search for search, found in judged if search.judge(found)]
+
+
+def telling_scenarios(perf: Performance, count: int) -> list[int]:
+    """Scenarios likely to drive the sizing: least excess time, and least sun for their load.
+
+    Parameters
+    ----------
+    perf : Performance
+        Of one design.
+    count : int
+        How many at most.
+    """
+    cycle = perf.cycle
+    short_of_sun = int(np.argmin(cycle.energy_budget.solar_wh / cycle.energy_budget.load_wh))
+    by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
+    dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
+    return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
+
+
+def simulated(solver: ProgramSolver, perf: Performance, merit: float) -> Simulated:
+    """What the simulator finds for one design.
+
+    Parameters
+    ----------
+    solver : ProgramSolver
+        Of the aircraft and its mission.
+    perf : Performance
+        Of the design in all scenarios.
+    merit : float
+        The larger the better.
+    """
+    worst = perf.worst_scenario()
+    met = meets_requirements(
+        solver.aircraft, perf.design, solver.conditions, tolerance=_ROW_TOLERANCE
+    )
+    excess_h = float(perf.cycle.excess_time_h[worst])
+    return Simulated(excess_h, worst, merit, bool(np.all(met)), perf)
+
+
+# --- one sizing ------------------------------------------------------------------------------
 
 
 def size_aircraft(
@@ -89,345 +298,277 @@ def size_aircraft(
     ValueError
         For an objective that is a range, or programs of another aircraft.
     """
-    if isinstance(aircraft.airframe, MeasuredAirframe):
-        raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    if objective.of_range:
-        raise ValueError(f"{objective.value} is a range: use widest_range")
-    if problems is not None and problems.aircraft is not aircraft:
-        raise ValueError("the programs belong to another aircraft")
+    problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    problems = problems or SizingProblems(aircraft)
-    endless = None
+    solver = ProgramSolver(problems, mission, solar, lit)
+    given = (solver, objective, required, start)
+    unlimited = None
     if never_dark(lit).all() and (required > 0.0 or objective is Objective.max_excess_time):
-        without = ProgramSolver(problems, mission, lit)
-        without.suns = lowest_sun_parameters(lit, mission)
-        search = _Search(without, solar, objective, required, start, explain=False, battery=False)
-        endless = search.run()
-        if endless.feasible and objective is Objective.max_excess_time:
-            return endless
-    solver = ProgramSolver(problems, mission, lit)
-    if endless is None or not endless.feasible:
-        return _Search(solver, solar, objective, required, start, explain).run()
-    return _better(_Search(solver, solar, objective, required, start, explain=False).run(), endless)
+        unlimited = _Sizing(*given, explain=False, battery=False).run()
+        if unlimited.feasible and objective is Objective.max_excess_time:
+            return unlimited
+    if unlimited is None or not unlimited.feasible:
+        return _Sizing(*given, explain=explain).run()
+    return _better(_Sizing(*given, explain=False).run(), unlimited)
+
+
+def checked_problems(
+    aircraft: Aircraft, objective: Objective, problems: SizingProblems | None
+) -> SizingProblems:
+    """Programs of an aircraft that can be sized for an objective, built anew if none are given.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        To be sized.
+    objective : Objective
+        For single designs.
+    problems : SizingProblems or None
+        From an earlier sizing.
+
+    Raises
+    ------
+    TypeError
+        For a measured aircraft.
+    ValueError
+        For an objective that is a range, or programs of another aircraft.
+    """
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
+    if objective.of_range:
+        raise ValueError(f"{objective.value} is a range of days or latitudes: use widest_range")
+    if problems is not None and problems.aircraft is not aircraft:
+        raise ValueError("the programs belong to another aircraft")
+    return problems or SizingProblems(aircraft)
 
 
 def _better(one: SizingResult, other: SizingResult) -> SizingResult:
-    """Better of two results of the same question, of which the second is an optimum."""
+    """Better of two results of the same sizing, of which the second is an optimum."""
     if one.objective_value is None or other.objective_value is None:
         return other
     gain = one.objective_value - other.objective_value
     return one if (gain > 0.0) is one.objective.maximised else other
 
 
-class _Search:
-    """One sizing: its starts, its growing set of scenarios, and the verdict."""
+class _Sizing:
+    """One sizing: where it starts, its search, and the verdict."""
 
     def __init__(
         self,
         solver: ProgramSolver,
-        solar: SolarModel,
         objective: Objective,
         required_h: float,
         start: DesignVariables | None = None,
+        *,
         explain: bool = True,
         battery: bool = True,
     ) -> None:
         self.explain, self.battery = explain, battery
-        self.solver, self.solar = solver, solar
-        self.aircraft, self.mission, self.day = solver.aircraft, solver.mission, solver.day
+        self.solver, self.aircraft, self.day = solver, solver.aircraft, solver.day
         self.objective, self.required_h = objective, required_h
         self.start = variables_of(self.aircraft) if start is None else start
-        cushion_h = 0.0 if objective is Objective.max_excess_time else GOAL_CUSHION_H
-        question = Question.of(objective, required_h + cushion_h)
-        if not battery:
-            question = Question.of(without_battery(objective), 0.0)
-        self.agreement = Agreement(
-            solver,
-            question,
-            required_h,
-            self._simulate,
-            self._merit,
-        )
-        self.rescues = 0
-        self.held: tuple[str, ...] = ()
+        self.restarts = 0
 
     def run(self) -> SizingResult:
-        first = self._simulate_design(self.start)
-        self.agreement.chosen = telling_scenarios(first, self.agreement.slots)
-        answer = self.agreement.ask_softly(self.start, efforts=("quick",))
-        if answer is None:
-            answer = self.agreement.ask([self.start])
-            return self._failure(first) if answer is None else self._settled(answer)
-        if answer.missed() and self.explain:
-            return self._explain_failure([answer.variables])
-        if answer.missed():
-            answer = self._met_after_all(answer)
-        return self._given_up(first) if answer is None else self._settled(answer)
+        first = self.solver.performance(self.start)
+        count = len(self.day.scenarios)
+        self.search = Search(
+            ProblemInstance.of(self.objective, self.required_h, battery=self.battery),
+            self.required_h,
+            telling_scenarios(first, min(_FIRST_BLOCKS, count)),
+            self._solve_again,
+            count=count,
+        )
+        # With a penalty the program says soonest that nothing meets all requirements.
+        solution = self._solve([self.start], self.search.instance.penalised(PENALTY))
+        if solution is None:
+            solution = self._solve([self.start])
+            return self._failure(first) if solution is None else self._settled(solution)
+        if solution.missed() and self.explain:
+            return self._explained([solution.design])
+        if solution.missed():
+            solution = self._met_after_all(solution)
+        return self._given_up(first) if solution is None else self._settled(solution)
 
-    def _met_after_all(self, answer: Answer) -> Answer | None:
-        """Answer where the price of a miss was too low to keep it from being paid."""
-        agreement = self.agreement
-        least = agreement.ask_softly(
-            answer.variables,
-            previous=answer,
-            efforts=("quick",),
-            question=agreement.question.elastically(),
+    # --- the program -------------------------------------------------------------------------
+
+    def _solve(
+        self,
+        starts: Sequence[DesignVariables],
+        instance: ProblemInstance | None = None,
+        *,
+        effort: Effort = "quick",
+        previous: Solution | None = None,
+    ) -> Solution | None:
+        search = self.search
+        return self.solver.solve(
+            search.instance if instance is None else instance,
+            search.filled(),
+            starts,
+            efforts=(effort,),
+            previous=previous,
+        )
+
+    def _solve_again(self, search: Search) -> Solution | None:
+        """Solution from the last one's design."""
+        assert search.previous is not None
+        return self._solve([search.previous.design])
+
+    def _met_after_all(self, solution: Solution) -> Solution | None:
+        """Solution where the penalty was too low to keep a requirement from being missed."""
+        least = self._solve(
+            [solution.design], self.search.instance.least_missed(), previous=solution
         )
         if least is not None and least.missed():
             return None
-        return agreement.ask([answer.variables if least is None else least.variables])
+        return self._solve([solution.design if least is None else least.design])
 
-    def _settled(self, answer: Answer) -> SizingResult:
-        agreed = self.agreement.settle(answer)
-        if agreed is None:
-            return self._failure(self._simulate(answer))
-        return self._optimal(agreed)
+    # --- the simulator -----------------------------------------------------------------------
 
-    def _failure(self, nearest: Performance) -> SizingResult:
-        return (
-            self._explain_failure(self._grid_starts()) if self.explain else self._given_up(nearest)
-        )
+    def _simulated(self, solution: Solution) -> Simulated:
+        perf = self.solver.performance(solution.design)
+        value = float(objective_value(self.objective, perf))
+        return simulated(self.solver, perf, value if self.objective.maximised else -value)
 
-    def _grid_starts(self) -> list[DesignVariables]:
-        """Most promising designs of a coarse grid over the design space, best first."""
-        space = self.aircraft.design_space
-        axes = [
-            np.geomspace(r.minimum, r.maximum, _GRID_POINTS)
-            for r in (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
-        ]
-        span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
-        airframe = self.aircraft.airframe
-        aspect = airframe.aspect_ratio
-        coverage = getattr(airframe, "maximum_module_coverage", 1.0)
-        fits = area <= coverage * span**2 / aspect
-        variables = DesignVariables(
-            span[fits], np.full(int(fits.sum()), aspect), battery[fits], area[fits]
-        )
-        if not np.any(fits):
-            return [variables_of(self.aircraft)]
-        coarse = solar_day(
-            self.aircraft,
-            self.mission,
-            self.solar,
-            scenarios=self.day.scenarios,
-            step_h=_GRID_STEP_H,
-        )
-        found = performance_of_designs(
-            self.aircraft, self.mission, variables, self.solar, day=coarse
-        )
-        merit = np.min(found.cycle.excess_time_h, axis=-1)
-        best = np.argsort(-merit, kind="stable")[:3]
-        return [variables.mapped(partial(_item, int(i))) for i in best]
+    def _settled(self, solution: Solution) -> SizingResult:
+        """Best design that the simulator accepts, from a first solution on."""
+        self.search.previous, self.search.solution = None, solution
+        run([self.search], lambda some: [self._simulated(one.current) for one in some])
+        if self.search.best is None:
+            return self._failure(self.solver.performance(solution.design))
+        return self._optimal(*self.search.best)
 
     # --- verdicts ----------------------------------------------------------------------------
 
-    def _simulate(self, answer: Answer) -> Performance:
-        return self._simulate_design(answer.variables)
+    def _failure(self, nearest: Performance) -> SizingResult:
+        if not self.explain:
+            return self._given_up(nearest)
+        grid = promising_designs(self.aircraft, self.solver.mission, self.solver.solar, self.day)
+        return self._explained(grid or [variables_of(self.aircraft)])
 
-    def _simulate_design(self, variables: DesignVariables) -> Performance:
-        return performance_of_designs(
-            self.aircraft, self.mission, variables, self.solar, day=self.day
-        )
-
-    def _merit(self, answer: Answer, perf: Performance) -> float:
-        value = float(objective_value(self.objective, perf))
-        return value if self.objective.maximised else -value
-
-    def _optimal(self, agreed: Agreed) -> SizingResult:
-        answer, simulated = agreed.answer, agreed.simulated
-        return SizingResult(
-            status="optimal",
-            objective=self.objective,
-            required_excess_time_h=self.required_h,
-            objective_value=float(objective_value(self.objective, simulated)),
-            design=plain_design(simulated.design),
-            simulated=simulated,
-            nearest=None,
-            active_constraints=self._active(answer),
-            violations=(),
-            solver=self.solver.report(),
-            optimum=Optimum(
-                x=answer.x,
-                constraints=answer.problem.constraints,
-                constraint_prices=answer.constraint_prices,
-                bound_prices=_free_bound_prices(answer),
-                filled=answer.filled,
-                weights=answer.weights,
-                margin=answer.question.margin,
-                needs_no_battery=not self.battery,
-            ),
-        )
-
-    def _active(self, answer: Answer) -> tuple[str, ...]:
-        problem = answer.problem
-        active = []
-        prices = np.abs(answer.constraint_prices)
-        for price, constraint in zip(prices, problem.constraints, strict=True):
-            if price <= _ACTIVE_MULTIPLIER or constraint.name == "mass_budget":
-                continue
-            label = constraint.name
-            if constraint.slot is not None:
-                label += f" ({self.day.scenarios.label(answer.filled[constraint.slot])})"
-            active.append(label)
-        for name, price in _free_bound_prices(answer).items():
-            if abs(price) > _ACTIVE_MULTIPLIER:
-                active.append(f"{name} at its {'maximum' if price > 0 else 'minimum'}")
-        return tuple(dict.fromkeys(active))
-
-    def _explain_failure(self, starts: list[DesignVariables]) -> SizingResult:
-        """Say which requirements are missed, and by how much.
-
-        A required excess time is held against the largest one that any design has. Where no design
-        flies perpetually at all, or none is required to do more, the elastic program tells what is
-        missing. Where either finds that nothing is, its design starts the sizing again.
-        """
+    def _explained(self, starts: list[DesignVariables]) -> SizingResult:
+        """Why there is no design; where nothing is found to be missing, the search starts again."""
         if self.required_h > 0.0:
-            return self._explain_by_largest_excess(starts)
-        return self._explain_by_slack(starts)
+            return self._explained_by_largest_excess(starts)
+        return self._explained_by_least_missed(starts)
 
-    def _explain_by_largest_excess(self, starts: list[DesignVariables]) -> SizingResult:
-        solver = ProgramSolver(self.solver.problems, self._least_mission(), self.day)
-        largest = _Search(solver, self.solar, Objective.max_excess_time, 0.0).run()
-        self.solver.add(solver)
-        if largest.simulated is None:
-            return self._no_perpetual_flight(largest)
-        reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
-        if reached_h < self.required_h:
-            shortfall_h = self.required_h - reached_h
-            text = self._words("excess_time", shortfall_h, largest.simulated)
-            missed = Violation("excess_time", shortfall_h, text)
-            self.held = largest.active_constraints
-            return self._failed("infeasible", (missed,), largest.simulated)
+    def _explained_by_largest_excess(self, starts: list[DesignVariables]) -> SizingResult:
+        own = self.solver
+        mission = least_mission(own.mission, self.objective)
+        solver = ProgramSolver(own.problems, mission, own.solar, own.day)
+        largest = _Sizing(solver, Objective.max_excess_time, 0.0).run()
+        own.add(solver)
+        verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
+        if verdict is not None:
+            return self._failed(verdict)
+        assert largest.simulated is not None
         if self.objective is Objective.max_excess_time:
             return replace(
                 largest, required_excess_time_h=self.required_h, solver=self.solver.report()
             )
-        # The cushion must not ask for more than there is.
-        agreement = self.agreement
-        agreement.cushion_h = min(agreement.cushion_h, (reached_h - self.required_h) / 4.0)
-        goal_h = self.required_h + agreement.cushion_h
-        agreement.question = replace(agreement.question, goal_h=goal_h)
+        # The cushion must not exceed what there is.
+        reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
+        search = self.search
+        search.cushion_h = min(search.cushion_h, (reached_h - self.required_h) / 4.0)
+        goal_h = self.required_h + search.cushion_h
+        search.instance = replace(search.instance, goal_h=goal_h)
         nearest = largest.simulated.design.variables.mapped(float)
-        answer = self.agreement.ask([nearest, *starts])
-        return self._given_up(largest.simulated) if answer is None else self._last(answer)
+        return self._restarted([nearest, *starts], largest.simulated)
 
-    def _least_mission(self) -> Mission:
-        """Mission without the payload that is asked for: the easiest one."""
-        if self.objective is Objective.max_payload_mass:
-            return with_parameter(self.aircraft, self.mission, "mission.payload.mass_kg", 0.0)[1]
-        if self.objective is Objective.max_payload_power:
-            return with_parameter(self.aircraft, self.mission, "mission.payload.power_w", 0.0)[1]
-        return self.mission
-
-    def _no_perpetual_flight(self, largest: SizingResult) -> SizingResult:
-        """No design that meets all else flies perpetually, let alone for the required time."""
-        missed = [v for v in largest.violations if v.requirement != "excess_time"]
-        nearest = largest.nearest
-        if nearest is not None:
-            worst_h = float(np.min(nearest.cycle.excess_time_h))
-            shortfall_h = self.required_h - worst_h
-            # The nearest design may fly long enough and miss another requirement.
-            if shortfall_h > 0.0:
-                text = self._words("excess_time", shortfall_h, nearest)
-                missed.append(Violation("excess_time", shortfall_h, text))
-        self.held = largest.active_constraints
-        return self._failed(largest.status, tuple(missed), nearest)
-
-    def _explain_by_slack(self, starts: list[DesignVariables]) -> SizingResult:
-        agreement = self.agreement
-        elastic = self._least_missed(starts)
-        if elastic is None:
-            answer = agreement.ask(starts)
-            nearest = self._simulate_design(starts[0])
-            return self._given_up(nearest) if answer is None else self._last(answer)
-        missed = elastic.missed()
-        nearest = self._simulate(elastic)
-        if not missed or agreement.accepts(nearest):
-            answer = agreement.ask([elastic.variables, *starts])
-            return self._given_up(nearest) if answer is None else self._last(answer)
-        self.held = self._active(elastic)
-        violations = tuple(
-            Violation(name, value, self._words(name, value, nearest))
-            for name, value in missed.items()
+    def _explained_by_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
+        instance = self.search.instance.least_missed()
+        found = (self._solve(starts, instance, effort=e) for e in _LEAST_MISSED_EFFORTS)
+        least = next((solution for solution in found if solution is not None), None)
+        if least is None:
+            return self._restarted(starts, self.solver.performance(starts[0]))
+        missed, nearest = least.missed(), self._simulated(least)
+        assert nearest.performance is not None
+        if not missed or self.search.accepts(nearest):
+            return self._restarted([least.design, *starts], nearest.performance)
+        verdict = Verdict(
+            SizingStatus.infeasible,
+            tuple(violations(self.aircraft, missed, nearest.performance, self.required_h)),
+            nearest.performance,
+            active_constraints(least, self.day),
         )
-        return self._failed("infeasible", violations, nearest)
+        return self._failed(verdict)
 
-    def _least_missed(self, starts: list[DesignVariables]) -> Answer | None:
-        question = self.agreement.question.elastically()
-        for effort in _ELASTIC_EFFORTS:
-            elastic = self.agreement.ask(starts, effort=effort, question=question)
-            if elastic is not None:
-                return elastic
-        return None
+    def _restarted(self, starts: list[DesignVariables], nearest: Performance) -> SizingResult:
+        solution = self._solve(starts)
+        if solution is None:
+            return self._given_up(nearest)
+        self.restarts += 1
+        if self.restarts > _RESTARTS:
+            return self._given_up(self.solver.performance(solution.design))
+        return self._settled(solution)
 
     def _given_up(self, nearest: Performance) -> SizingResult:
-        return self._failed("not_converged", (), nearest)
+        return self._failed(Verdict(SizingStatus.not_converged, (), nearest))
 
-    def _last(self, answer: Answer) -> SizingResult:
-        self.rescues += 1
-        if self.rescues > _RESCUES:
-            return self._given_up(self._simulate(answer))
-        return self._settled(answer)
-
-    def _words(self, name: str, shortfall: float, nearest: Performance) -> str:
-        worst = nearest.worst_scenario()
-        where = self.day.scenarios.label(worst)
-        excess = float(nearest.cycle.excess_time_h[worst])
-        percent = f"{100.0 * shortfall:.0f} %" if shortfall > 0.1 else f"{100.0 * shortfall:.2g} %"
-        short = f"at {where}: short by {percent} of its capacity"
-        texts = {
-            one.name: one.text.format(missed=percent)
-            for one in design_requirements(self.aircraft, nearest.design, self.solver.conditions)
-        }
-        texts |= {
-            "battery_capacity": f"the battery cannot carry the night {short}",
-            "energy_balance": f"the day does not recharge the battery {short}",
-            "excess_time": (
-                f"an excess time of {self.required_h:g} h is out of reach at {where}: the nearest "
-                f"design has {excess:.2f} h"
-            ),
-        }
-        return texts[name]
-
-    def _failed(
-        self, status: str, violations: tuple[Violation, ...], nearest: Performance | None
-    ) -> SizingResult:
+    def _failed(self, verdict: Verdict) -> SizingResult:
         return SizingResult(
-            status=status,
+            status=verdict.status,
             objective=self.objective,
             required_excess_time_h=self.required_h,
             objective_value=None,
             design=None,
             simulated=None,
-            nearest=nearest,
-            active_constraints=self.held,
-            violations=violations,
+            nearest=verdict.nearest,
+            active_constraints=verdict.active_constraints,
+            violations=verdict.violations,
             solver=self.solver.report(),
         )
 
+    def _optimal(self, solution: Solution, found: Simulated) -> SizingResult:
+        assert found.performance is not None
+        return SizingResult(
+            status=SizingStatus.optimal,
+            objective=self.objective,
+            required_excess_time_h=self.required_h,
+            objective_value=float(objective_value(self.objective, found.performance)),
+            design=_plain_design(found.performance.design),
+            simulated=found.performance,
+            nearest=None,
+            active_constraints=active_constraints(solution, self.day),
+            violations=(),
+            solver=self.solver.report(),
+            optimum=solution,
+        )
 
-def _free_bound_prices(answer: Answer) -> dict[str, float]:
-    """Prices of the bounds of all variables that are not held at a value."""
-    held = {*TECHNOLOGY, "payload_mass_kg", "payload_power_w"} - set(answer.question.freed)
-    names = answer.problem.variable_names
-    prices = zip(names, answer.bound_prices.tolist(), strict=False)
-    return {name: price for name, price in prices if name not in held}
+
+def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
+    """Names of the requirements and bounds that hold a solution back.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of the program.
+    day : SolarDay
+        Its scenarios name the blocks.
+    """
+    active = []
+    multipliers = np.abs(solution.constraint_multipliers)
+    for multiplier, constraint in zip(multipliers, solution.constraints, strict=True):
+        if multiplier <= _ACTIVE_MULTIPLIER or constraint.equation:
+            continue
+        label = constraint.name
+        if constraint.block is not None:
+            label += f" ({day.scenarios.label(solution.scenarios[constraint.block])})"
+        active.append(label)
+    for name, multiplier in solution.free_bound_multipliers().items():
+        if abs(multiplier) > _ACTIVE_MULTIPLIER:
+            active.append(f"{name} at its {'maximum' if multiplier > 0 else 'minimum'}")
+    return tuple(dict.fromkeys(active))
 
 
-def _item(index: int, values: FloatArray) -> float:
-    return float(values[index])
-
-
-def plain_design(design: Design) -> Design:
+def _plain_design(design: Design) -> Design:
     """Turn a design of zero-dimensional arrays into one of floats."""
-    return Design(
-        variables=design.variables.mapped(float),
-        total_mass_kg=float(design.total_mass_kg),
-        masses=Masses(*(float(m) for m in design.masses)),
-        battery_energy_wh=float(design.battery_energy_wh),
-        propulsion_power_w=float(design.propulsion_power_w),
-        constant_power_w=float(design.constant_power_w),
-        airspeed_m_per_s=float(design.airspeed_m_per_s),
-    )
+    numbers = {
+        name: float(value)
+        for name, value in design._asdict().items()
+        if name not in ("variables", "masses")
+    }
+    masses = Masses(*(float(mass) for mass in design.masses))
+    return Design(variables=design.variables.mapped(float), masses=masses, **numbers)

@@ -1,10 +1,10 @@
-"""What each technology parameter is worth at an optimum.
+"""Sensitivity of an optimum to technology parameters, and the multipliers of its constraints.
 
 By the envelope theorem the derivative of the best objective with respect to a parameter is that of
-the Lagrangian, ``d f*/dp = df/dp + lambda dg/dp``, with the point and the prices of the constraints
-held: no sizing has to be repeated. The Lagrangian is differentiated by central differences, in
-double precision good to about eight digits. It holds as long as no constraint changes between
-active and inactive.
+the Lagrangian, ``d f*/dp = df/dp + lambda dg/dp``, with the point and the multipliers held: no
+sizing has to be repeated. The Lagrangian is differentiated by central differences, in double
+precision good to about eight digits. It holds as long as no constraint changes between active and
+inactive.
 
 Source: Fiacco, A. V. (1983), Introduction to Sensitivity and Stability Analysis in Nonlinear
 Programming.
@@ -22,9 +22,11 @@ from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions
 from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import LINEAR_SCALES, SizingProblem, build_problem
-from sizing.optimisation.result import Optimum, SizingResult
-from sizing.parameters import parameter_value, with_parameter
+from sizing.optimisation.problem import Role, SizingProblem, build_problem
+from sizing.optimisation.result import SizingResult
+from sizing.optimisation.solver import Solution
+from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
+from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -32,44 +34,7 @@ from solar.types import FloatArray
 # some 1e-5, and optima like to sit at such a turn: a longer step would average over both sides.
 _RELATIVE_STEP = 1e-6
 # Multipliers below this are what the solver leaves of an inactive constraint.
-LEAST_PRICE = 1e-5
-
-# Parameters as keys of the aircraft file, or of the mission file behind "mission.", and their unit.
-PARAMETERS: dict[str, str] = {
-    "battery.specific_energy_wh_per_kg": "Wh/kg",
-    "battery.charge_efficiency": "1",
-    "battery.discharge_efficiency": "1",
-    "modules.efficiency_stc": "1",
-    "modules.mppt_efficiency": "1",
-    "modules.camber_efficiency": "1",
-    "modules.mass_kg_per_m2": "kg/m2",
-    "modules.temperature_coefficient_per_k": "1/K",
-    "airframe.structure.calibration": "1",
-    "airframe.structure.coefficient_kg": "kg",
-    "airframe.structure.safety_factor": "1",
-    "airframe.structure.cruise_gust_m_per_s": "m/s",
-    "airframe.structure.modulus_pa": "Pa",
-    "airframe.structure.cap_width_fraction": "1",
-    "airframe.structure.minimum_web_thickness_m": "m",
-    "airframe.structure.covering_kg_per_m2": "kg/m2",
-    "airframe.aerodynamics.lift_coefficient": "1",
-    "airframe.aerodynamics.profile_drag_coefficient": "1",
-    "airframe.aerodynamics.parasitic_drag_coefficient": "1",
-    "airframe.aerodynamics.span_efficiency": "1",
-    "airframe.aerodynamics.calibration": "1",
-    "airframe.propulsion.motor_efficiency": "1",
-    "airframe.propulsion.propeller_efficiency": "1",
-    "airframe.propulsion.mass_kg_per_w": "kg/W",
-    "airframe.propulsion.climb_power_ratio": "1",
-    "airframe.propulsion.climb_rate_m_per_s": "m/s",
-    "airframe.avionics_mass_kg": "kg",
-    "airframe.aspect_ratio": "1",
-    "power.avionics_w": "W",
-    "mission.payload.mass_kg": "kg",
-    "mission.payload.power_w": "W",
-    "mission.clearness": "1",
-    "mission.turbulence.all_day": "1",
-}
+LEAST_MULTIPLIER = 1e-5
 
 
 @dataclass(frozen=True)
@@ -99,14 +64,14 @@ def sensitivities(
     result: SizingResult,
     solar: SolarModel = UNCORRECTED_CAM,
 ) -> list[Sensitivity]:
-    """Sensitivities of an optimum to every technology parameter that the aircraft has.
+    """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
 
     Parameters
     ----------
     aircraft, mission, solar
-        What :func:`sizing.optimisation.search.size_aircraft` was asked.
+        As they were given to :func:`sizing.optimisation.search.size_aircraft`.
     result : SizingResult
-        Its answer.
+        An optimum.
 
     Returns
     -------
@@ -119,30 +84,35 @@ def sensitivities(
     ValueError
         If the result is no optimum.
     """
-    if result.optimum is None or result.simulated is None or result.objective_value is None:
-        raise ValueError(f"the sizing is {result.status}: only an optimum has sensitivities")
-    if not np.isfinite(result.objective_value):
+    optimum, perf, objective_value = _checked(result, "sensitivities")
+    if not np.isfinite(objective_value):
         return []
-    every = result.simulated.day.scenarios
-    filled = list(result.optimum.filled)
-    scenarios = Scenarios(every.latitude_deg[filled], every.day_of_year[filled])
-    lagrangian = _Lagrangian(result.optimum, solar, scenarios)
+    every, blocks = perf.day.scenarios, list(optimum.scenarios)
+    scenarios = Scenarios(every.latitude_deg[blocks], every.day_of_year[blocks])
+    lagrangian = _Lagrangian(optimum, solar, scenarios)
     to_units = _objective_per_cost(result)
     chosen = _chosen_keys(aircraft, result.objective)
     found = []
-    for name, unit in PARAMETERS.items():
+    for name, one in catalogue().items():
         value = parameter_value(aircraft, mission, name)
-        if value is None or name in chosen:
+        if not one.sensitive or value is None or name in chosen:
             continue
         derivative = to_units * lagrangian.derivative(aircraft, mission, name, value)
-        scale = result.objective_value
-        elasticity = derivative * value / scale if value != 0.0 and scale != 0.0 else None
-        found.append(Sensitivity(name, unit, value, derivative, elasticity))
+        both = value != 0.0 and objective_value != 0.0
+        elasticity = derivative * value / objective_value if both else None
+        found.append(Sensitivity(name, one.unit, value, derivative, elasticity))
     return sorted(found, key=lambda s: -abs(s.per_percent))
 
 
+def _checked(result: SizingResult, wanted: str) -> tuple[Solution, Performance, float]:
+    """Parts of a result that an optimum alone has."""
+    if result.optimum is None or result.simulated is None or result.objective_value is None:
+        raise ValueError(f"the sizing is {result.status.name}: only an optimum has {wanted}")
+    return result.optimum, result.simulated, result.objective_value
+
+
 @dataclass(frozen=True)
-class ConstraintPrice:
+class ConstraintMultiplier:
     """What the objective gains when one active requirement or bound is eased.
 
     ``gain`` is in units of the objective, positive where the objective becomes better, for easing
@@ -154,77 +124,74 @@ class ConstraintPrice:
     step: str
 
 
-def constraint_prices(result: SizingResult) -> list[ConstraintPrice]:
-    """Prices of the requirements and bounds that hold an optimum back, dearest first.
+def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
+    """Multipliers of the requirements and bounds that hold an optimum back, largest first.
 
-    They are the multipliers of the program, in the units of the objective. Like sensitivities they
-    hold for small changes.
+    They are those of the program, in the units of the objective. Like sensitivities they hold for
+    small changes.
 
     Raises
     ------
     ValueError
         If the result is no optimum.
     """
-    if result.optimum is None or result.simulated is None or result.objective_value is None:
-        raise ValueError(f"the sizing is {result.status}: only an optimum has prices")
-    if not np.isfinite(result.objective_value):
+    optimum, perf, objective_value = _checked(result, "multipliers")
+    if not np.isfinite(objective_value):
         return []
-    worth = abs(_objective_per_cost(result))
-    labels = result.simulated.day.scenarios.label
-    prices: dict[str, ConstraintPrice] = {}
+    to_units = abs(_objective_per_cost(result))
+    label = perf.day.scenarios.label
+    gains: dict[tuple[str, str], float] = {}
 
-    def add(name: str, price: float, per: float, step: str) -> None:
-        gain = worth * abs(price) * per
-        if abs(price) > LEAST_PRICE:
-            before = prices[name].gain if name in prices else 0.0
-            prices[name] = ConstraintPrice(name, before + gain, step)
+    def add(name: str, multiplier: float, per: float, step: str) -> None:
+        if abs(multiplier) > LEAST_MULTIPLIER:
+            gain = to_units * abs(multiplier) * per
+            gains[name, step] = gains.get((name, step), 0.0) + gain
 
-    optimum = result.optimum
-    for constraint, price in zip(optimum.constraints, optimum.constraint_prices, strict=True):
-        if constraint.slot is None:
-            if constraint.name != "mass_budget":
-                add(constraint.name, float(price), 0.01, "1 % of the limit")
+    for row, multiplier in zip(optimum.constraints, optimum.constraint_multipliers, strict=True):
+        if row.equation:
             continue
-        name = f"{constraint.name} ({labels(optimum.filled[constraint.slot])})"
-        if constraint.name == "excess_time":
-            # The row counts in tenths of the day.
-            if result.objective is not Objective.max_excess_time:
-                add(name, float(price), 1.0 / 2.4, "1 h")
-        else:
-            add(name, float(price), 0.01, "1 % of the battery's capacity")
-    for variable, price in optimum.bound_prices.items():
-        add(f"{variable} at its bound", price, 0.01, "1 % of the bound")
-    return sorted(prices.values(), key=lambda one: -one.gain)
+        if row.block is None:
+            add(row.name, float(multiplier), 0.01, "1 % of the limit")
+            continue
+        name = f"{row.name} ({label(optimum.scenarios[row.block])})"
+        if row.unit == "1":
+            add(name, float(multiplier), 0.01, "1 % of the battery's capacity")
+        elif result.objective is not Objective.max_excess_time:
+            add(name, float(multiplier), 1.0 / row.scale, f"1 {row.unit}")
+    for variable, multiplier in optimum.free_bound_multipliers().items():
+        add(f"{variable} at its bound", multiplier, 0.01, "1 % of the bound")
+    found = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
+    return sorted(found, key=lambda one: -one.gain)
 
 
 def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:
     """Keys whose values the optimiser chooses: no parameters."""
     space = aircraft.design_space
-    chosen = set()
+    chosen = {parameter(objective.variable).key}
     if space.aspect_ratio is not None:
         chosen.add("airframe.aspect_ratio")
     if space.lift_coefficient is not None:
         chosen.add("airframe.aerodynamics.lift_coefficient")
-    if objective is Objective.max_payload_mass:
-        chosen.add("mission.payload.mass_kg")
-    if objective is Objective.max_payload_power:
-        chosen.add("mission.payload.power_w")
     return chosen
 
 
 def _objective_per_cost(result: SizingResult) -> float:
     """Derivative of the objective with respect to the program's cost."""
-    if result.objective is Objective.max_excess_time:
-        return -24.0  # the cost is -T/24
-    if result.objective.variable in LINEAR_SCALES:
-        return -LINEAR_SCALES[result.objective.variable]  # the cost is the payload over its scale
+    optimum = result.optimum
+    assert optimum is not None
     assert result.objective_value is not None
-    return result.objective_value  # the cost is the logarithm of span or mass
+    ((weight, scale),) = (
+        (float(weight), variable.scale)
+        for weight, variable in zip(optimum.weights, optimum.variables, strict=True)
+        if weight != 0.0 and variable.role is not Role.slack
+    )
+    # The variable is a logarithm, or the value over its scale.
+    return (result.objective_value if scale is None else scale) / weight
 
 
 @dataclass(frozen=True)
 class _Lagrangian:
-    optimum: Optimum
+    optimum: Solution
     solar: SolarModel
     scenarios: Scenarios
 
@@ -244,16 +211,16 @@ class _Lagrangian:
         function = ca.Function(
             "program", [symbols["x"], symbols["p"]], [symbols["f"], symbols["g"]]
         )
-        suns = lowest_sun_parameters if self.optimum.needs_no_battery else sun_parameters
+        suns = sun_parameters if self.optimum.instance.battery else lowest_sun_parameters
         parameters = problem.parameters(
             self.optimum.weights,
             FlightConditions.of(mission),
             suns(day, mission),
-            margin=self.optimum.margin,
+            margin=self.optimum.instance.margin,
         )
         cost, rows = function(self._point(problem, mission), parameters)
-        prices: FloatArray = self.optimum.constraint_prices
-        return float(cost) + float(np.asarray(rows).ravel() @ prices)
+        multipliers = self.optimum.constraint_multipliers
+        return float(cost) + float(np.asarray(rows).ravel() @ multipliers)
 
     def _point(self, problem: SizingProblem, mission: Mission) -> FloatArray:
         """Decision vector of the optimum; a payload that is no variable is the mission's."""

@@ -1,9 +1,10 @@
-"""Questions to the sizing program: which variables are free, what is minimised, where to start."""
+"""The sizing program solved: which variables are free, what is minimised, where to start."""
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -12,30 +13,35 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, closed_design
-from sizing.optimisation.energy_constraints import sun_parameters
-from sizing.optimisation.objectives import Objective
+from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
+from sizing.optimisation.objectives import Objective, without_battery
 from sizing.optimisation.problem import (
-    MAXIMUM_EXCESS_H,
     WORST_EXCESS,
+    Constraint,
     Effort,
+    Role,
     SizingProblem,
     SizingProblems,
+    Variable,
 )
-from sizing.optimisation.result import SolverReport
-from sizing.sunlight import SolarDay
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import SolarDay, SolarModel
 from solar.types import FloatArray
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
 _SLACK_TOLERANCE = 1e-5
-FIRST_MARGIN = 1e-3  # of the recharge, to begin with
+_FIRST_MARGIN = 1e-3  # of the recharge, to begin with
+# The goal is a little more than what is required [h]: the program's time step flatters a design by
+# up to 0.003 h, the simulator's by another 0.002.
+GOAL_CUSHION_H = 0.006
 
-# Sequential quadratic programming ends where the point is feasible and the prices balance the cost.
-# Old prices do so still where a requirement has only become easier, though it no longer binds; a
-# little off, they make the program look for its active requirements at least once.
+# Sequential quadratic programming ends where the point is feasible and the multipliers balance the
+# cost. Old ones do so still where a requirement has only become easier, though it no longer binds;
+# slightly off, they make the program look for its active requirements at least once.
 _NOT_QUITE = 0.999
 
-# Which requirement an infeasible sizing may miss first: the excess time, then the energy over the
-# cycle, and only as a last resort what makes the design an aircraft at all.
+# Which requirement may be missed first: the excess time, then the energy over the cycle, and only
+# as a last resort what makes the design an aircraft at all.
 _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
 _OTHER_SLACK_WEIGHT = 100.0
 
@@ -49,8 +55,8 @@ _COSTS: dict[Objective, dict[str, float]] = {
 
 
 @dataclass(frozen=True)
-class Question:
-    """What the program is asked.
+class ProblemInstance:
+    """What a program is to be solved for.
 
     Attributes
     ----------
@@ -64,10 +70,15 @@ class Question:
         Payload or technology variables that may move; all others are held.
     bounds : mapping
         Bounds of variables, in their unit, that replace their own.
-    elastic : bool
-        Whether requirements may be missed, at a cost that replaces the other one.
+    held : mapping
+        Variables held at other values than the aircraft's and the mission's.
+    penalty : float or None
+        Cost of a missed requirement on top of the other one; infinite where the least miss is all
+        that counts; None where every requirement must be met.
     margin : float
         By how much more charge the day must return than the night takes, relative.
+    battery : bool
+        Whether the sun is that of the day; if not, its lowest one shines all day long.
     """
 
     cost: Mapping[str, float]
@@ -75,72 +86,111 @@ class Question:
     best_excess: bool = False
     freed: tuple[str, ...] = ()
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    elastic: bool = False
-    margin: float = FIRST_MARGIN
+    held: Mapping[str, float] = field(default_factory=dict)
+    penalty: float | None = None
+    margin: float = _FIRST_MARGIN
+    battery: bool = True
 
     @classmethod
-    def of(cls, objective: Objective, goal_h: float) -> Question:
-        """Question of an objective."""
+    def of(
+        cls, objective: Objective, required_h: float, *, battery: bool = True
+    ) -> ProblemInstance:
+        """Instance of an objective, with a cushion on the required excess time where that costs.
+
+        Parameters
+        ----------
+        objective : Objective
+            Of single designs.
+        required_h : float
+            Required excess time [h].
+        battery : bool
+            Whether the aircraft needs its battery; if not, its excess time is infinite and none is
+            required.
+        """
+        if not battery:
+            plain = cls.of(without_battery(objective), 0.0)
+            return replace(plain, goal_h=0.0, battery=False)
         payload = (Objective.max_payload_mass, Objective.max_payload_power)
+        best_excess = objective is Objective.max_excess_time
         return cls(
             cost=_COSTS[objective],
-            goal_h=goal_h,
-            best_excess=objective is Objective.max_excess_time,
+            goal_h=required_h if best_excess else required_h + GOAL_CUSHION_H,
+            best_excess=best_excess,
             freed=(objective.variable,) if objective in payload else (),
         )
 
-    def elastically(self) -> Question:
-        """By how much the requirements must be missed."""
-        return replace(self, elastic=True, best_excess=False)
+    def penalised(self, penalty: float) -> ProblemInstance:
+        """The same where missing a requirement has a cost.
+
+        The solver says nearly as fast that nothing meets all of them as what does best.
+        """
+        return replace(self, penalty=penalty)
+
+    def least_missed(self) -> ProblemInstance:
+        """By how much the requirements must be missed, whatever the design costs."""
+        return replace(self, penalty=math.inf, best_excess=False)
 
 
 @dataclass(frozen=True)
-class Answer:
-    """Solution of the program.
+class Solution:
+    """Solution of a program.
 
-    ``x`` is the decision vector, ``constraint_prices`` and ``bound_prices`` the multipliers,
-    ``slack`` the requirements missed by their name, ``filled`` the scenarios in the slots.
+    ``x`` is the decision vector of ``variables``, ``weights`` its cost, ``design`` what it says of
+    the aircraft; ``scenarios`` are those in the blocks.
     """
 
-    problem: SizingProblem
-    question: Question
+    instance: ProblemInstance
+    variables: tuple[Variable, ...]
+    constraints: tuple[Constraint, ...]
+    scenarios: tuple[int, ...]
+    design: DesignVariables
     x: FloatArray
     weights: FloatArray
-    constraint_prices: FloatArray
-    bound_prices: FloatArray
-    filled: tuple[int, ...]
-
-    @property
-    def variables(self) -> DesignVariables:
-        """Design that was found."""
-        return self.problem.design_variables(self.x, self.question.bounds)
+    constraint_multipliers: FloatArray
+    bound_multipliers: FloatArray
 
     def value(self, name: str) -> float:
         """Value of a variable, in its unit."""
-        index = self.problem.variable_names.index(name)
-        return float(self.problem.variables[index].from_program(self.x[index]))
-
-    @property
-    def worst_excess_time_h(self) -> float:
-        """Least excess time of the scenarios in the slots [h], as the program has it."""
-        return float(self.x[self.problem.places()[WORST_EXCESS]][0])
-
-    def slack(self) -> dict[str, float]:
-        """By how much each requirement is missed."""
-        values = self.x[self.problem.places()["slack"]]
-        return dict(zip(self.problem.slack_names, values.tolist(), strict=True))
+        ((x, variable),) = (
+            (x, v) for x, v in zip(self.x, self.variables, strict=True) if v.name == name
+        )
+        return float(variable.from_program(x))
 
     def missed(self) -> dict[str, float]:
         """Requirements that are missed by more than the solver's tolerance, and by how much."""
-        return {name: slack for name, slack in self.slack().items() if slack > _SLACK_TOLERANCE}
+        names = {c.slack: c.name for c in self.constraints}
+        return {
+            names[v.name]: float(slack)
+            for slack, v in zip(self.x, self.variables, strict=True)
+            if v.role is Role.slack and slack > _SLACK_TOLERANCE
+        }
+
+    def free_bound_multipliers(self) -> dict[str, float]:
+        """Multipliers of the bounds of all design variables that are not held at a value."""
+        return {
+            v.name: float(multiplier)
+            for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
+            if v.role is Role.design or v.name in self.instance.freed
+        }
+
+
+@dataclass(frozen=True)
+class SolverReport:
+    """What the solver did: iterations and time over all starts and rounds."""
+
+    iterations: int
+    time_s: float
+    build_time_s: float
+    solves: int
+    message: str
 
 
 class _Posed(NamedTuple):
-    """A question as arguments of a program, all but the start."""
+    """An instance as arguments of a program, all but the start."""
 
     problem: SizingProblem
-    question: Question
-    filled: tuple[int, ...]
+    instance: ProblemInstance
+    scenarios: tuple[int, ...]
     weights: FloatArray
     limits: dict[str, Any]
 
@@ -150,7 +200,7 @@ class _Posed(NamedTuple):
 
 
 class ProgramSolver:
-    """Asks the program of an aircraft about one mission, and counts the work.
+    """Solves the programs of an aircraft for one mission, and counts the work.
 
     Parameters
     ----------
@@ -158,14 +208,18 @@ class ProgramSolver:
         Programs of the aircraft.
     mission : Mission
         Conditions of flight.
+    solar : SolarModel
+        Solar power model and its correction.
     day : SolarDay
-        Sun in every scenario that may fill a slot.
+        Sun in every scenario that may fill a block.
     """
 
-    def __init__(self, problems: SizingProblems, mission: Mission, day: SolarDay) -> None:
-        self.problems, self.mission, self.day = problems, mission, day
+    def __init__(
+        self, problems: SizingProblems, mission: Mission, solar: SolarModel, day: SolarDay
+    ) -> None:
+        self.problems, self.mission, self.solar, self.day = problems, mission, solar, day
         self.conditions = FlightConditions.of(mission)
-        self.suns = sun_parameters(day, mission)
+        self._suns = {True: sun_parameters(day, mission)}
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
         self.message = ""
 
@@ -174,124 +228,95 @@ class ProgramSolver:
         """Aircraft that is sized."""
         return self.problems.aircraft
 
-    def ask(
+    def solve(
         self,
-        question: Question,
+        instance: ProblemInstance,
         scenarios: Sequence[int],
         starts: Sequence[DesignVariables],
         *,
-        effort: Effort = "quick",
-    ) -> Answer | None:
-        """Answer from the first start that converges; None where none does.
-
-        ``scenarios`` are indices, one for each slot.
-        """
-        cost = _elastic_cost if question.elastic else lambda _: question.cost
-        posed = self._posed(question, scenarios, cost)
-        for variables in starts:
-            answer = self._solved(posed, effort, self._cold(posed, variables))
-            if answer is not None:
-                return answer
-        return None
-
-    def ask_softly(
-        self,
-        question: Question,
-        scenarios: Sequence[int],
-        penalty: float | None,
-        *,
-        held: Mapping[str, float],
-        start: DesignVariables,
-        previous: Answer | None = None,
-        efforts: Sequence[Effort] = ("quick", "steady"),
-    ) -> Answer | None:
-        """Answer about some scenarios with requirements that may be missed at a price.
+        efforts: Sequence[Effort] = ("quick",),
+        previous: Solution | None = None,
+    ) -> Solution | None:
+        """First solution that is found; None where the solver fails.
 
         Parameters
         ----------
-        question : Question
-            What is asked.
+        instance : ProblemInstance
+            What the program is to be solved for.
         scenarios : sequence of int
-            Indices of the scenarios, one for each slot.
-        penalty : float or None
-            Price of a missed requirement on top of the question's cost; none where missing as
-            little as possible is all that is asked.
-        held : mapping
-            Variables held at other values than the aircraft's and the mission's.
-        start : DesignVariables
-            First guess of the interior-point method.
-        previous : Answer, optional
-            Answer to a similar question, from which sequential quadratic programming starts.
+            Indices of the scenarios, one for each block.
+        starts : sequence of DesignVariables
+            Designs that the interior-point method starts from, one after the other.
         efforts : sequence of Effort
-            What is tried from the first guess, one after the other.
+            What is tried from each of them.
+        previous : Solution, optional
+            Of a similar instance: sequential quadratic programming from there is tried first.
         """
-        posed = self._posed(
-            question, scenarios, lambda it: _soft_cost(it, question, penalty), held, soft=True
-        )
+        posed = self._posed(instance, scenarios)
         if previous is not None:
-            answer = self._solved(posed, "next", _warm(posed, previous))
-            if answer is not None:
-                return answer
-        cold = self._cold(posed, start)
-        for effort in efforts:
-            answer = self._solved(posed, effort, cold)
-            if answer is not None:
-                return answer
+            found = self._solved(posed, "next", _warm(posed, previous))
+            if found is not None:
+                return found
+        for variables in starts:
+            cold = {"x0": posed.within(self._start(posed.problem, instance, variables))}
+            for effort in efforts:
+                found = self._solved(posed, effort, cold)
+                if found is not None:
+                    return found
         return None
 
-    def _posed(
-        self,
-        question: Question,
-        scenarios: Sequence[int],
-        cost: Callable[[SizingProblem], Mapping[str, float]],
-        held: Mapping[str, float] | None = None,
-        *,
-        soft: bool = False,
-    ) -> _Posed:
-        """Question as arguments of the program with these scenarios in its slots."""
+    def performance(self, variables: DesignVariables) -> Performance:
+        """Design, or a batch of them, simulated in all scenarios."""
+        return performance_of_designs(
+            self.aircraft, self.mission, variables, self.solar, day=self.day
+        )
+
+    def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
+        """Arguments of the program with these scenarios in its blocks."""
         begun = time.perf_counter()
         problem = self.problems.of(len(scenarios))
         self.build_s += time.perf_counter() - begun
-        weights = problem.weights(cost(problem))
-        suns = self.suns[list(scenarios)]
-        parameters = problem.parameters(weights, self.conditions, suns, margin=question.margin)
-        lower, upper = self._bounds(problem, question, held)
-        if soft:
-            upper[problem.places()["slack"]] = np.inf
-        limits = _limits(problem, parameters, lower, upper)
-        return _Posed(problem, question, tuple(scenarios), weights, limits)
-
-    def _cold(self, posed: _Posed, variables: DesignVariables) -> dict[str, FloatArray]:
-        """Start of the solver from a design."""
-        return {"x0": posed.within(self._start(posed.problem, posed.question, variables))}
+        weights = problem.weights(_cost(problem, instance))
+        suns = self._sun(battery=instance.battery)[list(scenarios)]
+        lower, upper = self._bounds(problem, instance)
+        limits = {
+            "p": problem.parameters(weights, self.conditions, suns, margin=instance.margin),
+            "lbx": lower,
+            "ubx": upper,
+            "lbg": 0.0,
+            "ubg": np.array([0.0 if c.equation else np.inf for c in problem.constraints]),
+        }
+        return _Posed(problem, instance, tuple(scenarios), weights, limits)
 
     def _solved(
         self, posed: _Posed, effort: Effort, start: Mapping[str, FloatArray]
-    ) -> Answer | None:
-        """Answer of the solver from a start; None where it fails."""
-        found = self._solve(posed.problem, effort, posed.limits | dict(start))
-        if found is None:
-            return None
-        return Answer(
-            posed.problem, posed.question, found[0], posed.weights, *found[1:], posed.filled
-        )
-
-    def _solve(
-        self, problem: SizingProblem, effort: Effort, arguments: dict[str, Any]
-    ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-        """Point and prices of constraints and bounds; None where the solver fails."""
+    ) -> Solution | None:
+        """Solution from a start; None where the solver fails."""
         begun = time.perf_counter()
-        solver = problem.solver(effort)
+        solver = posed.problem.solver(effort)
         self.build_s += time.perf_counter() - begun
         begun = time.perf_counter()
-        found: Any = solver(**arguments)
+        found: Any = solver(**(posed.limits | dict(start)))
         self.solve_s += time.perf_counter() - begun
         stats = solver.stats()
         self.iterations += int(stats["iter_count"])
         self.solves += 1
         self.message = str(stats["return_status"])
-        x, g, b = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
-        return (x, g, b) if stats["success"] and np.isfinite(x).all() else None
+        x, rows, bounds = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
+        if not (stats["success"] and np.isfinite(x).all()):
+            return None
+        problem, instance = posed.problem, posed.instance
+        design = problem.design_variables(x, instance.bounds)
+        return Solution(
+            *(instance, problem.variables, problem.constraints, posed.scenarios, design),
+            *(x, posed.weights, rows, bounds),
+        )
+
+    def _sun(self, *, battery: bool) -> FloatArray:
+        """Sun of every scenario; without battery its lowest one."""
+        if battery not in self._suns:
+            self._suns[battery] = lowest_sun_parameters(self.day, self.mission)
+        return self._suns[battery]
 
     def add(self, other: ProgramSolver) -> None:
         """Count the work of another solver as well."""
@@ -306,81 +331,71 @@ class ProgramSolver:
         return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
 
     def _bounds(
-        self,
-        problem: SizingProblem,
-        question: Question,
-        otherwise_held: Mapping[str, float] | None = None,
+        self, problem: SizingProblem, instance: ProblemInstance
     ) -> tuple[FloatArray, FloatArray]:
-        places = problem.places()
-        lower, upper = np.zeros(places["slack"].stop), np.ones(places["slack"].stop)
-        held = self._held_values(problem) | dict(otherwise_held or {})
-        for i, variable in enumerate(problem.variables):
-            ends = question.bounds.get(variable.name, (variable.minimum, variable.maximum))
-            if variable.name in held and variable.name not in question.freed:
-                ends = (held[variable.name],) * 2
-            lower[i], upper[i] = (variable.to_program(end) for end in ends)
-        lower[places[WORST_EXCESS]] = question.goal_h
-        upper[places[WORST_EXCESS]] = MAXIMUM_EXCESS_H if question.best_excess else question.goal_h
-        upper[places["slack"]] = np.inf if question.elastic else 0.0
+        """Least and largest value of the decision vector, in the program."""
+        most_h = problem.variables[problem.index[WORST_EXCESS]].maximum
+        fixed = {
+            name: (value, value)
+            for name, value in (self._held_values(problem) | dict(instance.held)).items()
+            if name not in instance.freed
+        }
+        fixed[WORST_EXCESS] = (instance.goal_h, most_h if instance.best_excess else instance.goal_h)
+        if instance.penalty is None:
+            fixed |= {v.name: (0.0, 0.0) for v in problem.of_role(Role.slack)}
+        ends = [
+            [
+                v.to_program(end)
+                for end in fixed.get(v.name)
+                or instance.bounds.get(v.name)
+                or (v.minimum, v.maximum)
+            ]
+            for v in problem.variables
+        ]
+        lower, upper = np.array(ends).T
         return lower, upper
 
     def _held_values(self, problem: SizingProblem) -> dict[str, float]:
         """Variables that stay as aircraft and mission have them unless they are freed."""
         payload = self.mission.payload
-        technology = dict.fromkeys(problem.technology, 1.0)
+        technology = dict.fromkeys((v.name for v in problem.of_role(Role.technology)), 1.0)
         return technology | {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
 
     def _start(
-        self, problem: SizingProblem, question: Question, variables: DesignVariables
+        self, problem: SizingProblem, instance: ProblemInstance, variables: DesignVariables
     ) -> FloatArray:
-        closed = closed_design(self.aircraft, self.mission, variables)
-        mass = float(closed.total_mass_kg)
-        airframe = self.aircraft.airframe
+        """Decision vector to start from: a design, its mass, and what the rest is likely to be."""
+        mass = float(closed_design(self.aircraft, self.mission, variables).total_mass_kg)
+        polar = getattr(self.aircraft.airframe, "aerodynamics", None)
         guess = self._held_values(problem) | {
             "total_mass_kg": mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
-            "lift_coefficient": getattr(
-                getattr(airframe, "aerodynamics", None), "flight_lift_coefficient", 1.0
-            ),
+            "lift_coefficient": getattr(polar, "flight_lift_coefficient", 1.0),
+            WORST_EXCESS: instance.goal_h + 1.0,
         }
         guess |= {name: float(value) for name, value in variables.chosen().items()}
         guess["module_area_m2"] = max(guess["module_area_m2"], 1e-3)
-        places = problem.places()
-        start = np.full(places["slack"].stop, 0.1)
-        start[places["variables"]] = [v.to_program(guess[v.name]) for v in problem.variables]
-        start[places["dawn"]] = 0.2
-        start[places[WORST_EXCESS]] = question.goal_h + 1.0
-        return start
+        return np.array([v.to_program(guess.get(v.name, v.first_guess)) for v in problem.variables])
 
 
-def _warm(posed: _Posed, previous: Answer) -> dict[str, FloatArray]:
-    """Start of the solver from the point and the prices of an answer."""
+def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
+    """Start of the solver from the point and the multipliers of a solution."""
     return {
         "x0": posed.within(previous.x),
-        "lam_x0": _NOT_QUITE * previous.bound_prices,
-        "lam_g0": _NOT_QUITE * previous.constraint_prices,
+        "lam_x0": _NOT_QUITE * previous.bound_multipliers,
+        "lam_g0": _NOT_QUITE * previous.constraint_multipliers,
     }
 
 
-def _limits(
-    problem: SizingProblem, parameters: FloatArray, lower: FloatArray, upper: FloatArray
-) -> dict[str, Any]:
-    """Arguments of the solver besides the start."""
-    upper_rows = np.full(len(problem.constraints), np.inf)
-    upper_rows[0] = 0.0  # the mass budget is an equation
-    return {"p": parameters, "lbx": lower, "ubx": upper, "lbg": 0.0, "ubg": upper_rows}
-
-
-def _soft_cost(
-    problem: SizingProblem, question: Question, penalty: float | None
-) -> dict[str, float]:
-    """Cost of a question with a price on what is missed; the price alone without a penalty."""
-    prices = _elastic_cost(problem)
-    if penalty is None:
-        return prices
+def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]:
+    """Cost of an instance, with what a missed requirement costs."""
+    if instance.penalty is None:
+        return dict(instance.cost)
+    weights = {
+        c.slack: _SLACK_WEIGHTS.get(c.name, _OTHER_SLACK_WEIGHT) for c in problem.constraints
+    }
+    if math.isinf(instance.penalty):
+        return weights
     # The rows of the energy count in fractions of the battery, those of the excess time in tenths
-    # of the day; what makes a design an aircraft at all must not be sold.
-    return {name: penalty * price**0.5 for name, price in prices.items()} | dict(question.cost)
-
-
-def _elastic_cost(problem: SizingProblem) -> dict[str, float]:
-    return {name: _SLACK_WEIGHTS.get(name, _OTHER_SLACK_WEIGHT) for name in problem.slack_names}
+    # of the day; what makes a design an aircraft at all must not be traded.
+    traded = {name: instance.penalty * weight**0.5 for name, weight in weights.items()}
+    return traded | dict(instance.cost)

@@ -13,16 +13,16 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables, FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.coverage import WidestRange, widest_range
-from sizing.optimisation.cross_check import Certificate, certify
+from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import Remedy, remedies
-from sizing.optimisation.result import SizingResult
+from sizing.optimisation.relaxations import Relaxation, relaxations
+from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
-    ConstraintPrice,
+    ConstraintMultiplier,
     Sensitivity,
-    constraint_prices,
+    constraint_multipliers,
     sensitivities,
 )
 from sizing.performance import Performance, performance_of_designs
@@ -55,7 +55,7 @@ class SizingStudy(Result):
         Single changes that would make an infeasible sizing feasible.
     sensitivities, multipliers : list or None
         What parameters and constraints are worth at the optimum, where asked for.
-    cross_check : Certificate or None
+    cross_check : CrossCheck or None
         Optimality cross-check by simulation, where asked for.
     without_margins : Performance or None
         Optimum without the mission's uncertainty margins, where it has any.
@@ -68,14 +68,14 @@ class SizingStudy(Result):
     low: Performance | None = None
     high: Performance | None = None
     coverage: WidestRange | None = None
-    relaxations: tuple[Remedy, ...] = ()
+    relaxations: tuple[Relaxation, ...] = ()
     sensitivities: list[Sensitivity] | None = field(default=None)
-    multipliers: list[ConstraintPrice] | None = field(default=None)
-    cross_check: Certificate | None = None
+    multipliers: list[ConstraintMultiplier] | None = field(default=None)
+    cross_check: CrossCheck | None = None
     without_margins: Performance | None = None
 
     @property
-    def status(self) -> str:
+    def status(self) -> SizingStatus:
         """How the sizing ended: ``optimal``, ``infeasible`` or ``not_converged``."""
         return self.result.status
 
@@ -125,7 +125,7 @@ class SizingStudy(Result):
 
     def _optimum(self) -> Design:
         if self.result.design is None:
-            raise ValueError(f"the sizing is {self.status.replace('_', ' ')}: it has no design")
+            raise ValueError(f"the sizing is {self.status.label}: it has no design")
         return self.result.design
 
     def _sized_data(self) -> dict[str, Any]:
@@ -163,16 +163,16 @@ class SizingStudy(Result):
             record["uncertainty"] = uncertainty_record(self.low, self.high, worst)
         if self.coverage is not None:
             record["range"] = _range_record(self.coverage)
-        if self.status == "infeasible":
-            record["remedies"] = [
+        if self.status is SizingStatus.infeasible:
+            record["relaxations"] = [
                 {**finite_values(one.__dict__), "text": one.text} for one in self.relaxations
             ]
         if self.sensitivities is not None:
             record["sensitivities"] = sensitivity_records(self.sensitivities)
         if self.multipliers is not None:
-            record["constraint_prices"] = [dict(one.__dict__) for one in self.multipliers]
+            record["constraint_multipliers"] = [dict(one.__dict__) for one in self.multipliers]
         if self.cross_check is not None:
-            record["certificate"] = finite_values(self.cross_check.__dict__)
+            record["cross_check"] = finite_values(self.cross_check.__dict__)
         if self.without_margins is not None:
             record["as_assumed"] = _reached(self.without_margins)
         return record
@@ -277,16 +277,16 @@ def size(
     else:
         result = size_aircraft(aircraft, mission, wanted, solar, **options)
     asked = (aircraft, mission, result, solar)
-    relaxed: tuple[Remedy, ...] = ()
-    if result.status == "infeasible" and not wanted.of_range:
-        relaxed = tuple(remedies(*asked, problems=problems))
+    relaxed: tuple[Relaxation, ...] = ()
+    if result.status is SizingStatus.infeasible and not wanted.of_range:
+        relaxed = tuple(relaxations(*asked, problems=problems))
     worth = with_sensitivities and result.feasible
     low, high = _under_model_error(*asked)
     return SizingStudy(
         *(aircraft, mission, solar, result, low, high, coverage, relaxed),
         sensitivities=sensitivities(*asked) if worth else None,
-        multipliers=constraint_prices(result) if worth else None,
-        cross_check=certify(*asked) if with_cross_check and result.feasible else None,
+        multipliers=constraint_multipliers(result) if worth else None,
+        cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         without_margins=_without_margins(*asked),
     )
 
@@ -338,7 +338,7 @@ def _without_margins(
 
 def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
     record: dict[str, Any] = {
-        "status": result.status,
+        "status": result.status.name,
         "aircraft": aircraft.name,
         "mission": mission.name,
         "objective": {
@@ -365,7 +365,7 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
     if result.design is not None:
         conditions = FlightConditions.of(mission).with_payload_of(result.design.variables)
         flown = DesignInFlight(aircraft, result.design, conditions)
-        record["quantities"] = {name: float(q.of(flown)) for name, q in QUANTITIES.items()}
+        record["quantities"] = {name: float(of(flown)) for name, of in QUANTITIES.items()}
     return record | _design_record(result.design) | _simulated_record(result.simulated)
 
 

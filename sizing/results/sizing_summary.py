@@ -7,9 +7,10 @@ from typing import Any
 
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
-from sizing.optimisation.cross_check import RELATIVE_TOLERANCE, Certificate
+from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.sensitivity import ConstraintPrice, Sensitivity
+from sizing.optimisation.result import RELATIVE_TOLERANCE, SizingStatus
+from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
@@ -61,7 +62,7 @@ def summary(study: SizingStudy) -> Summary:
 
 
 def _verdict(study: SizingStudy) -> str:
-    return study.status.replace("_", " ")
+    return study.status.label
 
 
 def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
@@ -69,7 +70,7 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     blocks: list[Any] = [f"  {one.requirement}: {one.text}" for one in study.result.violations]
     if study.result.active_constraints:
         blocks.append("  held back by: " + "; ".join(study.result.active_constraints))
-    if study.status != "infeasible" or study.coverage is not None:
+    if study.status is not SizingStatus.infeasible or study.coverage is not None:
         return blocks
     if not study.relaxations:
         return [*blocks, "no single parameter that was tried would make it feasible"]
@@ -200,12 +201,12 @@ def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
     return Table(f"sensitivities of {objective.value}", columns, tuple(rows), notes)
 
 
-def multiplier_table(found: list[ConstraintPrice], objective: Objective) -> Table:
+def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) -> Table:
     """What relaxing each constraint gains, by its multiplier.
 
     Parameters
     ----------
-    found : list of ConstraintPrice
+    found : list of ConstraintMultiplier
     objective : Objective
 
     Returns
@@ -221,12 +222,12 @@ def multiplier_table(found: list[ConstraintPrice], objective: Objective) -> Tabl
     return Table("what relaxing a constraint gains", columns, tuple(rows))
 
 
-def cross_check_line(check: Certificate, objective: Objective) -> str:
+def cross_check_line(check: CrossCheck, objective: Objective) -> str:
     """Whether a search by simulation found a better design; a search is no proof.
 
     Parameters
     ----------
-    check : Certificate
+    check : CrossCheck
     objective : Objective
 
     Returns
@@ -245,7 +246,7 @@ def cross_check_line(check: Certificate, objective: Objective) -> str:
         fine = "misses its requirement"
     elif math.isinf(check.fine_step_value):
         fine = f"has unlimited {objective.label}"
-    verdict = "passed" if check.certified else "NOT passed"
+    verdict = "passed" if check.cross_checked else "NOT passed"
     return (
         f"optimality cross-check {verdict}: {check.designs_tried} designs tried, {found}; with a "
         f"time step of one minute the optimum {fine}"

@@ -17,6 +17,9 @@ import click
 from solar._version import __version__
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 
+_CAN_REPEAT = hasattr(signal, "setitimer")  # not on Windows
+_REPEAT_S = 1.0
+
 
 class _Lazy(NamedTuple):
     """A command that is imported when it is called: its module, its name there, its summary."""
@@ -94,30 +97,28 @@ def main() -> None:
     with _interruptible() as signals:
         try:
             code = cli.main(prog_name="solar-uav", standalone_mode=False)
-        except click.ClickException as error:
-            error.show()
-            code = error.exit_code
-        except (click.Abort, KeyboardInterrupt):
-            code = 128 + signal.SIGINT
-        except OSError as error:
-            click.echo(f"solar-uav: {error}", err=True)
-            code = EXIT_FAILED
-        except ValueError as error:
-            code = _tell_mistake(error)
+        except (Exception, KeyboardInterrupt) as error:
+            # What a signal breaks is of no interest: an import ends as an ImportError.
+            code = 0 if signals else _told(error)
         if signals:  # even if a library swallowed the interrupt
             code = 128 + signals[0]
     sys.exit(code)
 
 
-def _tell_mistake(error: ValueError) -> int:
-    """Print a mistake in the input, or an impossible design; other errors are ours."""
+def _told(error: BaseException) -> int:
+    """Print a mistake of the user, and return the exit code; raise what is ours."""
+    if isinstance(error, click.ClickException):
+        error.show()
+        return error.exit_code
+    if isinstance(error, click.Abort | KeyboardInterrupt):
+        return 128 + signal.SIGINT
     from missions.files.errors import InputError
     from sizing.design import ImpossibleDesignError
 
     if isinstance(error, InputError):
         click.echo(str(error), err=True)
         return EXIT_BAD_INPUT
-    if isinstance(error, ImpossibleDesignError):
+    if isinstance(error, ImpossibleDesignError | OSError):
         click.echo(f"solar-uav: {error}", err=True)
         return EXIT_FAILED
     raise error
@@ -127,7 +128,8 @@ def _tell_mistake(error: ValueError) -> int:
 def _interruptible() -> Iterator[list[int]]:
     """Turn Ctrl-C and SIGTERM into KeyboardInterrupt; the list holds the signals that came.
 
-    What is being written is then discarded. A second signal ends the process at once.
+    What is being written is then discarded. A second signal ends the process at once. CasADi
+    swallows about half of all interrupts of its solvers: one that has no effect is repeated.
     """
     came: list[int] = []
     if threading.current_thread() is not threading.main_thread():
@@ -135,9 +137,13 @@ def _interruptible() -> Iterator[list[int]]:
         return
 
     def interrupt(signum: int, frame: FrameType | None) -> None:
-        came.append(signum)
-        for number in caught:
-            signal.signal(number, signal.SIG_DFL)
+        if not came:
+            came.append(signum)
+            for number in caught:
+                signal.signal(number, signal.SIG_DFL)
+            if _CAN_REPEAT:
+                signal.signal(signal.SIGALRM, interrupt)
+                signal.setitimer(signal.ITIMER_REAL, _REPEAT_S, _REPEAT_S)
         raise KeyboardInterrupt
 
     # A job in the background is started with Ctrl-C ignored, and remains so.
@@ -147,6 +153,8 @@ def _interruptible() -> Iterator[list[int]]:
     try:
         yield came
     finally:
+        if came and _CAN_REPEAT:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
         for number, handler in before.items():
             signal.signal(number, handler)
 

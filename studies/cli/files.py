@@ -24,7 +24,6 @@ from missions.files.yaml import Document
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.library import with_resolved_airfoil
 from sizing.sunlight import SolarModel
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
@@ -159,8 +158,7 @@ def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAir
         With everything that is wrong.
     """
     _refuse_keys_of_missions(overrides)
-    found = with_resolved_airfoil(_find("aircraft", name_or_path))
-    document = with_overrides(found, overrides)
+    document = with_overrides(_find("aircraft", name_or_path), overrides)
     return LoadedAircraft(
         validate(document, Aircraft), document, _checksum("aircraft", name_or_path)
     )

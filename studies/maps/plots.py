@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from solar.types import FloatArray
 
-__all__ = ["map_figure", "resized_map_figure"]
+__all__ = ["plot_map", "plot_resized_map"]
 
 # Objective -> variable that is drawn.
 _SHOWN = {
@@ -44,7 +44,7 @@ _LEVELS = 6  # on either side of zero
 _DATES = 6  # along an axis of less than two months
 
 
-def map_figure(data: xr.Dataset) -> Figure:
+def plot_map(data: xr.Dataset) -> Figure:
     """Excess time over season and latitude, with the edge of perpetual flight drawn as a line."""
     figure, axes = _begun(data, after="; line: edge of perpetual flight")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
@@ -64,7 +64,7 @@ def map_figure(data: xr.Dataset) -> Figure:
     return figure
 
 
-def resized_map_figure(data: xr.Dataset) -> Figure:
+def plot_resized_map(data: xr.Dataset) -> Figure:
     """Objective of the best design over season and latitude.
 
     Lines lead from cell to cell where both have a design.

@@ -19,7 +19,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingResult
+from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.records import finite
@@ -64,7 +64,7 @@ class Built:
         """What the sizing arrived at, in words."""
         value = self.value(objective)
         if self.judged is None or value is None:
-            return "no design" if self.sizing.status == "infeasible" else "no result"
+            return "no design" if self.sizing.status is SizingStatus.infeasible else "no result"
         if not np.isfinite(value):
             return "an unlimited excess time"
         noun, form = _RESULTS[objective]
@@ -76,7 +76,7 @@ class Built:
         names = DesignVariables._fields
         promised = self.value(Objective.max_excess_time)
         return {
-            "status": sizing.status,
+            "status": sizing.status.name,
             **(dict.fromkeys(names) if design is None else design.variables._asdict()),
             "total_mass_kg": None if design is None else design.total_mass_kg,
             "promised_excess_time_h": None if promised is None else finite(promised),
@@ -162,7 +162,7 @@ class Comparison(Result):
         aside = "" if itself else f" (sized with {truth}: {aside})"
         if case.built.judged is None:
             none = f"no design of {name} meets the requirements"
-            if case.built.sizing.status != "infeasible":
+            if case.built.sizing.status is not SizingStatus.infeasible:
                 none = f"{name} comes to no result, as the solver does not converge"
             return f"Sized with {by}, {none}{aside}."
         joined = " and" if itself else f"; judged by {truth} it"
@@ -227,7 +227,7 @@ class Comparison(Result):
         assert case.built is not None
         judged, row = case.built.judged, (case.solar.model, case.solar.correction)
         if judged is None:
-            return (*row, case.built.sizing.status.replace("_", " "), None, None)
+            return (*row, case.built.sizing.status.label, None, None)
         value = case.built.value(self.objective)
         return (*row, value, judged.excess_time_h, _endurance(judged))
 

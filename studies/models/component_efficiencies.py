@@ -142,7 +142,7 @@ _COLUMNS = (
 )
 
 
-def efficiency_figure(data: xr.Dataset) -> Figure:
+def plot_efficiencies(data: xr.Dataset) -> Figure:
     """Component efficiencies over solar time; their range over the surfaces around the mean."""
     figure, (axes,) = new_figure(
         title=f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM, uncorrected)"

@@ -26,7 +26,7 @@ _LOOKS = {
 _MONTH_STARTS = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
 
 
-def comparison_figure(comparison: Comparison) -> Figure:
+def plot_comparison(comparison: Comparison) -> Figure:
     """Solar energy, excess time and season by every case, and the designs where there are any."""
     columns = 4 if comparison.has_designs else 3
     figure, panels = new_figure(

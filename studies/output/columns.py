@@ -15,10 +15,10 @@ import numpy as np
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.optimisation import cells as cell_sizing
-from sizing.optimisation.cells import CellSizings, CellStatus
+from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult
+from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import RESIZE_NAMES
@@ -44,19 +44,8 @@ __all__ = [
 ]
 
 
-class SizingStatus(IntEnum):
-    """How a sizing ends; the values are flags of gridded results."""
-
-    failed = -1
-    optimal = 0
-    infeasible = 1
-    not_converged = 2
-    invalid = 3
-    certified = 4
-
-
 # There is a design.
-SIZED = (SizingStatus.optimal, SizingStatus.certified)
+SIZED = tuple(status for status in SizingStatus if status.sized)
 
 # Status without a result -> how figures hatch it.
 HATCHES = {"infeasible": "///", "invalid": "\\\\\\", "not_converged": "xx", "failed": ".."}
@@ -121,9 +110,8 @@ def resize_objective(name: str | Objective) -> Objective:
 
 def sizing_row(result: SizingResult) -> dict[str, Any]:
     """What a sizing has to say; what it has not is missing, see :data:`BLANKS`."""
-    status = SizingStatus[result.status]
-    row: dict[str, Any] = {"status": status}
-    if status is SizingStatus.not_converged:
+    row: dict[str, Any] = {"status": result.status}
+    if result.status is SizingStatus.not_converged:
         return row | {"message": f"the solver did not converge ({result.solver.message})"}
     if result.violations:
         worst = max(result.violations, key=lambda v: v.shortfall)
@@ -179,19 +167,10 @@ def _programs(aircraft: Aircraft) -> SizingProblems:
     return SizingProblems(aircraft)
 
 
-_STATUS_OF_CELL = {
-    CellStatus.certified: SizingStatus.certified,
-    CellStatus.optimal: SizingStatus.optimal,
-    CellStatus.infeasible: SizingStatus.infeasible,
-    CellStatus.not_converged: SizingStatus.not_converged,
-}
-
-
 def _columns(found: CellSizings) -> dict[str, Any]:
     chosen = found.variables
-    status = [_STATUS_OF_CELL[CellStatus(value)] for value in found.status]
     return {
-        "status": np.array(status, np.int8),
+        "status": found.status.astype(np.int8),
         "wingspan": chosen.wingspan_m,
         "aspect_ratio": chosen.aspect_ratio,
         "battery_mass": chosen.battery_mass_kg,
@@ -205,7 +184,7 @@ def _columns(found: CellSizings) -> dict[str, Any]:
         "power": found.load_w,
         "shortfall": found.shortfall,
         "violated_requirement": found.requirement.tolist(),
-        "message": [_message(one) for one in status],
+        "message": [_message(SizingStatus(one)) for one in found.status],
     }
 
 

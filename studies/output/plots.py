@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import math
+import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from missions.dates import date_label, day_of_year
+from missions.files.writing import write_bytes_atomically
 from solar.names import ModelName
+from studies.output.formats import IMAGE_FORMATS, image_format
 
 if TYPE_CHECKING:
     from sizing.altitude.climb_cycle import ClimbPerformance
@@ -105,6 +108,29 @@ def to_bytes(figure: Figure, image_format: str) -> bytes:
     return buffer.getvalue()
 
 
+def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure to a file, whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : str or path
+        File name; its ending, png, svg or pdf, chooses the format.
+
+    Raises
+    ------
+    ValueError
+        For another ending.
+    OutputError
+        If the file cannot be written.
+    """
+    chosen = image_format(os.fspath(path))
+    if chosen is None:
+        allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
+        raise ValueError(f"{os.fspath(path)!r} must end in one of {allowed}")
+    write_bytes_atomically(path, to_bytes(figure, chosen))
+
+
 def caption(solar: SolarModel) -> str:
     """Model and correction, for every figure."""
     return f"{solar.model}, {correction_label(solar.correction)}"
@@ -144,22 +170,7 @@ def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -
 # ---- The cycle of a day
 
 
-def plot_cycle(analysis: Analysis) -> Figure:
-    """Power and state of charge: the replayed flight where there is one, else the worst scenario.
-
-    Parameters
-    ----------
-    analysis : Analysis
-
-    Returns
-    -------
-    Figure
-    """
-    flight = analysis.flight
-    return cycle_figure(analysis) if flight is None else flight_figure(analysis, flight)
-
-
-def cycle_figure(analysis: Analysis, scenario: int | None = None) -> Figure:
+def plot_cycle(analysis: Analysis, scenario: int | None = None) -> Figure:
     """State of charge and power over the cycle of one scenario.
 
     Parameters
@@ -297,7 +308,7 @@ def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
 # ---- A flight on the calendar
 
 
-def flight_figure(analysis: Analysis, flight: CalendarRun) -> Figure:
+def plot_flight(analysis: Analysis, flight: CalendarRun) -> Figure:
     """State of charge and power of a replayed flight over local time.
 
     Parameters
@@ -354,7 +365,7 @@ def _label_clock(axes: Axes, flight: CalendarRun) -> None:
 # ---- A sizing
 
 
-def tornado_figure(
+def plot_sensitivities(
     sensitivities: list[Sensitivity],
     objective: Objective,
     name: str,
@@ -398,7 +409,7 @@ def tornado_figure(
     return figure
 
 
-def mass_figure(masses_kg: dict[str, float], title: str) -> Figure:
+def plot_masses(masses_kg: dict[str, float], title: str) -> Figure:
     """Mass budget as horizontal bars, heaviest on top.
 
     Parameters

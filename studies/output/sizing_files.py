@@ -74,15 +74,15 @@ def sizing_files(study: SizingStudy) -> dict[str, bytes]:
     analysis = analyse(
         sized, study.sized_mission(), model=solar.model, correction=solar.correction, replay=False
     )
-    masses = plots.mass_figure(result.design.masses._asdict(), f"{sized.name}: mass budget")
+    masses = plots.plot_masses(result.design.masses._asdict(), f"{sized.name}: mass budget")
     contents = {
         "scenarios.csv": csv_bytes(study.scenarios()),
         "masses.csv": csv_bytes(study.masses()),
-        "cycle.png": plots.to_bytes(plots.cycle_figure(analysis), "png"),
+        "cycle.png": plots.to_bytes(plots.plot_cycle(analysis), "png"),
         "masses.png": plots.to_bytes(masses, "png"),
     }
     if worth:
         contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(sensitivity_records(worth)))
-        tornado = plots.tornado_figure(worth, result.objective, sized.name, solar)
+        tornado = plots.plot_sensitivities(worth, result.objective, sized.name, solar)
         contents["sensitivities.png"] = plots.to_bytes(tornado, "png")
     return contents

@@ -12,13 +12,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sizing.parameters import catalogue
+
 __all__ = [
     "DESIGN_KEYS",
     "SAMPLE_NAMES",
     "Axis",
     "SampleName",
     "axes_of",
+    "axis_label",
     "axis_names",
+    "cf_unit",
     "design_variable",
     "parse_axis",
     "points",
@@ -34,14 +38,9 @@ MAXIMUM_POINTS = 1_000_000
 _MAXIMUM_VALUES = 10_000
 
 # Design variables: their short names, and the keys of the aircraft file.
-DESIGN_KEYS = {
-    "wingspan_m": "airframe.wingspan_m",
-    "aspect_ratio": "airframe.aspect_ratio",
-    "battery_mass_kg": "battery.mass_kg",
-    "module_area_m2": "modules.area_m2",
-}
+DESIGN_KEYS = {one.name: one.key for one in catalogue().values() if one.kind == "design"}
 
-# How names end -> unit as CF spells it; longer endings first.
+# How names that the catalogue of parameters has not end -> unit as CF spells it; longer ones first.
 _UNITS = (
     ("_wh_per_kg", "W h kg-1"),
     ("_kg_per_m2", "kg m-2"),
@@ -109,8 +108,25 @@ def design_variable(key: str) -> str | None:
 
 
 def unit_of(key: str) -> str:
-    """Unit that a key's name ends in, 1 for none."""
+    """Unit of a key as CF spells it: the catalogue's, else what its name ends in, 1 for none."""
+    known = catalogue().get(key)
+    if known is not None:
+        return cf_unit(known.unit)
     return next((unit for ending, unit in _UNITS if key.endswith(ending)), "1")
+
+
+def axis_label(key: str) -> str:
+    """Key in words: the catalogue's, else its name without the unit that it ends in."""
+    known = catalogue().get(key)
+    return without_unit(_short(key)).replace("_", " ") if known is None else known.label
+
+
+def cf_unit(unit: str) -> str:
+    """Unit as CF spells it: ``W h kg-1`` for ``Wh/kg``."""
+    above, _, below = re.sub(r"Wh\b", "W h", unit).partition("/")
+    divided = re.sub(r"([A-Za-z]+)(\d*)", lambda m: f"{m[1]}-{m[2] or 1}", below)
+    plain = {"deg": "degree", "1": "" if divided else "1"}.get(above, above)
+    return f"{plain} {divided}".strip()
 
 
 def unit_label(unit: str) -> str:

@@ -24,11 +24,11 @@ from studies.output.cells import (
 )
 from studies.output.columns import HATCHES, SIZED, failed_count, status_names
 from studies.output.plots import CHARGE, LOAD, SUN, correction_label
-from studies.sweeps.axes import unit_label, without_unit
+from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.points import PointStatus
 from studies.sweeps.study import feasible, to_table
 
-__all__ = ["figure_of", "pareto_figure", "pareto_front", "pareto_table"]
+__all__ = ["pareto_front", "pareto_table", "plot_pareto", "plot_sweep"]
 
 MAXIMUM_PANELS = 12
 # How lines mark points without a result.
@@ -53,7 +53,7 @@ _MORE_IS_BETTER = {
 }
 
 
-def figure_of(data: xr.Dataset) -> Figure:
+def plot_sweep(data: xr.Dataset) -> Figure:
     """Chart that suits a study: lines, contours, panels, parallel coordinates or a tornado.
 
     Raises
@@ -73,8 +73,8 @@ def figure_of(data: xr.Dataset) -> Figure:
 
 def _label(data: xr.Dataset, name: str) -> str:
     about = data[name].attrs
-    text = without_unit(name) if name in data.coords else str(about["long_name"])
-    text = text.removesuffix(" of the worst scenario").replace("_", " ")
+    text = str(about["long_name"]).removesuffix(" of the worst scenario")
+    text = axis_label(text) if name in data.coords else text.replace("_", " ")
     return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 
@@ -363,7 +363,7 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
     return table
 
 
-def pareto_figure(data: xr.Dataset, x: str, y: str) -> Figure:
+def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
     """All feasible points over two variables, and those that no other beats in both.
 
     Raises

@@ -64,7 +64,7 @@ def analyse(
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.output.formats import csv_bytes
-    from studies.output.plots import plot_cycle
+    from studies.output.plots import plot_cycle, plot_flight
 
     if day_of_year is not None and date is not None:
         raise click.UsageError("give --day-of-year or --date, not both")
@@ -84,10 +84,11 @@ def analyse(
     result = run_analysis(
         case.aircraft, case.mission, model=solar.model, correction=solar.correction
     )
+    flight = result.flight
     write_results(
         csv_file,
         lambda: csv_bytes(result.trajectory()),
         plot_file,
-        lambda: plot_cycle(result),
+        lambda: plot_cycle(result) if flight is None else plot_flight(result, flight),
     )
     tell(case, case.named(result.to_dict()), result, as_json=as_json)

@@ -52,7 +52,7 @@ def ceiling(
     as_json: bool,
 ) -> None:
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
-    from studies.ceiling import ceiling_figure, perpetual_ceiling
+    from studies.ceiling import perpetual_ceiling, plot_ceiling
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
@@ -82,7 +82,7 @@ def ceiling(
         csv_file,
         lambda: csv_bytes(result.to_frame()),
         plot_file,
-        lambda: ceiling_figure(result),
+        lambda: plot_ceiling(result),
     )
     tell(case, case.named(result.to_dict()), result, as_json=as_json)
     if result.found.highest is None:

@@ -102,7 +102,7 @@ def compare(
     from studies.cli.outputs import figure_bytes, tell, write_results
     from studies.cli.progress import progress_of
     from studies.models.comparison import compare as compare_models
-    from studies.models.plots import comparison_figure
+    from studies.models.plots import plot_comparison
     from studies.models.solar_models import attitude_is_known
     from studies.output.formats import csv_bytes
     from studies.output.run_folder import write_run_folder
@@ -137,12 +137,12 @@ def compare(
             csv_file,
             lambda: csv_bytes(found.to_frame()),
             plot_file,
-            lambda: comparison_figure(found),
+            lambda: plot_comparison(found),
         )
     else:
         contents = {
             "comparison.csv": csv_bytes(found.to_frame()),
-            "comparison.png": figure_bytes(comparison_figure(found), "comparison.png"),
+            "comparison.png": figure_bytes(plot_comparison(found), "comparison.png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
     tell(case, record, found, as_json=as_json, out_dir=out_dir)

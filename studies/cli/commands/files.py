@@ -65,12 +65,11 @@ def validate(files: tuple[str, ...]) -> None:
     from missions.files.yaml import read_yaml
     from missions.mission import Mission
     from sizing.aircraft import Aircraft
-    from sizing.library import with_resolved_airfoil
 
     wrong = False
     for file in files:
         try:
-            document = with_resolved_airfoil(read_yaml(file))
+            document = read_yaml(file)
             kind = document_kind(document)
             if kind == "aircraft":
                 check(document, Aircraft)

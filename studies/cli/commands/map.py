@@ -92,10 +92,10 @@ def map_(
     asked = case.aircraft, case.mission
     if objective is None:
         study = feasibility.prepare(*asked, latitudes, days, case.solar, endurance)
-        draw, record, table = plots.map_figure, results.seasons_record, results.seasons_table
+        draw, record, table = plots.plot_map, results.seasons_record, results.seasons_table
     else:
         study = resized.prepare(*asked, objective, latitudes, days, case.solar)
-        draw, record = plots.resized_map_figure, results.designs_record
+        draw, record = plots.plot_resized_map, results.designs_record
         table = results.designs_table
     with completed(study.job, options, out_file, "cells") as outcome:
         data = study.dataset(outcome)

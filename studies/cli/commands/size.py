@@ -17,6 +17,11 @@ from studies.cli.options import (
 )
 
 
+def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
+    if given:
+        raise click.UsageError(f"{option.opts[0]} is called --cross-check now")
+
+
 @click.command()
 @click.argument("aircraft")
 @mission_option(None)
@@ -35,11 +40,12 @@ from studies.cli.options import (
     "--sensitivities",
     "with_sensitivities",
     is_flag=True,
-    help="Tell what each technology parameter is worth at the optimum.",
+    help="Tell how the optimum changes with each technology parameter.",
 )
+@click.option("--certify", is_flag=True, hidden=True, expose_value=False, callback=_renamed)
 @click.option(
-    "--certify",
-    "with_certificate",
+    "--cross-check",
+    "with_cross_check",
     is_flag=True,
     help="Try to beat the optimum with thousands of other designs in the simulator.",
 )
@@ -51,7 +57,7 @@ def size(
     required_h: float | None,
     out_dir: str | None,
     with_sensitivities: bool,
-    with_certificate: bool,
+    with_cross_check: bool,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -73,9 +79,9 @@ def size(
     from studies.output.sizing_files import sized_inputs, sizing_files
 
     asked = Objective(objective)
-    if asked.of_range and (with_sensitivities or with_certificate):
+    if asked.of_range and (with_sensitivities or with_cross_check):
         raise click.UsageError(
-            f"{objective} counts days or degrees: it has no sensitivities and no certificate"
+            f"{objective} counts days or degrees: it has no sensitivities and no cross-check"
         )
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     if required_h is not None:
@@ -92,7 +98,7 @@ def size(
         model=case.solar.model,
         correction=case.solar.correction,
         with_sensitivities=with_sensitivities,
-        with_cross_check=with_certificate,
+        with_cross_check=with_cross_check,
     )
     record = case.named(study.to_dict())
     written = out_dir if study.feasible else None

@@ -111,7 +111,7 @@ def sweep(
     from studies.sweeps import study
     from studies.sweeps.axes import axis_names
     from studies.sweeps.files import FORMATS, table_format, to_bytes
-    from studies.sweeps.plots import figure_of, pareto_figure
+    from studies.sweeps.plots import plot_pareto, plot_sweep
     from studies.sweeps.points import BLANKS, SIZED_BLANKS
     from studies.sweeps.results import points_record, points_summary
 
@@ -150,7 +150,7 @@ def sweep(
         trouble = None
         if plot_file is not None:
             try:
-                figure = figure_of(data) if pareto is None else pareto_figure(data, *pareto)
+                figure = plot_sweep(data) if pareto is None else plot_pareto(data, *pareto)
                 contents[plot_file] = figure_bytes(figure, plot_file)
             except ValueError as error:
                 # The points are worth keeping even where there is nothing to draw.

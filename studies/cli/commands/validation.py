@@ -103,7 +103,7 @@ def efficiencies(
         csv_file,
         lambda: data.to_dataframe().to_csv().encode(),
         plot_file,
-        lambda: study.efficiency_figure(data),
+        lambda: study.plot_efficiencies(data),
     )
     tell(case, {}, study.efficiency_table(data))
 

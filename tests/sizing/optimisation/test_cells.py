@@ -10,9 +10,10 @@ from missions.library import load_mission
 from missions.mission import Dates, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.cells import CellSizings, CellStatus, size_cells
+from sizing.optimisation.cells import CellSizings, size_cells
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance_of_designs
 
@@ -48,10 +49,10 @@ def test_cells_are_sized_as_one_by_one(
     feasible = 0
     for cell in range(0, len(CELLS), 5):
         alone = size_aircraft(aircraft, at(mission, cell), objective, problems=problems)
-        sized = found.status[cell] in (CellStatus.certified, CellStatus.optimal)
+        sized = found.status[cell] in (SizingStatus.cross_checked, SizingStatus.optimal)
         assert sized == alone.feasible, CELLS.label(cell)
         if not sized:
-            assert found.status[cell] == CellStatus.infeasible
+            assert found.status[cell] == SizingStatus.infeasible
             assert found.requirement[cell]
             assert found.shortfall[cell] > 0.0
             assert np.isnan(found.objective_value[cell])
@@ -62,20 +63,20 @@ def test_cells_are_sized_as_one_by_one(
     assert 0 < feasible < len(range(0, len(CELLS), 5))
 
 
-def test_no_cell_is_left_open_and_all_optima_are_certified(
+def test_no_cell_is_left_open_and_all_optima_are_cross_checked(
     aircraft: Aircraft, mission: Mission
 ) -> None:
     found = size_cells(aircraft, mission, CELLS, Objective.min_wingspan)
-    counted = np.bincount(found.status, minlength=4)
-    assert counted[CellStatus.not_converged] == 0
-    assert counted[CellStatus.optimal] == 0
-    assert counted[CellStatus.certified] > 10
-    assert counted[CellStatus.infeasible] > 3
+    counted = np.bincount(found.status, minlength=5)
+    assert counted[SizingStatus.not_converged] == 0
+    assert counted[SizingStatus.optimal] == 0
+    assert counted[SizingStatus.cross_checked] > 10
+    assert counted[SizingStatus.infeasible] > 3
 
 
 def test_reported_numbers_are_the_simulators(aircraft: Aircraft, mission: Mission) -> None:
     found = size_cells(aircraft, mission, CELLS, Objective.min_mass)
-    for cell in np.flatnonzero(found.status == CellStatus.certified)[::4]:
+    for cell in np.flatnonzero(found.status == SizingStatus.cross_checked)[::4]:
         variables = found.variables.mapped(lambda v, cell=cell: float(v[cell]))
         perf = performance_of_designs(aircraft, at(mission, int(cell)), variables)
         assert float(perf.cycle.excess_time_h[0]) == pytest.approx(
@@ -92,7 +93,7 @@ def test_payload_of_each_cell_counts(aircraft: Aircraft, mission: Mission) -> No
     payload = np.array([0.0, 0.5, 1.0, 2.0, 60.0])
     found = size_cells(aircraft, mission, same, Objective.min_wingspan, payload_mass_kg=payload)
     assert np.all(np.diff(found.objective_value[:4]) > 0.0)
-    assert found.status[4] == CellStatus.infeasible
+    assert found.status[4] == SizingStatus.infeasible
     np.testing.assert_allclose(found.variables.payload_mass_kg[:4], payload[:4], atol=1e-12)
     drawing = size_cells(
         aircraft, mission, same, Objective.min_wingspan, payload_power_w=10.0 * payload
@@ -115,16 +116,16 @@ def test_polar_night_and_midnight_sun_are_ordinary_cells(
     aircraft: Aircraft, mission: Mission
 ) -> None:
     found = size_cells(aircraft, mission, Scenarios(np.array([80.0, 80.0]), np.array([355, 172])))
-    assert found.status[0] == CellStatus.infeasible
-    assert found.status[1] in (CellStatus.certified, CellStatus.optimal)
+    assert found.status[0] == SizingStatus.infeasible
+    assert found.status[1] in (SizingStatus.cross_checked, SizingStatus.optimal)
 
 
-def test_best_of_designs_without_end_is_certified(aircraft: Aircraft, mission: Mission) -> None:
+def test_best_of_designs_without_end_is_cross_checked(aircraft: Aircraft, mission: Mission) -> None:
     # All neighbours of such an optimum are without end as well: none is better.
     pole = Scenarios(np.array([90.0]), np.array([172]))
     with np.errstate(invalid="raise"):
         cells = size_cells(aircraft, mission, pole, Objective.max_excess_time)
-    assert cells.status[0] == CellStatus.certified
+    assert cells.status[0] == SizingStatus.cross_checked
     assert np.isposinf(cells.excess_time_h[0])
 
 
@@ -139,7 +140,7 @@ def test_ranges_and_strange_programs_are_refused(aircraft: Aircraft, mission: Mi
 
 
 def test_payload_of_cells_that_differ_much_from_their_neighbours() -> None:
-    # Wide bounds: the design runs from 4 to 21 kg of payload, and a low price on what is missed
+    # Wide bounds: the design runs from 4 to 21 kg of payload, and a low penalty on what is missed
     # leaves the solver without an end at 48 S in January.
     aircraft = load_aircraft("atlantiksolar-design")
     mission = load_mission("rafz-july")
@@ -151,6 +152,6 @@ def test_payload_of_cells_that_differ_much_from_their_neighbours() -> None:
         Objective.max_payload_mass,
         required_excess_time_h=4.0,
     )
-    assert (found.status == CellStatus.certified).all()
+    assert (found.status == SizingStatus.cross_checked).all()
     # More of southern summer, more light.
     assert found.objective_value[0] > found.objective_value[2] > found.objective_value[3]

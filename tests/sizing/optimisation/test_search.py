@@ -13,6 +13,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
@@ -136,7 +137,7 @@ def size(case: Case) -> SizingResult:
 def test_optimum_is_as_good_as_a_dense_grid(name: str) -> None:
     case = CASES[name]
     result = size(case)
-    assert result.status == "optimal"
+    assert result.status is SizingStatus.optimal
     assert result.objective_value is not None
     gridded = grid_optimum(case)
     assert np.isfinite(gridded)
@@ -236,7 +237,7 @@ def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> 
             f"modules.area_m2={area}",
         )
         result = size(Case(plane, mission(), objective, 5.0))
-        assert result.status == "optimal"
+        assert result.status is SizingStatus.optimal
         found.append(result.objective_value)
     # The solver's tolerance is 1e-8, its acceptable one 1e-6; cushions of 0.01 h that are added
     # in rounds may differ by one: 0.1 %.
@@ -248,7 +249,7 @@ def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> 
     [
         ({"payload": {"mass_kg": 200.0}}, MAX_EXCESS, None, None),
         ({}, MIN_MASS, 60.0, "excess_time"),
-        # Designs near the elastic program's fly for ever, yet none outflies this wind.
+        # Designs near the least miss fly perpetually, yet none outflies this wind.
         ({"wind_m_per_s": 60.0}, MIN_MASS, 2.0, "airspeed_above_wind"),
         (
             {"latitude_deg": 60.0, "dates": {"from": "12-01", "to": "12-31"}},
@@ -269,7 +270,7 @@ def test_infeasible_is_said_with_the_requirement_that_is_missed(
     changes: dict[str, Any], objective: Objective, required_h: float | None, blamed: str | None
 ) -> None:
     result = size(Case(DESIGN, mission(**changes), objective, required_h))
-    assert result.status == "infeasible"
+    assert result.status is SizingStatus.infeasible
     assert not result.feasible
     assert result.design is None
     assert result.objective_value is None
@@ -297,7 +298,7 @@ def test_span_below_what_the_mission_needs_is_infeasible_and_above_it_is_not() -
     least = size(case).objective_value
     assert least is not None
     # One percent to each side of the optimum, which is known to half a percent.
-    for factor, status in ((0.99, "infeasible"), (1.01, "optimal")):
+    for factor, status in ((0.99, SizingStatus.infeasible), (1.01, SizingStatus.optimal)):
         plane = aircraft(
             "atlantiksolar-design",
             f"design_space.wingspan_m.maximum={least * factor}",

@@ -1,4 +1,4 @@
-"""Sensitivities against sizing again, and certificates that hold or do not."""
+"""Sensitivities against sizing again, and cross-checks that pass or do not."""
 
 import dataclasses
 
@@ -8,19 +8,18 @@ import pytest
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.cross_check import certify
+from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.optimisation.sensitivity import (
-    PARAMETERS,
     Sensitivity,
-    constraint_prices,
+    constraint_multipliers,
     sensitivities,
 )
-from sizing.parameters import with_parameter
+from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel
-from studies.output.plots import tornado_figure
+from studies.output.plots import plot_sensitivities
 
 pytestmark = pytest.mark.slow
 
@@ -107,11 +106,11 @@ def test_sensitivities_are_sorted_and_consistent() -> None:
     result = sized(Objective.min_wingspan, 4.0, "mission.payload.mass_kg=0.3")
     mission = load_mission("rafz-july", ["payload.mass_kg=0.3"])
     found = sensitivities(load_aircraft(DESIGN), mission, result)
-    assert {s.parameter for s in found} <= set(PARAMETERS)
+    assert {s.parameter for s in found} <= set(catalogue())
     sizes = [abs(s.per_percent) for s in found]
     assert sizes == sorted(sizes, reverse=True)
     by_name = {s.parameter: s for s in found}
-    # A kilogram is a kilogram, whoever carries it: payload and avionics are worth the same.
+    # A kilogram is a kilogram, whoever carries it: payload and avionics weigh the same.
     assert by_name["mission.payload.mass_kg"].derivative == pytest.approx(
         by_name["airframe.avionics_mass_kg"].derivative, rel=1e-6
     )
@@ -136,18 +135,18 @@ def test_infeasible_sizing_has_neither() -> None:
     with pytest.raises(ValueError, match="only an optimum"):
         sensitivities(aircraft, mission, result)
     with pytest.raises(ValueError, match="only an optimum"):
-        certify(aircraft, mission, result)
+        cross_check(aircraft, mission, result)
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
 @pytest.mark.parametrize("aircraft", [DESIGN, "sky-sailor"])
-def test_optimum_withstands_the_attack(objective: Objective, aircraft: str) -> None:
+def test_optimum_passes_the_cross_check(objective: Objective, aircraft: str) -> None:
     craft, mission = load_aircraft(aircraft), load_mission("rafz-july")
     result = size_aircraft(craft, mission, objective, required_excess_time_h=2.0)
-    certificate = certify(craft, mission, result)
-    assert certificate.certified
-    assert certificate.advantage >= 0.0
-    assert certificate.designs_tried > 1000
+    check = cross_check(craft, mission, result)
+    assert check.cross_checked
+    assert check.advantage >= 0.0
+    assert check.designs_tried > 1000
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
@@ -165,10 +164,10 @@ def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
     )
     simulated = performance_of_designs(aircraft, mission, worse, SolarModel())
     spoiled = dataclasses.replace(result, simulated=simulated, design=simulated.design)
-    certificate = certify(aircraft, mission, spoiled)
-    assert not certificate.certified
-    assert certificate.advantage > 0.0
-    assert certificate.found_by != "optimum"
+    check = cross_check(aircraft, mission, spoiled)
+    assert not check.cross_checked
+    assert check.advantage > 0.0
+    assert check.found_by != "optimum"
 
 
 def test_grid_finds_designs_that_need_no_battery() -> None:
@@ -185,30 +184,30 @@ def test_grid_finds_designs_that_need_no_battery() -> None:
     simulated = performance_of_designs(aircraft, mission, heavy, SolarModel())
     assert np.isfinite(simulated.cycle.excess_time_h).all()
     spoiled = dataclasses.replace(result, simulated=simulated, design=simulated.design)
-    certificate = certify(aircraft, mission, spoiled)
-    assert not certificate.certified
-    assert certificate.found_by == "grid"
-    assert np.isposinf(certificate.best_found)
+    check = cross_check(aircraft, mission, spoiled)
+    assert not check.cross_checked
+    assert check.found_by == "grid"
+    assert np.isposinf(check.best_found)
 
 
-# ---- prices of constraints
+# ---- multipliers of constraints
 
 
-def test_price_of_the_required_time_is_what_another_hour_costs() -> None:
+def test_multiplier_of_the_required_time_is_what_another_hour_costs() -> None:
     result = sized(Objective.min_wingspan, 4.0)
-    prices = {p.constraint.split(" (")[0]: p for p in constraint_prices(result)}
+    multipliers = {p.constraint.split(" (")[0]: p for p in constraint_multipliers(result)}
     per_hour = sum(
-        p.gain for p in constraint_prices(result) if p.constraint.startswith("excess_time")
+        p.gain for p in constraint_multipliers(result) if p.constraint.startswith("excess_time")
     )
     more, less = (sized(Objective.min_wingspan, h).objective_value for h in (4.2, 3.8))
     assert more is not None
     assert less is not None
     # A difference over 0.4 h of two searches that stop within 0.012 h: five percent.
     assert per_hour == pytest.approx((more - less) / 0.4, rel=0.06)
-    assert prices["excess_time"].step == "1 h"
+    assert multipliers["excess_time"].step == "1 h"
 
 
-def test_price_of_a_bound_is_what_widening_it_gains() -> None:
+def test_multiplier_of_a_bound_is_what_widening_it_gains() -> None:
     bound = "design_space.wingspan_m.maximum"
     narrow, wide = (
         sized(
@@ -220,17 +219,19 @@ def test_price_of_a_bound_is_what_widening_it_gains() -> None:
         )
         for span in (5.0, 5.05)
     )
-    price = {p.constraint: p for p in constraint_prices(narrow)}["wingspan_m at its bound"]
+    multiplier = {p.constraint: p for p in constraint_multipliers(narrow)}[
+        "wingspan_m at its bound"
+    ]
     assert narrow.objective_value is not None
     assert wide.objective_value is not None
     # The step is one percent; what is left is the curvature over it.
-    assert price.gain == pytest.approx(wide.objective_value - narrow.objective_value, rel=0.05)
-    assert price.step == "1 % of the bound"
+    assert multiplier.gain == pytest.approx(wide.objective_value - narrow.objective_value, rel=0.05)
+    assert multiplier.step == "1 % of the bound"
 
 
-def test_no_optimum_has_no_prices() -> None:
-    with pytest.raises(ValueError, match="only an optimum has prices"):
-        constraint_prices(sized(Objective.min_wingspan, 900.0))
+def test_no_optimum_has_no_multipliers() -> None:
+    with pytest.raises(ValueError, match="only an optimum has multipliers"):
+        constraint_multipliers(sized(Objective.min_wingspan, 900.0))
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
@@ -239,7 +240,7 @@ def test_every_objective_with_sensitivities_has_a_chart(objective: Objective) ->
         Sensitivity("battery.specific_energy_wh_per_kg", "Wh/kg", 100.0, 0.25, 0.5),
         Sensitivity("airframe.avionics_mass_kg", "kg", 100.0, -0.12, -0.5),
     ]
-    (axes,) = tornado_figure(worth, objective, "name", SolarModel("CAM")).axes
+    (axes,) = plot_sensitivities(worth, objective, "name", SolarModel("CAM")).axes
     better, worse = axes.containers
     # More is better of a payload or an excess time, less of a span or a mass.
     gained = 0.25 if objective.maximised else -0.12

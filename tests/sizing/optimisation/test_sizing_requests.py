@@ -1,4 +1,4 @@
-"""What else a sizing may be asked: payload, ranges, limits, margins, lift, and what would help."""
+"""What else a sizing may be for: payload, ranges, limits, margins, lift, and what would help."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.optimisation.cells import CellStatus, size_cells
+from sizing.optimisation.cells import size_cells
 from sizing.optimisation.coverage import DAYS, WidestRange, widest_range
-from sizing.optimisation.cross_check import certify
+from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import remedies
-from sizing.optimisation.result import SizingResult
+from sizing.optimisation.relaxations import relaxations
+from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
@@ -62,7 +62,7 @@ def test_largest_payload_is_carried_and_a_little_more_is_not(
     plane = aircraft("design_space.wingspan_m.maximum=5.65")
     found = size_aircraft(plane, mission(), objective, required_excess_time_h=3.0)
     assert found.objective_value is not None
-    for factor, status in ((0.99, "optimal"), (1.01, "infeasible")):
+    for factor, status in ((0.99, SizingStatus.optimal), (1.01, SizingStatus.infeasible)):
         loaded = mission(payload={key: factor * found.objective_value})
         again = size_aircraft(plane, loaded, Objective.max_excess_time, required_excess_time_h=3.0)
         assert again.status == status
@@ -85,7 +85,7 @@ def test_payload_that_cannot_be_carried_at_all_is_infeasible() -> None:
     found = size_aircraft(
         aircraft(), mission(), Objective.max_payload_mass, required_excess_time_h=90.0
     )
-    assert found.status == "infeasible"
+    assert found.status is SizingStatus.infeasible
     assert found.violations[0].requirement == "excess_time"
 
 
@@ -139,13 +139,13 @@ def test_limits_are_kept_and_cost_something(name: LimitedQuantity, side: str) ->
         if design is None:
             return result, float("nan")
         it = DesignInFlight(plane, design, FlightConditions.of(mission()))
-        return result, float(QUANTITIES[name].of(it))
+        return result, float(QUANTITIES[name](it))
 
     free, unlimited = sized(aircraft(ratio))
     # Three percent beyond what the free optimum has.
     value = unlimited * (1.03 if side == "minimum" else 0.97)
     held, found = sized(aircraft(ratio, f"design_space.limits.{name}.{side}={value}"))
-    assert held.status == "optimal"
+    assert held.status is SizingStatus.optimal
     # The solver meets its rows to 1e-8; masses are closed to 1e-13.
     assert found == pytest.approx(value, rel=1e-4)
     assert f"{name}_{side}" in held.active_constraints
@@ -160,7 +160,7 @@ def test_every_quantity_has_a_formula_and_a_sound_value() -> None:
     it = DesignInFlight(plane, perf.design, FlightConditions.of(where))
     assert set(QUANTITIES) == set(get_args(LimitedQuantity))
     for quantity in QUANTITIES.values():
-        assert float(quantity.of(it)) > 0.0
+        assert float(quantity(it)) > 0.0
     # Lift equals weight at the stall margin's speeds.
     assert isinstance(plane.airframe, ParametricAirframe)
     ratio = plane.airframe.aerodynamics
@@ -340,7 +340,7 @@ def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
     plane = builders.aircraft("sky-sailor", *small)
     june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
     found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
-    assert found.sizing.status == "optimal"
+    assert found.sizing.status is SizingStatus.optimal
     assert found.first is not None
     # At 50 N alone a design has 6.36 h.
     assert found.first < 55.0
@@ -366,29 +366,29 @@ def test_range_that_is_empty_is_infeasible() -> None:
     found = widest_range(
         aircraft(*SMALL), mission(), Objective.longest_season, required_excess_time_h=40.0
     )
-    assert found.sizing.status == "infeasible"
+    assert found.sizing.status is SizingStatus.infeasible
     assert found.extent == 0.0
     assert found.sizing.violations
 
 
-# ---- remedies
+# ---- relaxations
 
 
-def test_each_remedy_makes_the_mission_feasible_and_a_little_less_does_not() -> None:
+def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not() -> None:
     plane = aircraft("design_space.wingspan_m.maximum=5.0", *SMALL[1:])
     hard = mission("central-europe-summer", dates={"from": "05-01", "to": "10-05"})
     result = size_aircraft(plane, hard, Objective.min_mass, required_excess_time_h=1.0)
-    assert result.status == "infeasible"
-    found = {remedy.parameter: remedy for remedy in remedies(plane, hard, result)}
+    assert result.status is SizingStatus.infeasible
+    found = {relaxation.parameter: relaxation for relaxation in relaxations(plane, hard, result)}
     assert "battery.specific_energy_wh_per_kg" in found
     assert "modules.efficiency_stc" in found
-    for key, remedy in found.items():
+    for key, relaxation in found.items():
         if key.startswith(("design_space.", "mission.latitude_deg", "mission.required")):
             continue
         # Three digits, and the 0.01 h that the search keeps: one percent short of it fails.
-        back = 0.01 * abs(remedy.value - remedy.present) + 0.012 * abs(remedy.value)
-        towards = -back if remedy.direction == "at least" else back
-        for value, feasible in ((remedy.value, True), (remedy.value + towards, False)):
+        back = 0.01 * abs(relaxation.value - relaxation.present) + 0.012 * abs(relaxation.value)
+        towards = -back if relaxation.direction == "at least" else back
+        for value, feasible in ((relaxation.value, True), (relaxation.value + towards, False)):
             better, eased = with_parameter(plane, hard, key, value)
             again = size_aircraft(
                 better, eased, Objective.max_excess_time, required_excess_time_h=0.0
@@ -401,8 +401,8 @@ def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
     plane = aircraft("design_space.wingspan_m.maximum=5.65", *SMALL[1:])
     hard = mission("central-europe-summer", dates={"from": "05-01", "to": "10-15"})
     result = size_aircraft(plane, hard, Objective.max_excess_time)
-    assert result.status == "infeasible"
-    found = {remedy.parameter: remedy for remedy in remedies(plane, hard, result)}
+    assert result.status is SizingStatus.infeasible
+    found = {relaxation.parameter: relaxation for relaxation in relaxations(plane, hard, result)}
     span = found["design_space.wingspan_m.maximum"]
     wider = aircraft(f"design_space.wingspan_m.maximum={span.value}", *SMALL[1:])
     assert size_aircraft(wider, hard, Objective.max_excess_time).feasible
@@ -413,7 +413,7 @@ def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
     assert size_aircraft(plane, moved, Objective.max_excess_time).feasible
 
 
-def test_less_required_time_is_no_remedy_for_another_requirement() -> None:
+def test_less_required_time_is_no_relaxation_for_another_requirement() -> None:
     # No wing is covered to more than maximum_module_coverage, 0.85, however short the flight.
     plane = aircraft("design_space.limits={module_coverage: {minimum: 0.9}}")
     result = size_aircraft(plane, mission(), required_excess_time_h=50.0)
@@ -422,7 +422,7 @@ def test_less_required_time_is_no_remedy_for_another_requirement() -> None:
         "excess_time",
     }
     assert "mission.required_excess_time_h" not in {
-        remedy.parameter for remedy in remedies(plane, mission(), result)
+        relaxation.parameter for relaxation in relaxations(plane, mission(), result)
     }
 
 
@@ -444,13 +444,13 @@ def test_wind_and_limits_in_the_way_are_told(where: str, key: str, unit: str) ->
         return plane, flight, size_aircraft(plane, flight, Objective.max_excess_time)
 
     plane, flight, result = sizing(asked)
-    assert result.status == "infeasible"
+    assert result.status is SizingStatus.infeasible
     name = f"mission.{key}" if of_mission else key
-    (remedy,) = (r for r in remedies(plane, flight, result) if r.parameter == name)
-    assert (remedy.direction, remedy.unit, remedy.present) == ("at most", unit, asked)
-    assert sizing(remedy.value)[2].feasible
+    (relaxation,) = (r for r in relaxations(plane, flight, result) if r.parameter == name)
+    assert (relaxation.direction, relaxation.unit, relaxation.present) == ("at most", unit, asked)
+    assert sizing(relaxation.value)[2].feasible
     # It is found to within 0.3 % and rounded to three digits.
-    assert not sizing(1.015 * remedy.value)[2].feasible
+    assert not sizing(1.015 * relaxation.value)[2].feasible
 
 
 MIDNIGHT_SUN = {"latitude_deg": 85.0, "dates": {"on": "07-15"}}
@@ -469,14 +469,14 @@ def test_midnight_sun_needs_no_battery(objective: Objective, required_h: float) 
     plane, flight = aircraft(), mission(**MIDNIGHT_SUN)
     result = size_aircraft(plane, flight, objective, required_excess_time_h=required_h)
     assert result.feasible
-    assert certify(plane, flight, result).certified
+    assert cross_check(plane, flight, result).cross_checked
     if objective is not Objective.max_payload_mass:  # a heavy aircraft may still want one
         assert result.simulated is not None
         assert (result.simulated.cycle.status == Status.always_lit).all()
         assert np.isinf(result.simulated.cycle.excess_time_h).all()
     scenarios = flight.scenarios()
     cells = size_cells(plane, flight, scenarios, objective, required_excess_time_h=required_h)
-    assert cells.status.tolist() == [CellStatus.certified]
+    assert cells.status.tolist() == [SizingStatus.cross_checked]
     assert cells.objective_value == pytest.approx([result.objective_value], rel=1e-3)
 
 
@@ -506,19 +506,21 @@ def test_sensitivities_without_battery_equal_sizing_again() -> None:
         assert found[key].derivative == pytest.approx(slope, rel=0.01)
 
 
-def test_hopeless_mission_has_no_remedies_and_a_feasible_one_is_refused() -> None:
+def test_hopeless_mission_has_no_relaxations_and_a_feasible_one_is_refused() -> None:
     plane = aircraft()
     result = size_aircraft(plane, mission(latitude_deg=66.0, dates={"on": "12-21"}))
-    assert result.status == "infeasible"
+    assert result.status is SizingStatus.infeasible
     by_technology = [
-        remedy
-        for remedy in remedies(plane, mission(latitude_deg=66.0, dates={"on": "12-21"}), result)
-        if not remedy.parameter.startswith("mission.latitude")
+        relaxation
+        for relaxation in relaxations(
+            plane, mission(latitude_deg=66.0, dates={"on": "12-21"}), result
+        )
+        if not relaxation.parameter.startswith("mission.latitude")
     ]
     assert by_technology == []
     feasible = size_aircraft(plane, mission())
-    with pytest.raises(ValueError, match="only an infeasible one has remedies"):
-        remedies(plane, mission(), feasible)
+    with pytest.raises(ValueError, match="only an infeasible one has relaxations"):
+        relaxations(plane, mission(), feasible)
 
 
 # ---- programs that are used again
@@ -562,7 +564,7 @@ def test_unexplained_failure_is_quick_and_says_so() -> None:
     result = size_aircraft(
         plane, mission(), Objective.min_mass, required_excess_time_h=80.0, explain=False
     )
-    assert result.status == "not_converged"
+    assert result.status is SizingStatus.not_converged
     assert result.violations == ()
     assert dataclasses.asdict(result.solver)["solves"] >= 1
     assert variables_of(plane).wingspan_m == 5.65

@@ -96,7 +96,7 @@ def test_a_variable_at_its_bound_is_said_first(design: Aircraft) -> None:
 def test_an_infeasible_sizing_has_no_design_and_says_why(design: Aircraft) -> None:
     mission = missions.load_mission("central-europe-summer", {"clearness": 0.3})
     none = sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
-    assert none.status == "infeasible"
+    assert none.status is sizing.SizingStatus.infeasible
     assert not none.feasible
     assert "infeasible" in repr(none)
     with pytest.raises(ValueError, match="the sizing is infeasible: it has no design"):

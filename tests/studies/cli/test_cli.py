@@ -334,7 +334,7 @@ def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
         (("size", DESIGN, "-m", "rafz-july", "--out", "a"), "sizing.optimisation.search", "size_aircraft"),  # noqa: E501
         (("compare", AS2, "--no-design", "--out", "a"), "studies.models.comparison", "compare"),
         (("ceiling", AS2, "--csv", "a.csv"), "sizing.altitude.ceiling", "highest_perpetual_altitude"),  # noqa: E501
-        (("published", "--markdown", "a.md"), "studies.validation.published", "comparisons"),
+        (("published", "--markdown", "a.md"), "studies.validation.published", "published"),
         (("reproduce-report", "--out", "a"), "studies.validation.report_reproduction", "reproduce"),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
@@ -355,15 +355,22 @@ def test_a_signal_ends_a_command_quietly(
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path) -> None:
-    target = "studies.validation.published:comparisons"
+    target = "studies.validation.published:published"
     done = stopped(tmp_path, ("published",), target, "swallow()")
     assert done.returncode == 130
     assert "Traceback" not in done.stderr
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_swallowed_signal_is_repeated(tmp_path: Path) -> None:
+    target = "studies.validation.published:published"
+    done = stopped(tmp_path, ("published",), target, "[swallow(), time.sleep(60)]")
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (130, "", "")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
-    target = "studies.validation.published:comparisons"
+    target = "studies.validation.published:published"
     done = stopped(tmp_path, ("published",), target, "stubborn()")
     assert done.returncode == -signal.SIGINT
     assert "Traceback" not in done.stderr

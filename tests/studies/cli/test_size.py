@@ -144,15 +144,24 @@ def test_tables_and_figures_of_a_sizing(sized: tuple[Outcome, Path]) -> None:
 def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: Path) -> None:
     # At the pole in June the sun stays at 23 degrees: the battery is never needed.
     place = ("--set", "mission.latitude_deg=90", "--set", "mission.dates={on: 06-21}")
-    asked = ("size", DESIGN, "-m", "rafz-july", *LONGEST, *place, "--sensitivities", "--certify")
+    asked = (
+        "size",
+        DESIGN,
+        "-m",
+        "rafz-july",
+        *LONGEST,
+        *place,
+        "--sensitivities",
+        "--cross-check",
+    )
     outcome = run(*asked, "--json", "--out", "pole")
     assert (outcome.code, outcome.err) == (0, "")
     record = outcome.json()
     assert record["status"] == "optimal"
     assert record["objective"]["value"] is None
     assert record["sensitivities"] == []
-    assert record["certificate"]["certified"]
-    assert record["certificate"]["advantage"] == 0.0
+    assert record["cross_check"]["cross_checked"]
+    assert record["cross_check"]["advantage"] == 0.0
     assert files(tmp_path / "pole") == SIZED_FILES
     text = run(*asked)
     assert (text.code, text.err) == (0, "")
@@ -277,3 +286,9 @@ def test_quantities_of_a_design_are_told(run: Run) -> None:
     assert f"{told['stall_speed_m_per_s']:.2f} m/s" in text
     heavy = run("size", DESIGN, "-m", "rafz-july", "--set", "mission.payload.mass_kg=1e6", "--json")
     assert heavy.json()["quantities"] is None
+
+
+def test_old_name_of_the_cross_check_is_refused_with_the_new_one(run: Run) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--certify")
+    assert outcome.code == 2
+    assert "--cross-check" in outcome.err

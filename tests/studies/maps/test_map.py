@@ -15,7 +15,7 @@ from sizing.performance import performance
 from sizing.sunlight import SolarModel, solar_day
 from studies.cli.__main__ import cli
 from studies.maps import feasibility as study
-from studies.maps.plots import map_figure
+from studies.maps.plots import plot_map
 from studies.output.columns import to_netcdf_bytes
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -147,7 +147,7 @@ def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
 
 
 def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
-    figure = map_figure(data)
+    figure = plot_map(data)
     axes, bar = figure.axes
     assert axes.get_ylabel() == "latitude [deg]"
     assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
@@ -172,7 +172,7 @@ def test_command_writes_map_and_picture(tmp_path: Path) -> None:
 
 def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
     lit = study.feasibility_map(AS2, JULY, latitudes=[89.0, 90.0], days=[170, 172, 174])
-    axes, bar = map_figure(lit).axes
+    axes, bar = plot_map(lit).axes
     assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
     assert axes.get_ylim()[1] == 90.0  # there is no latitude beyond the pole
     # No cell has a finite excess time: the least range, by half hours.
@@ -189,7 +189,7 @@ def test_a_map_is_no_table(tmp_path: Path) -> None:
 
 def test_picture_shows_a_map_of_one_cell() -> None:
     one = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[196])
-    axes = map_figure(one).axes[0]
+    axes = plot_map(one).axes[0]
     (mesh,) = axes.collections
     corners = mesh.get_coordinates()
     assert np.ptp(corners[..., 0]) > 0.0

@@ -22,7 +22,7 @@ from sizing.sunlight import SolarModel
 from studies.cli import __main__ as cli
 from studies.maps.season import Season
 from studies.models import comparison as study
-from studies.models.plots import comparison_figure, spans
+from studies.models.plots import plot_comparison, spans
 
 pytestmark = pytest.mark.slow
 
@@ -162,11 +162,11 @@ def test_headline_where_nothing_is_feasible() -> None:
         "corrected FM: no design)."
     )
     assert none.to_dict()["cases"][0]["design"]["judged"] is None
-    assert "no design" in str([t.get_text() for t in comparison_figure(none).axes[3].texts])
+    assert "no design" in str([t.get_text() for t in plot_comparison(none).axes[3].texts])
 
 
 def test_figure_names_its_axes_and_marks_who_comes_down(designs: study.Comparison) -> None:
-    figure = comparison_figure(designs)
+    figure = plot_comparison(designs)
     assert [axes.get_xlabel()[:6] for axes in figure.axes] == [
         "solar ",
         "excess",

@@ -124,7 +124,7 @@ def test_a_polar_of_ones_own_goes_with_the_folder(
     )
     record, _ = contents(tmp_path / "design")
     assert record["inputs"]["airfoil"] == {
-        "source": "mine.csv",
+        "source": str(tmp_path / "mine.csv"),
         "sha256": hashlib.sha256(polar.encode()).hexdigest(),
     }
 

@@ -30,7 +30,7 @@ from studies.cli.__main__ import cli
 from studies.engine.run import compute
 from studies.output.columns import SizingStatus
 from studies.sweeps import plots as sweep_plots
-from studies.sweeps.axes import Axis, axis_names, parse_axis, points, unit_of
+from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.plots import pareto_front
 from studies.sweeps.points import PointStatus, held, judge_points, plain_data
 from studies.sweeps.study import dataset, prepare, sweep, to_table
@@ -85,6 +85,14 @@ def test_names_and_units_of_axes() -> None:
     ]
     names = axis_names([Axis(key, (1.0,)) for key in keys])
     assert names == ["battery_mass_kg", "payload_mass_kg", "latitude_deg", "power_avionics_w"]
+    assert [axis_label(key) for key in keys] == [
+        "battery mass",
+        "payload mass",
+        "latitude",
+        "avionics power",
+    ]
+    assert axis_label("mission.flight_path.radius_m") == "flight path radius"
+    assert unit_of("airframe.structure.modulus_pa") == "Pa"
     assert unit_of("battery.specific_energy_wh_per_kg") == "W h kg-1"
     assert unit_of("mission.wind_m_per_s") == "m s-1"
     assert unit_of("mission.clearness") == "1"
@@ -329,7 +337,7 @@ def test_front_is_that_of_comparing_all_pairs() -> None:
 )
 def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str, Any]) -> None:
     data = study(DESIGN, JULY, *texts, **options)
-    figure = sweep_plots.figure_of(data)
+    figure = sweep_plots.plot_sweep(data)
     words = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())]
     assert any("[h]" in text for text in words)
     buffer = io.BytesIO()
@@ -472,7 +480,7 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     assert data["status"].values.tolist()[1] == PointStatus.failed
     assert data.attrs["failed_cells"] == "battery_mass_kg 3: FloatingPointError: not today"
     assert "not today" in str(data["message"].values[1])
-    figure = sweep_plots.figure_of(data)
+    figure = sweep_plots.plot_sweep(data)
     assert "1 of 3 points failed" in figure.get_suptitle()
     assert [t.get_text() for t in figure.axes[0].get_legend().get_texts()] == ["failed"]
     table = invoke("atlantiksolar-design", *vary)
@@ -485,7 +493,7 @@ def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
     vary = {"battery_mass_kg": [2, 3, 4], "power.avionics_w": [4, 6]}
     with pytest.warns(RuntimeWarning, match="2 of 6 points failed"):
         data = sweep(DESIGN, JULY, vary)
-    (legend,) = sweep_plots.figure_of(data).legends
+    (legend,) = sweep_plots.plot_sweep(data).legends
     assert "failed" in [text.get_text() for text in legend.get_texts()]
 
 

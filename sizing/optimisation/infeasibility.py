@@ -1,0 +1,164 @@
+"""Why there is no design: the requirements that are missed, by how much, and in words.
+
+A required excess time is held against the largest one that any design has. Where no design flies
+perpetually at all, or none is required to do more, the program that misses as little as possible
+tells what is missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from operator import itemgetter
+from typing import NamedTuple
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables, FlightConditions
+from sizing.limits import design_requirements
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import SizingResult, SizingStatus, Violation
+from sizing.parameters import with_parameter
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import SolarDay, SolarModel, solar_day
+
+_GRID_POINTS = 9
+_GRID_STEP_H = 0.5
+_PROMISING = 3
+
+
+class Verdict(NamedTuple):
+    """That a sizing ends without a design, and why; ``nearest`` is the design that comes closest.
+
+    ``active_constraints`` name what holds it back.
+    """
+
+    status: SizingStatus
+    violations: tuple[Violation, ...]
+    nearest: Performance | None
+    active_constraints: tuple[str, ...] = ()
+
+
+def least_mission(mission: Mission, objective: Objective) -> Mission:
+    """Mission without the payload that is to be as large as possible: the easiest one.
+
+    Parameters
+    ----------
+    mission : Mission
+        With a payload of its own.
+    objective : Objective
+        Of the sizing.
+    """
+    keys = {
+        Objective.max_payload_mass: "mission.payload.mass_kg",
+        Objective.max_payload_power: "mission.payload.power_w",
+    }
+    if objective not in keys:
+        return mission
+    return with_parameter(mission, mission, keys[objective], 0.0)[1]
+
+
+def short_of_largest_excess(
+    aircraft: Aircraft, largest: SizingResult, required_h: float
+) -> Verdict | None:
+    """Verdict where even the largest excess time is too short; None where it is enough.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        That is sized.
+    largest : SizingResult
+        Sizing for the largest excess time.
+    required_h : float
+        Required excess time [h].
+    """
+    nearest = largest.nearest if largest.simulated is None else largest.simulated
+    # Where no design flies perpetually, what else is missing comes first.
+    missed = [v for v in largest.violations if v.requirement != "excess_time"]
+    if nearest is not None:
+        shortfall_h = required_h - float(np.min(nearest.cycle.excess_time_h))
+        if largest.simulated is not None and shortfall_h <= 0.0:
+            return None
+        # The nearest design may fly long enough and miss another requirement.
+        if shortfall_h > 0.0:
+            missed += violations(aircraft, {"excess_time": shortfall_h}, nearest, required_h)
+    status = SizingStatus.infeasible if largest.feasible else largest.status
+    return Verdict(status, tuple(missed), nearest, largest.active_constraints)
+
+
+def violations(
+    aircraft: Aircraft, missed: Mapping[str, float], nearest: Performance, required_h: float
+) -> list[Violation]:
+    """Missed requirements in words.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        That is sized.
+    missed : mapping
+        Shortfall by name of the requirement: relative, or in hours of excess time.
+    nearest : Performance
+        Simulated design that comes closest.
+    required_h : float
+        Required excess time [h].
+    """
+    worst = nearest.worst_scenario()
+    where = nearest.day.scenarios.label(worst)
+    excess = float(nearest.cycle.excess_time_h[worst])
+    texts = {
+        one.name: one.text
+        for one in design_requirements(
+            aircraft, nearest.design, FlightConditions.of(nearest.mission)
+        )
+    } | {
+        "battery_capacity": f"the battery cannot carry the night at {where}: short by {{missed}} "
+        "of its capacity",
+        "energy_balance": f"the day does not recharge the battery at {where}: short by {{missed}} "
+        "of its capacity",
+        "excess_time": f"an excess time of {required_h:g} h is out of reach at {where}: the "
+        f"nearest design has {excess:.2f} h",
+    }
+    return [
+        Violation(name, shortfall, texts[name].format(missed=_percent(shortfall)))
+        for name, shortfall in missed.items()
+    ]
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.0f} %" if value > 0.1 else f"{100.0 * value:.2g} %"
+
+
+def promising_designs(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, day: SolarDay
+) -> list[DesignVariables]:
+    """Designs of a coarse grid over the design space with the largest excess time, best first.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        What is sized, for what, and the model of the sun.
+    day : SolarDay
+        Its scenarios are those that count.
+
+    Returns
+    -------
+    list of DesignVariables
+        Empty where no design of the grid has room for its modules.
+    """
+    space, airframe = aircraft.design_space, aircraft.airframe
+    axes = [
+        np.geomspace(r.minimum, r.maximum, _GRID_POINTS)
+        for r in (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
+    ]
+    span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
+    coverage = getattr(airframe, "maximum_module_coverage", 1.0)
+    fits = area <= coverage * span**2 / airframe.aspect_ratio
+    if not np.any(fits):
+        return []
+    aspect = np.full(int(fits.sum()), airframe.aspect_ratio)
+    variables = DesignVariables(span[fits], aspect, battery[fits], area[fits])
+    coarse = solar_day(aircraft, mission, solar, scenarios=day.scenarios, step_h=_GRID_STEP_H)
+    found = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
+    best = np.argsort(-np.min(found.cycle.excess_time_h, axis=-1), kind="stable")[:_PROMISING]
+    return [variables.mapped(itemgetter(int(i))).mapped(float) for i in best]

@@ -1,0 +1,105 @@
+"""Level flight and its power with a parabolic polar: definitions, limits and directions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from arithmetics import assert_alike
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from sizing.aerodynamics.parabolic import DragPolar, level_flight_power_w, scaled_power_w
+
+G = 9.80665
+POLAR = DragPolar(
+    lift_coefficient=1.0,
+    maximum_lift_coefficient=1.4,
+    profile_drag_coefficient=0.012,
+    reference_reynolds=158000.0,
+)
+AIR: dict[str, float] = {"density_kg_per_m3": 1.1, "dynamic_viscosity": 1.8e-5}
+
+spans = st.floats(1.0, 30.0)
+aspects = st.floats(6.0, 35.0)
+masses = st.floats(0.5, 300.0)
+growths = st.floats(1.01, 2.0)
+
+
+@given(span=spans, aspect=aspects, mass=masses, density=st.floats(0.05, 1.4))
+def test_lift_equals_weight(span: float, aspect: float, mass: float, density: float) -> None:
+    area = span**2 / aspect
+    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=density)
+    # Definition of the lift coefficient; rounding.
+    assert 0.5 * density * v**2 * area * 1.0 == pytest.approx(mass * G, rel=1e-12)
+    stall = POLAR.stall_speed_m_per_s(v)
+    assert 0.5 * density * stall**2 * area * 1.4 == pytest.approx(mass * G, rel=1e-12)
+
+
+@given(span=spans, aspect=aspects, mass=masses)
+def test_power_is_sink_rate_times_weight(span: float, aspect: float, mass: float) -> None:
+    area = span**2 / aspect
+    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=1.1)
+    reynolds = 1.1 * v * span / aspect / 1.8e-5
+    cd = 0.012 * (158000.0 / reynolds) ** 0.35 + 0.006 + 1.0 / (np.pi * 0.9 * aspect)
+    found = level_flight_power_w(POLAR, mass_kg=mass, wingspan_m=span, aspect_ratio=aspect, **AIR)
+    # P = m g v / (L/D): another way to the same number, so rounding.
+    assert found == pytest.approx(mass * G * v * cd / 1.0, rel=1e-9)
+
+
+@given(span=spans, aspect=aspects, mass=masses, growth=growths)
+def test_power_grows_with_mass_and_falls_with_density(
+    span: float, aspect: float, mass: float, growth: float
+) -> None:
+    def power(m: float, rho: float) -> float:
+        return float(
+            level_flight_power_w(
+                POLAR,
+                mass_kg=m,
+                wingspan_m=span,
+                aspect_ratio=aspect,
+                density_kg_per_m3=rho,
+                dynamic_viscosity=1.8e-5,
+            )
+        )
+
+    assert power(mass * growth, 1.0) > power(mass, 1.0)
+    assert power(mass, 1.0 / growth) > power(mass, 1.0)
+
+
+def test_constant_polar_scales_as_measured_power_does() -> None:
+    # Without Reynolds dependence the parabolic polar obeys m^1.5 rho^-0.5 exactly.
+    polar = POLAR.model_copy(update={"reynolds_exponent": 0.0})
+    shape = {"wingspan_m": 5.0, "aspect_ratio": 15.0, "dynamic_viscosity": 1.8e-5}
+    here = level_flight_power_w(polar, mass_kg=6.0, density_kg_per_m3=1.1, **shape)
+    there = level_flight_power_w(polar, mass_kg=9.0, density_kg_per_m3=0.8, **shape)
+    assert there == pytest.approx(
+        scaled_power_w(here, mass_ratio=1.5, density_ratio=0.8 / 1.1), rel=1e-12
+    )
+
+
+def test_measured_power_scales_with_mass_and_density() -> None:
+    # 4^1.5 = 8 and 0.25^-0.5 = 2.
+    assert scaled_power_w(35.8, mass_ratio=4.0, density_ratio=1.0) == pytest.approx(8 * 35.8)
+    assert scaled_power_w(35.8, mass_ratio=1.0, density_ratio=0.25) == pytest.approx(2 * 35.8)
+
+
+def test_lift_coefficient_at_stall_is_refused() -> None:
+    with pytest.raises(ValidationError, match="must be below maximum_lift_coefficient"):
+        DragPolar(
+            lift_coefficient=1.4,
+            maximum_lift_coefficient=1.4,
+            profile_drag_coefficient=0.01,
+            reference_reynolds=1e5,
+        )
+
+
+@settings(max_examples=30)
+@given(span=spans, aspect=aspects, mass=masses)
+def test_arrays_and_symbols_equal_floats(span: float, aspect: float, mass: float) -> None:
+    def power(b: Any, ar: Any, m: Any) -> list[Any]:
+        return [level_flight_power_w(POLAR, mass_kg=m, wingspan_m=b, aspect_ratio=ar, **AIR)]
+
+    assert_alike(power, span, aspect, mass)

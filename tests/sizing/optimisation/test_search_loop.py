@@ -1,0 +1,102 @@
+"""The one loop of all searches, with a program and a simulator that are told what to say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+import pytest
+
+from sizing.design import DesignVariables
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import SizingStatus
+from sizing.optimisation.search import Search, Simulated, run
+from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, Solution
+
+
+@dataclass(frozen=True)
+class Found:
+    """As much of a solution as the loop looks at: a wing that grows with the goal."""
+
+    instance: ProblemInstance
+
+    @property
+    def design(self) -> DesignVariables:
+        return DesignVariables(3.0 + self.instance.goal_h, 15.0, 2.0, 1.0)
+
+
+class Simulator:
+    """Excess time of the design: the goal of its program less what the program flatters."""
+
+    def __init__(self, flattered_h: Sequence[float]) -> None:
+        self.flattered_h, self.goals_h = flattered_h, list[float]()
+
+    def __call__(self, searches: Sequence[Search]) -> list[Simulated]:
+        (search,) = searches
+        goal_h = search.current.instance.goal_h
+        self.goals_h.append(goal_h)
+        excess_h = [goal_h - lost_h for lost_h in self.flattered_h]
+        worst = excess_h.index(min(excess_h))
+        return [Simulated(excess_h[worst], worst, -goal_h, sound=True)]
+
+
+def solve(search: Search) -> Solution | None:
+    return cast(Any, Found(search.instance))
+
+
+def searched(
+    flattered_h: Sequence[float], required_h: float = 2.0, rounds: int = 12
+) -> tuple[Search, Simulator]:
+    instance = ProblemInstance.of(Objective.min_wingspan, required_h)
+    search = Search(instance, required_h, [0], solve, count=len(flattered_h))
+    simulator = Simulator(flattered_h)
+    run([search], simulator, rounds=rounds)
+    return search, simulator
+
+
+def test_goal_is_shifted_by_what_the_simulator_finds_otherwise() -> None:
+    search, simulator = searched([0.5])
+    assert simulator.goals_h == pytest.approx([2.0 + GOAL_CUSHION_H, 2.5 + GOAL_CUSHION_H])
+    assert search.best is not None
+    assert search.best.found.excess_time_h == pytest.approx(2.0 + GOAL_CUSHION_H)
+
+
+def test_worse_scenario_joins_before_the_goal_is_shifted() -> None:
+    search, simulator = searched([0.0, 0.3])
+    assert search.scenarios == [0, 1]
+    assert search.blocks == 2
+    assert simulator.goals_h[0] == simulator.goals_h[1] < simulator.goals_h[2]
+
+
+def test_design_that_wastes_excess_time_is_tried_smaller_and_the_best_is_kept() -> None:
+    search, simulator = searched([-0.4])
+    assert simulator.goals_h == pytest.approx([2.0 + GOAL_CUSHION_H, 1.6 + GOAL_CUSHION_H])
+    assert search.best is not None
+    assert search.best.found.merit == pytest.approx(-1.6 - GOAL_CUSHION_H)
+
+
+def test_battery_that_runs_empty_asks_for_more_recharge() -> None:
+    search, _ = searched([5.0], rounds=1)
+    assert search.best is None
+    assert search.instance.margin == pytest.approx(3.0 * ProblemInstance({}, 0.0).margin)
+
+
+def test_loop_ends_where_the_program_has_no_solution() -> None:
+    instance = ProblemInstance.of(Objective.min_wingspan, 2.0)
+    search = Search(instance, 2.0, [0], lambda _: None, count=1)
+    run([search], Simulator([0.0]))
+    assert search.best is None
+    assert search.solution is None
+
+
+def test_status_has_the_numbers_of_gridded_files() -> None:
+    assert {status.name: int(status) for status in SizingStatus} == {
+        "failed": -1,
+        "optimal": 0,
+        "infeasible": 1,
+        "not_converged": 2,
+        "invalid": 3,
+        "cross_checked": 4,
+    }
+    assert [status.name for status in SizingStatus if status.sized] == ["optimal", "cross_checked"]

@@ -1,0 +1,64 @@
+"""Loads of the wing: published numbers, limits and directions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arithmetics import assert_alike
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from sizing.structures.loads import limit_load_factor, root_bending_moment_nm
+
+G = 9.80665
+
+spans = st.floats(1.0, 30.0)
+masses = st.floats(0.5, 300.0)
+growths = st.floats(1.01, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("mass_kg", "expected"),
+    # 2.1 + 10900/(m + 4536) worked by hand; CS 23.337 gives 2.1 + 24000/(W + 10000), W in lb.
+    [(0.0, 4.503), (6.92, 4.499), (464.0, 4.280), (5464.0, 3.190)],
+)
+def test_limit_load_factor_values(mass_kg: float, expected: float) -> None:
+    # To the digits written down.
+    assert limit_load_factor(mass_kg) == pytest.approx(expected, abs=5e-4)
+    pounds = mass_kg / 0.45359237
+    # 10900 kg and 4536 kg are 24000 lb and 10000 lb rounded: 0.13 % of a term of 2.4.
+    assert limit_load_factor(mass_kg) == pytest.approx(2.1 + 24000 / (pounds + 10000), abs=4e-3)
+
+
+@given(mass=masses, growth=growths)
+def test_limit_load_factor_falls_with_mass(mass: float, growth: float) -> None:
+    assert 2.1 < limit_load_factor(mass * growth) < limit_load_factor(mass)
+
+
+@given(span=spans, mass=masses, share=st.floats(0.0, 0.7))
+def test_root_moment_is_that_of_an_elliptic_lift_relieved_by_an_even_mass(
+    span: float, mass: float, share: float
+) -> None:
+    half = span / 2.0
+    n = limit_load_factor(mass)
+    # Moments integrated numerically: lift 4 m n g/(pi b) sqrt(1 - (y/half)^2), mass evenly spread.
+    lift = 4.0 * mass * n * G / (np.pi * span)
+    up, _ = quad(lambda y: lift * np.sqrt(1.0 - (y / half) ** 2) * y, 0.0, half)
+    down, _ = quad(lambda y: share * mass * n * G / span * y, 0.0, half)
+    wanted = max(up - down, 0.25 * up)
+    found = root_bending_moment_nm(span, mass, share * mass, 0.25)
+    # The smooth maximum lies above by at most 2 % of the unrelieved moment, as documented.
+    assert wanted * (1.0 - 1e-6) <= found <= wanted + 0.02 * up * (1.0 + 1e-6)
+
+
+def test_root_moment_never_falls_below_its_floor() -> None:
+    # All mass in the span and more: the handling loads remain.
+    unrelieved = root_bending_moment_nm(5.0, 7.0, 0.0, 0.25)
+    assert root_bending_moment_nm(5.0, 7.0, 14.0, 0.25) > 0.24 * unrelieved
+
+
+@settings(max_examples=30)
+@given(mass=masses)
+def test_arrays_and_symbols_equal_floats(mass: float) -> None:
+    assert_alike(lambda m: [limit_load_factor(m)], mass)

@@ -1,0 +1,107 @@
+"""The catalogue of parameters: every key is one of a file, and nothing is called by two units."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from missions.library import load_mission
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables
+from sizing.library import load_aircraft
+from sizing.limits import QUANTITIES
+from sizing.parameters import (
+    MISSION_PREFIX,
+    Parameter,
+    catalogue,
+    label,
+    parameter,
+    parameter_value,
+    unit,
+)
+
+# How names end in this software, and the unit that this stands for.
+_ENDINGS = {
+    "_wh_per_kg": "Wh/kg",
+    "_kg_per_m2": "kg/m2",
+    "_kg_per_w": "kg/W",
+    "_m_per_s": "m/s",
+    "_per_k": "1/K",
+    "_per_h": "1/h",
+    "_wh": "Wh",
+    "_kg": "kg",
+    "_m2": "m2",
+    "_pa": "Pa",
+    "_deg": "deg",
+    "_days": "days",
+    "_m": "m",
+    "_w": "W",
+    "_h": "h",
+}
+
+
+def aircraft() -> list[Aircraft]:
+    bound = "design_space.maximum_total_mass_kg=50"
+    return [load_aircraft(name, [bound]) for name in ("atlantiksolar-design", "sky-sailor")]
+
+
+@pytest.mark.parametrize("one", catalogue().values(), ids=lambda one: one.key)
+def test_units_are_those_of_the_names(one: Parameter) -> None:
+    name = one.key.removesuffix(".maximum")
+    ends = (text for ending, text in _ENDINGS.items() if name.endswith(ending))
+    assert one.unit == next(ends, "1")
+    assert one.minimum < one.maximum
+    assert one.label
+    assert one.label == one.label.strip()
+
+
+@pytest.mark.parametrize("one", catalogue().values(), ids=lambda one: one.key)
+def test_keys_are_those_of_files_or_of_quantities(one: Parameter) -> None:
+    if one.kind == "quantity":
+        assert one.key in QUANTITIES or one.key in {
+            "worst_excess_time_h",
+            "season_days",
+            "latitude_band_deg",
+        }
+        return
+    assert (one.kind == "mission") == one.key.startswith(MISSION_PREFIX)
+    missions = [load_mission("rafz-july"), load_mission("central-europe-summer")]
+    values = [parameter_value(a, m, one.key) for a in aircraft() for m in missions]
+    # Parts of one polar or structure are not in the other.
+    if one.key not in (
+        "airframe.propulsion.climb_rate_m_per_s",
+        "airframe.aerodynamics.calibration",
+    ):
+        assert any(value is not None for value in values)
+
+
+def test_every_limit_and_design_variable_is_in_the_catalogue() -> None:
+    assert {parameter(name).kind for name in QUANTITIES} == {"quantity"}
+    for name in DesignVariables._fields:
+        assert parameter(name).name == name
+
+
+def test_lookup_by_key_or_name() -> None:
+    assert parameter("battery_mass_kg") is parameter("battery.mass_kg")
+    assert label("battery.mass_kg") == "battery mass"
+    assert unit("modules.mass_kg_per_m2") == "kg/m2"
+    with pytest.raises(KeyError, match="no wing_span"):
+        parameter("wing_span")
+
+
+def test_sensible_ranges_hold_the_shipped_aircraft() -> None:
+    for one in catalogue().values():
+        for craft in aircraft():
+            value = parameter_value(craft, load_mission("rafz-july"), one.key)
+            if value is not None and one.kind != "quantity":
+                assert one.minimum <= value <= one.maximum, one.key
+
+
+def test_importing_it_is_cheap() -> None:
+    code = "import sys, sizing.parameters as p; p.label('battery_mass_kg'); print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert not {"numpy", "pydantic", "casadi"} & set(loaded)

@@ -1,0 +1,52 @@
+"""Commands without ``--workers``: the pool that starts by itself changes nothing."""
+
+from __future__ import annotations
+
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from command_line import Run
+
+from studies.output.columns import SizingStatus
+
+pytestmark = pytest.mark.slow
+
+DESIGN = ["atlantiksolar-design", "--resize", "min_wingspan"]
+MAP = ["map", *DESIGN, "--latitudes", "-70:70:10", "--days", "1:365:30"]
+SWEEP = ["sweep", *DESIGN, "--vary", "battery.specific_energy_wh_per_kg=200:400:5"]
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the processes that were started; any work is long enough for two of them."""
+    names: list[str] = []
+    start = BaseProcess.start
+
+    def noted(process: BaseProcess) -> None:
+        start(process)
+        names.append(process.name)
+
+    monkeypatch.setattr(BaseProcess, "start", noted)
+    monkeypatch.setattr("studies.engine.workers._PAYS_S", 0.0)
+    monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 2)
+    return names
+
+
+@pytest.mark.parametrize("command", [MAP, SWEEP], ids=lambda command: command[0])
+def test_processes_are_started_unasked_and_agree(
+    command: list[str], run: Run, started: list[str], tmp_path: Path
+) -> None:
+    assert run(*command, "--out", "one.nc", "--workers", "1").code == 0
+    assert not started
+    assert run(*command, "--out", "default.nc").code == 0
+    assert len(started) >= 2, "the work ended before the pool was worth its start"
+    assert run(*command, "--out", "two.nc", "--workers", "2").code == 0
+    one, default, two = (
+        xr.load_dataset(tmp_path / f"{name}.nc", engine="h5netcdf")
+        for name in ("one", "default", "two")
+    )
+    xr.testing.assert_identical(one, default)
+    xr.testing.assert_identical(one, two)
+    assert not (default["status"] == SizingStatus.failed).any()
