@@ -27,7 +27,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
     "size": (
         "cli.md",
         [
-            [DESIGN, *SUMMER, "--sensitivities", "--certify"],
+            [DESIGN, *SUMMER, "--sensitivities", "--cross-check"],
             ["sky-sailor", *SUMMER, "--required-excess-time", "12"],
             [DESIGN, *SUMMER, "--set", "mission.uncertainty_margins.battery_capacity=0.9"],
         ],
