@@ -5,19 +5,18 @@ Run with: python examples/compare_models.py [figure.png]
 
 import sys
 
-from missions.library import load_mission
-from sizing.library import load_aircraft
-from studies.models.comparison import compare
-from studies.models.plots import plot_comparison
+import missions
+import sizing
+import studies
 from studies.models.solar_models import model_label
 
 
 def main() -> None:
     """Print the outcome of every model's design, and the one sentence that sums it up."""
-    # A parametric aircraft: every model gets to size its own. Judge of all is corrected FM.
-    aircraft = load_aircraft("atlantiksolar-design")
-    mission = load_mission("rafz-july")
-    found = compare(aircraft, mission, required_excess_time_h=3.0)
+    # A parametric aircraft: every model gets to size its own. The reference is corrected FM.
+    aircraft = sizing.load_aircraft("atlantiksolar-design")
+    mission = missions.load_mission("rafz-july")
+    found = studies.compare(aircraft, mission, required_excess_time_h=3.0)
 
     for case in found.cases:
         # Every model sees the aircraft as given ...
@@ -34,7 +33,7 @@ def main() -> None:
     print(found.headline())
 
     if len(sys.argv) > 1:
-        plot_comparison(found).savefig(sys.argv[1], dpi=150)
+        studies.plot_comparison(found).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

@@ -7,23 +7,22 @@ import sys
 
 from matplotlib.figure import Figure
 
-from missions.library import load_mission
-from sizing.library import load_aircraft
-from sizing.sunlight import SolarModel
-from studies.models.comparison import Comparison, compare
+import missions
+import sizing
+import studies
 from studies.models.solar_models import model_label
 
-MODELS = [SolarModel("CDM"), SolarModel("CAM"), SolarModel("FM", "report")]
+MODELS = [sizing.SolarModel("CDM"), sizing.SolarModel("CAM"), sizing.SolarModel("FM", "report")]
 LATITUDES_DEG = [0.0, 30.0, 55.0]
 
 
 def main() -> None:
-    """Size with three models at every latitude, let corrected FM judge, print and draw."""
-    aircraft = load_aircraft("atlantiksolar-design")
+    """Size with three models at every latitude, evaluate by corrected FM, print and draw."""
+    aircraft = sizing.load_aircraft("atlantiksolar-design")
     found = []
     for latitude in LATITUDES_DEG:
-        mission = load_mission("rafz-july", [f"latitude_deg={latitude}"])
-        found.append(compare(aircraft, mission, models=MODELS, required_excess_time_h=3.0))
+        mission = missions.load_mission("rafz-july", [f"latitude_deg={latitude}"])
+        found.append(studies.compare(aircraft, mission, models=MODELS, required_excess_time_h=3.0))
     for latitude, comparison in zip(LATITUDES_DEG, found, strict=True):
         print(f"{latitude:g} N, 15 Jul")
         for case in comparison.cases:
@@ -31,15 +30,15 @@ def main() -> None:
             if case.built.judged is None:
                 print(f"  {model_label(case.solar)}: no design")
                 continue
-            ends = "flies on" if case.built.judged.perpetual else "comes down"
+            ends = "perpetual" if case.built.judged.perpetual else "not perpetual"
             span_m = case.built.sizing.objective_value
             print(f"  {model_label(case.solar):15}: {span_m:.2f} m, {ends}")
     if len(sys.argv) > 1:
         draw(found).savefig(sys.argv[1], dpi=150)
 
 
-def draw(found: list[Comparison]) -> Figure:
-    """Wingspan against latitude; a cross where corrected FM says that the design comes down."""
+def draw(found: list[studies.Comparison]) -> Figure:
+    """Wingspan against latitude; a cross where corrected FM does not fly the design perpetually."""
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.subplots()
     looks = zip(("#D55E00", "#E69F00", "#0072B2"), "os^", strict=True)
@@ -51,7 +50,7 @@ def draw(found: list[Comparison]) -> Figure:
         for latitude, b in zip(LATITUDES_DEG, built, strict=True):
             if b is not None and b.judged is not None and not b.judged.perpetual:
                 axes.plot([latitude], [b.sizing.objective_value], "kx", markersize=10)
-    axes.plot([], [], "kx", label="comes down, judged by corrected FM")
+    axes.plot([], [], "kx", label="not perpetual by corrected FM")
     axes.set(xlabel="latitude [deg N]", ylabel="smallest wingspan, 15 July [m]")
     axes.legend(title="3 h of excess time required")
     axes.grid(alpha=0.3)

@@ -7,19 +7,19 @@ import sys
 
 import numpy as np
 
-from missions.library import load_mission
-from sizing.library import load_aircraft
-from studies.sweeps.plots import plot_sweep
-from studies.sweeps.study import feasible, sweep
+import missions
+import sizing
+import studies
+from studies.sweeps.study import feasible
 
 
 def main() -> None:
     """Print the best battery of each wingspan, and draw excess time and charge margin."""
     # Nothing is sized: each point is a design, flown in all scenarios of the mission. Its modules
     # fill the wing as far as they may. Mass, airspeed and power follow from the geometry.
-    data = sweep(
-        load_aircraft("atlantiksolar-design"),
-        load_mission("central-europe-summer"),
+    data = studies.sweep(
+        sizing.load_aircraft("atlantiksolar-design"),
+        missions.load_mission("central-europe-summer"),
         {
             "wingspan_m": np.arange(3.0, 7.1, 0.25),
             "battery_mass_kg": np.arange(0.5, 10.1, 0.25),
@@ -40,7 +40,7 @@ def main() -> None:
                 f"with {float(row.idxmax()):.2f} kg of battery"
             )
     if len(sys.argv) > 1:
-        plot_sweep(data).savefig(sys.argv[1], dpi=150)
+        studies.plot_sweep(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

@@ -7,10 +7,9 @@ import sys
 
 import numpy as np
 
-from missions.library import load_mission
-from sizing.library import load_aircraft
-from studies.maps.plots import plot_resized_map
-from studies.maps.resized import resized_map
+import missions
+import sizing
+import studies
 from studies.output.columns import SIZED, SizingStatus
 
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
@@ -18,10 +17,10 @@ LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
 
 def main() -> None:
     """Print the range of wingspans at each latitude, and what the cells without one lack."""
-    data = resized_map(
-        load_aircraft("atlantiksolar-design"),
+    data = studies.resized_map(
+        sizing.load_aircraft("atlantiksolar-design"),
         # The place and the date are those of the cell.
-        load_mission("rafz-july"),
+        missions.load_mission("rafz-july"),
         "min_wingspan",
         latitudes=LATITUDES_DEG,
         days=DAYS,
@@ -41,7 +40,7 @@ def main() -> None:
         names = sorted(set(lacking.to_numpy().tolist()) - {""})
         print(f"{text}; else missed: {', '.join(names)}" if names else text)
     if len(sys.argv) > 1:
-        plot_resized_map(data).savefig(sys.argv[1], dpi=150)
+        studies.plot_resized_map(data).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

@@ -10,10 +10,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from missions.library import load_mission
-from sizing.library import load_aircraft
-from studies.maps.feasibility import feasibility_map, season_length
-from studies.maps.plots import plot_map
+import missions
+import sizing
+import studies
 
 AIRCRAFT = {"as built": [], "half the battery": ["battery.mass_kg=1.46"]}
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366, 2)
@@ -25,14 +24,14 @@ SOLSTICE, HALF_WINDOW_D, MID_EUROPE_DEG = 172, 91, (45.0, 50.0)
 def main() -> None:
     """Print the days of perpetual flight by latitude, and draw the map."""
     # The mission gives the air and the load; latitudes and days are those of the map.
-    mission = load_mission("rafz-july")
+    mission = missions.load_mission("rafz-july")
     maps = {}
     for name, overrides in AIRCRAFT.items():
-        aircraft = load_aircraft("atlantiksolar-as2", overrides)
-        maps[name] = feasibility_map(
+        aircraft = sizing.load_aircraft("atlantiksolar-as2", overrides)
+        maps[name] = studies.feasibility_map(
             aircraft, mission, latitudes=LATITUDES_DEG, days=DAYS, correction="report"
         )
-        share = season_length(maps[name]) / len(DAYS)
+        share = studies.season_length(maps[name]) / len(DAYS)
         print(f"{name}: share of the year flown perpetually")
         for latitude in (0.0, 30.0, 45.0, 60.0):
             print(f"  {latitude:2.0f} N: {100 * float(share.sel(latitude=latitude)):3.0f} %")
@@ -42,7 +41,7 @@ def main() -> None:
 
 def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     """Map as built; dashed the edge with half the battery; what was published, and the tropics."""
-    figure = plot_map(built)
+    figure = studies.plot_map(built)
     axes = figure.axes[0]
     flies = (half["excess_time"] > 0.0).astype(float)
     axes.contour(DAYS, LATITUDES_DEG, flies, [0.5], colors="black", linestyles="dashed")
@@ -52,7 +51,7 @@ def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     window = (SOLSTICE - HALF_WINDOW_D, low), 2 * HALF_WINDOW_D, high - low
     published = "published: 6 months around 21 June, mid-European latitudes (here 45 to 50 N)"
     axes.add_patch(Rectangle(*window, fill=False, color="#D55E00", linewidth=2, label=published))
-    all_year = LATITUDES_DEG[season_length(built) == len(DAYS)]
+    all_year = LATITUDES_DEG[studies.season_length(built) == len(DAYS)]
     label = f"all year, as built: {-all_year.min():g} S to {all_year.max():g} N"
     axes.axhspan(all_year.min(), all_year.max(), fill=False, hatch="..", alpha=0.3, label=label)
     figure.legend(loc="outside lower center", ncols=2, fontsize="small")

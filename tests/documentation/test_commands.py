@@ -244,7 +244,7 @@ def test_options_within_the_text_exist(page: Path) -> None:
 
 def rows_of_table(text: str, heading: str) -> list[list[str]]:
     """Cells of the table whose first row begins with a heading."""
-    table = re.search(rf"^\| {heading} \|.*\n\|[-|\s]+\n((?:\|.*\n)+)", text, re.M)
+    table = re.search(rf"^\| {heading} \|.*\n\|[-:|\s]+\n((?:\|.*\n)+)", text, re.M)
     assert table is not None
     return [[cell.strip() for cell in row.strip("|").split("|")] for row in table[1].splitlines()]
 

@@ -29,7 +29,7 @@ DRAWING = [
     ("season_map.py", r"as built: share .*\n   0 N: 100 %\n"),
     (
         "corrected_against_uncorrected.py",
-        r"55 N, 15 Jul\n  uncorrected CDM: \d\.\d\d m, comes down",
+        r"55 N, 15 Jul\n  uncorrected CDM: \d\.\d\d m, not perpetual",
     ),
     ("battery_outlook.py", r"23 September, 500 Wh/kg: \d\.\d\d m"),
     ("design_chart.py", r"aspect ratio 18\.5\n  3 m: no battery .*\n  4 m: at most \d\.\d\d h"),

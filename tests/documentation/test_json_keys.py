@@ -82,7 +82,7 @@ def names(text: str) -> set[str]:
 
 def first_columns(text: str) -> str:
     """First cells of the tables of keys."""
-    tables = re.findall(r"^\| key.*\n\|[-|\s]+\n((?:\|.*\n)+)", text, re.M)
+    tables = re.findall(r"^\| key.*\n\|[-:|\s]+\n((?:\|.*\n)+)", text, re.M)
     return "\n".join(row.split("|")[1] for table in tables for row in table.splitlines())
 
 
