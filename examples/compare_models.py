@@ -12,7 +12,7 @@ from studies.models.solar_models import model_label
 
 
 def main() -> None:
-    """Print the outcome of every model's design, and the one sentence that sums it up."""
+    """Print the outcome of every model's design, and the summary."""
     # A parametric aircraft: every model gets to size its own. The reference is corrected FM.
     aircraft = sizing.load_aircraft("atlantiksolar-design")
     mission = missions.load_mission("rafz-july")

@@ -146,7 +146,7 @@ class Comparison(Result):
         return case.prediction.mean_solar_energy_wh / truth_wh - 1.0 if truth_wh > 0.0 else None
 
     def headline(self) -> str:
-        """First case against the reference, in one sentence: designs if there are any.
+        """First case against the reference, summed up: designs if there are any.
 
         The first case is the least trustworthy one, where the models are listed from the simplest
         to the fullest and the corrections from none.
@@ -237,7 +237,7 @@ class Comparison(Result):
         return {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
-            "sentence": self.headline(),
+            "summary": self.headline(),
             "reference": {"model": solar.model, "correction": solar.correction},
             "objective": {
                 "name": self.objective.value,
@@ -255,7 +255,7 @@ class Comparison(Result):
             "correction": case.solar.correction,
             "solar_power_rms_relative": case.solar.rms_relative,
             **case.prediction.to_dict(),
-            "income_above_reference": self.solar_energy_above_reference(case),
+            "solar_energy_above_reference": self.solar_energy_above_reference(case),
             "season": _season_record(case.season)
             | {"latitudes": [{"latitude_deg": lat} | _season_record(s) for lat, s in seasons]},
             "design": None if case.built is None else case.built.to_dict(),

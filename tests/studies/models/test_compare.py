@@ -236,13 +236,13 @@ def test_whole_comparison_as_json() -> None:
     assert record["reference"] == {"model": "FM", "correction": "report"}
     cases = {(c["model"], c["correction"]): c for c in record["cases"]}
     assert len(cases) == 11
-    assert cases["FM", "report"]["income_above_reference"] == 0.0
+    assert cases["FM", "report"]["solar_energy_above_reference"] == 0.0
     # The loiter correction makes every model's daily energy that of the corrected Full Model.
     for model in ("CDM", "CAM", "VM"):
-        assert cases[model, "loiter"]["income_above_reference"] == pytest.approx(0.0, abs=1e-9)
+        assert cases[model, "loiter"]["solar_energy_above_reference"] == pytest.approx(0.0, abs=1e-9)
     assert cases["CDM", "none"]["season"]["days"] > cases["FM", "report"]["season"]["days"]
     assert all(c["design"] is None for c in record["cases"])
-    assert record["sentence"].startswith(f"By uncorrected CDM {AS2} flies perpetually, with ")
+    assert record["summary"].startswith(f"By uncorrected CDM {AS2} flies perpetually, with ")
 
 
 def test_table_for_the_terminal(in_folder: Path) -> None:
@@ -273,7 +273,7 @@ def test_midnight_sun_has_no_end(in_folder: Path) -> None:
     )
     assert {c["excess_time_h"] for c in record["cases"]} == {None}
     assert {c["status"] for c in record["cases"]} == {"always_lit"}
-    assert "as solar power always exceeds the load" in record["sentence"]
+    assert "as solar power always exceeds the load" in record["summary"]
     drawn = invoke(AS2, "--models", "CDM", *place, "--plot", "sun.png")
     assert drawn.exit_code == 0
     assert (in_folder / "sun.png").read_bytes().startswith(b"\x89PNG")
@@ -386,7 +386,7 @@ def test_payload_is_compared_in_table_headline_and_figure(
     built = record["cases"][0]["design"][name]
     assert built > 0.0
     assert f"[{unit}]" in outcome.out
-    assert f"a payload of {built:.{1 if unit == 'W' else 2}f} {unit}" in record["sentence"]
+    assert f"a payload of {built:.{1 if unit == 'W' else 2}f} {unit}" in record["summary"]
 
 
 def test_a_season_is_no_objective_of_a_comparison(run: Run) -> None:
