@@ -23,7 +23,7 @@ from studies.output.cells import (
     hatch_cells,
 )
 from studies.output.columns import HATCHES, SIZED, status_names
-from studies.output.plots import correction_label, new_figure
+from studies.output.plots import dataset_caption, new_figure, objective_caption
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,7 +70,7 @@ def plot_resized_map(data: xr.Dataset) -> Figure:
     Lines lead from cell to cell where both have a design.
     """
     name = _SHOWN[data.attrs["objective"]]
-    figure, axes = _begun(data, before=f": {data.attrs['objective']}")
+    figure, axes = _begun(data, before=f": {objective_caption(data.attrs['objective'])}")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     values = np.where(data["status"].isin(SIZED), data[name].to_numpy(), np.nan)
     norm = finite_range(values)
@@ -88,8 +88,7 @@ def plot_resized_map(data: xr.Dataset) -> Figure:
 
 def _begun(data: xr.Dataset, *, before: str = "", after: str = "") -> tuple[Figure, Axes]:
     """Figure with a title around the solar model."""
-    solar = f"{data.attrs['solar_model']}, {correction_label(data.attrs['correction'])}"
-    title = f"{data.attrs['title']}{before} ({solar}){after}"
+    title = f"{data.attrs['title']}{before} ({dataset_caption(data)}){after}"
     figure, (axes,) = new_figure(title=title, size_in=(8.5, 5.2), grid="")
     return figure, axes
 

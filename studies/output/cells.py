@@ -19,7 +19,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from studies.output.plots import VERMILLION
+from studies.output.plots import DARK_GREY, GREY, VERMILLION
 
 FloatArray = NDArray[np.float64]
 _UNLIMITED = VERMILLION  # a colour that the scale does not have
@@ -135,8 +135,8 @@ def hatch_cells(
         left, right, low, high = across[columns], across[columns + 1], up[rows], up[rows + 1]
         corners = np.stack([left, low, right, low, right, high, left, high], axis=-1)
         style: dict[str, Any] = {
-            "facecolor": "none" if hatch else "lightgrey",
-            "edgecolor": "grey",
+            "facecolor": "none" if hatch else GREY,
+            "edgecolor": DARK_GREY,
             "hatch": hatch or None,
         }
         axes.add_collection(PolyCollection(list(corners.reshape(-1, 4, 2)), linewidth=0.0, **style))

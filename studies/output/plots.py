@@ -17,22 +17,25 @@ from matplotlib.figure import Figure
 
 from missions.dates import date_label, day_of_year
 from missions.files.writing import write_bytes_atomically
+from sizing.optimisation.objectives import Objective
+from sizing.parameters import label
+from sizing.sunlight import SolarModel
 from solar.names import ModelName
 from studies.output.formats import IMAGE_FORMATS, image_format
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from sizing.altitude.climb_cycle import ClimbPerformance
-    from sizing.optimisation.objectives import Objective
     from sizing.optimisation.sensitivity import Sensitivity
     from sizing.performance import Performance
     from sizing.replay import CalendarRun
     from sizing.results.analysis import Analysis
-    from sizing.sunlight import SolarModel
 
 # Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
 ORANGE, BLUE, GREEN, VERMILLION = "#E69F00", "#0072B2", "#009E73", "#D55E00"
 SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
-GREY = "#DDDDDD"
+GREY, DARK_GREY = "#DDDDDD", "#808080"
 SUN, LOAD, CHARGE, NIGHT = ORANGE, BLUE, GREEN, GREY
 MODEL_COLOURS: dict[ModelName, str] = {
     "CDM": ORANGE,
@@ -133,12 +136,19 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 def caption(solar: SolarModel) -> str:
     """Model and correction, for every figure."""
-    return f"{solar.model}, {correction_label(solar.correction)}"
+    corrected = "uncorrected" if solar.correction == "none" else f"correction: {solar.correction}"
+    return f"{solar.model}, {corrected}"
 
 
-def correction_label(correction: str) -> str:
-    """Correction as a title names it."""
-    return "uncorrected" if correction == "none" else f"correction: {correction}"
+def dataset_caption(data: xr.Dataset) -> str:
+    """Model and correction that a map or a trade study was computed with."""
+    return caption(SolarModel(data.attrs["solar_model"], data.attrs["correction"]))
+
+
+def objective_caption(objective: str | Objective) -> str:
+    """What is sought, in words, for instance ``smallest wingspan``."""
+    sought = Objective(objective)
+    return f"{'largest' if sought.maximised else 'smallest'} {sought.label}"
 
 
 def shade(
@@ -396,17 +406,30 @@ def plot_sensitivities(
     figure, (axes,) = new_figure(
         title=f"{name} ({caption(solar)})", size_in=(9.0, 0.9 + 0.32 * len(shown)), grid="x"
     )
-    labels = [f"{s.parameter} = {s.value:.4g}" for s in shown]
+    labels = [_with_value(s) for s in shown]
     sign = 1.0 if objective.maximised else -1.0
     for verdict, good, colour, hatch in (("better", True, CHARGE, ""), ("worse", False, SUN, "//")):
         change = [s.per_percent if (sign * s.per_percent > 0.0) is good else 0.0 for s in shown]
         axes.barh(
-            labels, change, label=verdict, facecolor=colour, edgecolor="white", hatch=hatch, lw=0.0
+            range(len(shown)),
+            change,
+            label=verdict,
+            facecolor=colour,
+            edgecolor="white",
+            hatch=hatch,
+            lw=0.0,
         )
+    axes.set_yticks(range(len(shown)), labels)
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{objective.unit}]")
     figure.legend(loc="outside lower right", ncols=2, fontsize="small")
     return figure
+
+
+def _with_value(sensitivity: Sensitivity) -> str:
+    """Parameter in words, with its value and unit."""
+    unit = "" if sensitivity.unit == "1" else sensitivity.unit.replace("m2", "m²")
+    return f"{label(sensitivity.parameter)} = {sensitivity.value:.4g} {unit}".rstrip()
 
 
 def plot_masses(masses_kg: dict[str, float], title: str) -> Figure:
@@ -425,7 +448,8 @@ def plot_masses(masses_kg: dict[str, float], title: str) -> Figure:
     """
     items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
     figure, (axes,) = new_figure(title=title, size_in=(7.0, 3.6), grid="")
-    bars = axes.barh([k for k, _ in items], [v for _, v in items], color=LOAD)
+    names = ["MPPT" if k == "mppt" else k for k, _ in items]
+    bars = axes.barh(names, [v for _, v in items], color=LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
     axes.set(xlabel="mass [kg]")
     axes.margins(x=0.15)

@@ -23,7 +23,16 @@ from studies.output.cells import (
     hatch_cells,
 )
 from studies.output.columns import HATCHES, SIZED, failed_count, status_names
-from studies.output.plots import CHARGE, LOAD, SUN, correction_label
+from studies.output.plots import (
+    CHARGE,
+    DARK_GREY,
+    GREY,
+    LOAD,
+    SUN,
+    dataset_caption,
+    new_figure,
+    objective_caption,
+)
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.points import PointStatus
 from studies.sweeps.study import feasible, to_table
@@ -79,12 +88,11 @@ def _label(data: xr.Dataset, name: str) -> str:
 
 
 def _title(data: xr.Dataset) -> str:
-    corrected = correction_label(data.attrs["correction"])
     objective = data.attrs["objective"]
-    sized = f", sized for {objective}" if objective else ""
+    sized = f", sized for the {objective_caption(objective)}" if objective else ""
     failed = failed_count(data)
     note = f"; {failed} of {data['status'].size} points failed" if failed else ""
-    return f"{data.attrs['title']}{sized} ({data.attrs['solar_model']}, {corrected}){note}"
+    return f"{data.attrs['title']}{sized} ({dataset_caption(data)}){note}"
 
 
 def _variables(data: xr.Dataset) -> tuple[str, str]:
@@ -109,15 +117,13 @@ def _reasons(data: xr.Dataset) -> dict[int, str]:
 def line_figure(data: xr.Dataset) -> Figure:
     """Both variables over a single axis; points without a result break the line."""
     (name,) = (str(n) for n in data["status"].dims)
-    figure = Figure(figsize=(7.0, 5.4), layout="constrained")
-    panels = figure.subplots(2, 1, sharex=True)
+    figure, panels = new_figure(2, title=_title(data), size_in=(7.0, 5.4), sharex=True)
     shown = _drawable(data).to_numpy()
     x = data[name].to_numpy()
     for axes, variable, colour in zip(panels, _variables(data), (LOAD, CHARGE), strict=True):
         values = np.where(shown, data[variable].to_numpy(), np.nan)
         axes.plot(x, np.where(np.isinf(values), np.nan, values), "o-", color=colour, markersize=4)
         axes.set(ylabel=_label(data, variable))
-        axes.grid(alpha=0.3)
         if variable == "excess_time":
             axes.axhline(0.0, color="black", linewidth=0.8)
         for value, reason in _reasons(data).items():
@@ -127,13 +133,12 @@ def line_figure(data: xr.Dataset) -> Figure:
                     gone,
                     np.full(len(gone), 0.03),
                     _MARKERS[reason],
-                    color="grey",
+                    color=DARK_GREY,
                     transform=axes.get_xaxis_transform(),
                     label=reason.replace("_", " "),
                 )
                 axes.legend(fontsize="small")
     panels[-1].set(xlabel=_label(data, name))
-    figure.suptitle(_title(data), parse_math=False, fontsize="medium", wrap=True)
     return figure
 
 
@@ -150,10 +155,18 @@ def contour_figure(data: xr.Dataset) -> Figure:
         raise ValueError(
             f"{names[2]} has {len(third)} values, a chart takes at most {MAXIMUM_PANELS} panels"
         )
-    figure = Figure(figsize=(1.6 + 3.6 * len(third), 7.2), layout="constrained")
-    panels = figure.subplots(2, len(third), sharex=True, sharey=True, squeeze=False)
+    figure, panels = new_figure(
+        2,
+        len(third),
+        title=_title(data),
+        size_in=(1.6 + 3.6 * len(third), 7.2),
+        grid="",
+        sharex=True,
+        sharey=True,
+    )
+    rows = (panels[: len(third)], panels[len(third) :])
     handles: dict[str, Any] = {}
-    for row, variable in zip(panels, _variables(data), strict=True):
+    for row, variable in zip(rows, _variables(data), strict=True):
         every = _shown_values(data, variable)
         norm = finite_range(every)
         for axes, value in zip(row, third, strict=True):
@@ -163,14 +176,13 @@ def contour_figure(data: xr.Dataset) -> Figure:
             if value is not None and variable == _variables(data)[0]:
                 axes.set_title(f"{_label(data, names[2])} = {value:g}", fontsize="medium")
         unlimited = bool(np.isposinf(every).any())
-        draw_colour_bar(figure, mesh, list(row), _label(data, variable), unlimited=unlimited)
-    for axes in panels[-1]:
+        draw_colour_bar(figure, mesh, row, _label(data, variable), unlimited=unlimited)
+    for axes in rows[-1]:
         axes.set(xlabel=_label(data, names[0]))
-    for axes in panels[:, 0]:
-        axes.set(ylabel=_label(data, names[1]))
+    for row in rows:
+        row[0].set(ylabel=_label(data, names[1]))
     if handles:
         figure.legend(handles=list(handles.values()), loc="outside lower right", ncols=4)
-    figure.suptitle(_title(data), parse_math=False, fontsize="medium", wrap=True)
     return figure
 
 
@@ -221,8 +233,11 @@ def parallel_figure(data: xr.Dataset) -> Figure:
         raise ValueError("no point has a result: there is nothing to draw")
     names = [n for n in (str(name) for name in data.coords) if n in table.columns]
     columns = [*names, variable]
-    figure = Figure(figsize=(2.0 + 1.7 * len(columns), 5.0), layout="constrained")
-    axes = figure.subplots()
+    lost = int((~_drawable(data)).sum())
+    note = f"; {lost} points without a result left out" if lost else ""
+    figure, (axes,) = new_figure(
+        title=_title(data) + note, size_in=(2.0 + 1.7 * len(columns), 5.0), grid=""
+    )
     low, high = (getattr(table[columns], end)() for end in ("min", "max"))
     span = (high - low).where(high > low, 1.0)
     good = table[table["good"]]
@@ -230,7 +245,7 @@ def parallel_figure(data: xr.Dataset) -> Figure:
     colours = matplotlib.colormaps["viridis"]
     for _, row in table.sort_values(["good", variable]).iterrows():
         heights = ((row[columns] - low) / span).astype(float)
-        colour = colours(norm(row[variable])) if row["good"] else "lightgrey"
+        colour = colours(norm(row[variable])) if row["good"] else GREY
         axes.plot(range(len(columns)), heights, color=colour, alpha=0.7, linewidth=1)
     for place, name in enumerate(columns):
         axes.plot([place, place], [0.0, 1.0], color="black", linewidth=0.8)
@@ -243,9 +258,6 @@ def parallel_figure(data: xr.Dataset) -> Figure:
     if len(good):
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes)
         bar.set_label(f"{_label(data, variable)}; grey: not perpetual")
-    lost = int((~_drawable(data)).sum())
-    note = f"; {lost} points without a result left out" if lost else ""
-    figure.suptitle(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
     return figure
 
 
@@ -267,8 +279,9 @@ def one_at_a_time_figure(data: xr.Dataset) -> Figure:
     for name, rows in table[table["varied"] != ""].groupby("varied", sort=False):
         bars.append((str(name), rows[rows["drawable"]], int((~rows["drawable"]).sum())))
     bars.sort(key=lambda bar: _spread(bar[1][variable], base[variable]))
-    figure = Figure(figsize=(9.0, 1.4 + 0.55 * len(bars)), layout="constrained")
-    axes = figure.subplots()
+    figure, (axes,) = new_figure(
+        title=_title(data), size_in=(9.0, 1.4 + 0.55 * len(bars)), grid="x"
+    )
     for place, (name, rows, lost) in enumerate(bars):
         _draw_bar(axes, place, rows, name, variable, base)
         if lost:
@@ -287,8 +300,6 @@ def one_at_a_time_figure(data: xr.Dataset) -> Figure:
     figure.legend(handles=entries, loc="outside lower right", ncols=2, fontsize="small")
     axes.use_sticky_edges = False
     axes.margins(x=0.12)
-    axes.grid(alpha=0.3, axis="x")
-    axes.set_title(_title(data), parse_math=False, fontsize="medium", wrap=True)
     return figure
 
 
@@ -375,9 +386,10 @@ def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
     if table.empty:
         raise ValueError("no point is feasible: there is no front to draw")
     front = table[table["pareto_front"]].sort_values(x)
-    figure = Figure(figsize=(7.0, 5.0), layout="constrained")
-    axes = figure.subplots()
-    axes.plot(table[x], table[y], "o", color="#999999", markersize=4, label="feasible")
+    count = data["status"].size - len(table)
+    note = f"; {count} points without a design left out" if count else ""
+    figure, (axes,) = new_figure(title=_title(data) + note, size_in=(7.0, 5.0))
+    axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
     axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
     better = {name: "more" if name in _MORE_IS_BETTER else "less" for name in (x, y)}
     axes.set(
@@ -385,8 +397,4 @@ def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
         ylabel=f"{_label(data, y)}; {better[y]} is better",
     )
     axes.legend()
-    axes.grid(alpha=0.3)
-    count = data["status"].size - len(table)
-    note = f"; {count} points without a design left out" if count else ""
-    axes.set_title(_title(data) + note, parse_math=False, fontsize="medium", wrap=True)
     return figure

@@ -247,3 +247,7 @@ def test_every_objective_with_sensitivities_has_a_chart(objective: Objective) ->
     assert sum(bar.get_width() for bar in better) == pytest.approx(gained)
     assert sum(bar.get_width() for bar in worse) == pytest.approx(0.13 - gained)
     assert axes.get_xlabel().endswith(f"[{objective.unit}]")
+    assert [text.get_text() for text in axes.get_yticklabels()] == [
+        "avionics mass = 100 kg",
+        "specific energy of the battery = 100 Wh/kg",
+    ]

@@ -300,6 +300,8 @@ def test_table_counts_the_cross_checked_designs(invoke: Any) -> None:
 def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None:
     figure = plot_resized_map(sized)
     assert "wingspan [m]" in figure.axes[1].get_ylabel()
+    title = "Best designs of atlantiksolar-design: smallest wingspan ("
+    assert figure.get_suptitle().startswith(title)
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["infeasible"]
     assert any(c.get_hatch() for c in figure.axes[0].collections)

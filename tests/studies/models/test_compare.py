@@ -239,7 +239,9 @@ def test_whole_comparison_as_json() -> None:
     assert cases["FM", "report"]["solar_energy_above_reference"] == 0.0
     # The loiter correction makes every model's daily energy that of the corrected Full Model.
     for model in ("CDM", "CAM", "VM"):
-        assert cases[model, "loiter"]["solar_energy_above_reference"] == pytest.approx(0.0, abs=1e-9)
+        assert cases[model, "loiter"]["solar_energy_above_reference"] == pytest.approx(
+            0.0, abs=1e-9
+        )
     assert cases["CDM", "none"]["season"]["days"] > cases["FM", "report"]["season"]["days"]
     assert all(c["design"] is None for c in record["cases"])
     assert record["summary"].startswith(f"By uncorrected CDM {AS2} flies perpetually, with ")

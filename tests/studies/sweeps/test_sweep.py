@@ -340,6 +340,9 @@ def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str,
     figure = sweep_plots.plot_sweep(data)
     words = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())]
     assert any("[h]" in text for text in words)
+    words += [text.get_text() for axes in figure.axes for text in axes.get_xticklabels()]
+    words.append(figure.get_suptitle())
+    assert not any("_" in text for text in words)  # labels, never keys
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png")
     assert buffer.getvalue().startswith(b"\x89PNG")
