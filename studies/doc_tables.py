@@ -61,6 +61,20 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
 def with_table(page: str, name: str, table: str) -> str:
     """Page with a table put between its markers.
 
+    Parameters
+    ----------
+    page : str
+        Text of the page, in Markdown.
+    name : str
+        Name in the markers, ``<!-- name -->`` and ``<!-- /name -->``.
+    table : str
+        What comes between them.
+
+    Returns
+    -------
+    str
+        Text of the page.
+
     Raises
     ------
     ValueError

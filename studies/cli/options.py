@@ -81,7 +81,27 @@ class Grid(click.ParamType["list[float]"]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> list[float]:
-        """Read the numbers and check their range."""
+        """Read the numbers and check their range.
+
+        Parameters
+        ----------
+        value : Any
+            Text of the terminal, or a default.
+        param : click.Parameter or None
+            Option that is read, for messages.
+        ctx : click.Context or None
+            Call that it belongs to, for messages.
+
+        Returns
+        -------
+        list of float
+            From the first to the last in steps, both in the unit of the option.
+
+        Raises
+        ------
+        click.BadParameter
+            If the text is not allowed.
+        """
         try:
             first, last, step = (float(part) for part in str(value).split(":"))
         except ValueError:
@@ -105,7 +125,17 @@ class Grid(click.ParamType["list[float]"]):
 
 
 def note_last(reached: float, last: float, written: str) -> None:
-    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
+    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``.
+
+    Parameters
+    ----------
+    reached : float
+        Last number that the steps lead to.
+    last : float
+        Last number that was asked for.
+    written : str
+        Option as written, for the note.
+    """
     if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
         text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
         click.echo(f"solar-uav: {text}", err=True)
@@ -121,7 +151,27 @@ class RealRange(click.FloatRange):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Read the number and check its range."""
+        """Read the number and check its range.
+
+        Parameters
+        ----------
+        value : Any
+            Text of the terminal, or a default.
+        param : click.Parameter or None
+            Option that is read, for messages.
+        ctx : click.Context or None
+            Call that it belongs to, for messages.
+
+        Returns
+        -------
+        float
+            In :attr:`unit`, within the range.
+
+        Raises
+        ------
+        click.BadParameter
+            If the text is not allowed.
+        """
         number = float(super().convert(value, param, ctx))
         if math.isnan(number):
             self.fail(f"must be a number of {self.unit}", param, ctx)

@@ -105,6 +105,11 @@ class ChunkStore:
         parts : int
             Number of chunks.
 
+        Yields
+        ------
+        ChunkStore
+            This store, locked until the context ends.
+
         Raises
         ------
         OutputError
@@ -150,6 +155,13 @@ class ChunkStore:
 
     def write(self, key: str, part: Part) -> None:
         """Keep a part.
+
+        Parameters
+        ----------
+        key : str
+            Name of the chunk.
+        part : Part
+            Its columns and failures.
 
         Raises
         ------

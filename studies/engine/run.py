@@ -176,7 +176,20 @@ def compute(
 
 
 def pieces(count: int, each: int) -> list[slice]:
-    """Slices of at most ``each`` that cover ``count``, as even as possible."""
+    """Slices of at most ``each`` that cover ``count``, as even as possible.
+
+    Parameters
+    ----------
+    count : int
+        Number of items.
+    each : int
+        Largest number in a slice; less than 1 counts as 1.
+
+    Returns
+    -------
+    list of slice
+        In order, without gaps.
+    """
     number = -(-count // max(each, 1))
     edges = np.linspace(0, count, number + 1).round().astype(int)
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]

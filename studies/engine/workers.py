@@ -55,7 +55,20 @@ class Pool(Protocol):
         """How many tasks the pool takes at once, told how many there are."""
 
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Give out a task."""
+        """Give out a task.
+
+        Parameters
+        ----------
+        work : callable
+            Function of the task; importable by name, for workers in other processes.
+        task : Any
+            Its argument.
+
+        Returns
+        -------
+        Future
+            What the function returns or raises.
+        """
 
     def close(self, *, at_once: bool) -> None:
         """End the workers, in the middle of their tasks if need be."""
@@ -70,6 +83,11 @@ def pool_of(workers: int | None = None, scheduler: str | None = None) -> Pool:
         1 for this process alone, more for so many processes; None for what pays.
     scheduler : str or None
         Address of a dask scheduler, or ``local-cluster``.
+
+    Returns
+    -------
+    Pool
+        For one run, which closes it.
 
     Raises
     ------
@@ -112,7 +130,20 @@ class LocalPool:
         return 1 if self.in_process else self._most
 
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Compute the task now, or send it to a process."""
+        """Compute the task now, or send it to a process.
+
+        Parameters
+        ----------
+        work : callable
+            Function of the task; importable by name, for workers in other processes.
+        task : Any
+            Its argument.
+
+        Returns
+        -------
+        Future
+            What the function returns or raises; done already, if in this process.
+        """
         if self.in_process:
             return self._computed(work, task)
         with _for_children():
@@ -213,7 +244,20 @@ class DaskPool:
         return self._size
 
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Send the task to the scheduler."""
+        """Send the task to the scheduler.
+
+        Parameters
+        ----------
+        work : callable
+            Function of the task; importable by name, for workers in other processes.
+        task : Any
+            Its argument.
+
+        Returns
+        -------
+        Future
+            What the function returns or raises.
+        """
         return self._executor.submit(work, task)
 
     def close(self, *, at_once: bool) -> None:

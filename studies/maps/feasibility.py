@@ -129,7 +129,33 @@ def prepare(
     solar: SolarModel,
     endurance: bool = False,
 ) -> MapStudy:
-    """Check a map and divide it into chunks; parameters are those of :func:`feasibility_map`."""
+    """Check a map and divide it into chunks.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    mission : Mission
+        In which air and with which load.
+    latitudes : array_like
+        Latitudes [deg], north positive, ascending.
+    days : array_like
+        Days of year from 1 to 365, ascending.
+    solar : SolarModel
+        Model and correction.
+    endurance : bool
+        Whether the longest flight is searched as well.
+
+    Returns
+    -------
+    MapStudy
+        Chunks of the map, and how their results become a dataset.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of what is allowed, or the model lacks surfaces or a flight path.
+    """
     grid = Grid.of(latitudes, days)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})

@@ -53,6 +53,10 @@ class Grid:
         days : array_like
             Days of year, whole numbers from 1 to 365.
 
+        Returns
+        -------
+        Grid
+
         Raises
         ------
         ValueError
@@ -82,7 +86,20 @@ class Grid:
         )
 
     def laid_out(self, job: Job, outcome: Outcome) -> dict[str, NDArray[Any]]:
-        """Columns of an outcome, shape ``(latitude, day)``."""
+        """Columns of an outcome, shape ``(latitude, day)``.
+
+        Parameters
+        ----------
+        job : Job
+            What was computed, with the latitude [deg] and day of its cells.
+        outcome : Outcome
+            Columns in the order of the job's cells.
+
+        Returns
+        -------
+        dict of ndarray, shape (latitude, day)
+            By the names of the columns.
+        """
         cells = np.array(job.cells)
         row = np.searchsorted(self.latitudes_deg, cells[:, 0])
         order = np.argsort(row * len(self.days) + np.searchsorted(self.days, cells[:, 1]))
@@ -139,6 +156,20 @@ class MapStudy:
 
 def cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> float:
     """Time that the solar power of a cell takes, roughly [s].
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    mission : Mission
+        In which air and with which load.
+    solar : SolarModel
+        Model and correction; those that follow the flight path take longer.
+
+    Returns
+    -------
+    float
+        Time on one core [s].
 
     Raises
     ------

@@ -146,6 +146,24 @@ def size_cells(
     """Best design of an aircraft in every cell of latitude [deg] and day of year, as columns.
 
     A cell is the mission with the cell's latitude and day instead of its own.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What is sized.
+    mission : Mission
+        In which air and with which load.
+    cells : sequence of (float, float)
+        Latitude [deg] and day of year.
+    objective : Objective
+        What is as large or as small as possible.
+    solar : SolarModel
+        Model and correction.
+
+    Returns
+    -------
+    dict
+        Values of all cells by the names of :data:`DESCRIBED`, in its units.
     """
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
@@ -224,6 +242,11 @@ def variables(
         Unit and long name of every variable.
     flags : type of IntEnum
         What the variable ``status`` may be.
+
+    Returns
+    -------
+    dict
+        Dimensions, values and attributes by name, as :class:`xarray.Dataset` takes them.
     """
     found: dict[str, Any] = {}
     for name, (unit, text) in described.items():
@@ -240,7 +263,24 @@ def variables(
 def attributes(
     title: str, aircraft: Aircraft, mission: Mission, solar: SolarModel
 ) -> dict[str, Any]:
-    """Attributes of a dataset: everything that it was computed from."""
+    """Attributes of a dataset: everything that it was computed from.
+
+    Parameters
+    ----------
+    title : str
+        What was computed.
+    aircraft : Aircraft
+        Kept as JSON.
+    mission : Mission
+        Kept as JSON.
+    solar : SolarModel
+        Model and correction.
+
+    Returns
+    -------
+    dict
+        Texts by name, those of CF among them.
+    """
     return {
         "Conventions": "CF-1.11",
         "title": title,
@@ -265,6 +305,11 @@ def failed_cells(
         Reasons by the number of the cell.
     names : sequence of str
         What the numbers of a cell are.
+
+    Returns
+    -------
+    dict
+        The attribute ``failed_cells``, one line for each cell, or nothing.
     """
     if not failures:
         return {}

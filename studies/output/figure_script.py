@@ -20,7 +20,19 @@ def write_figure(
 ) -> int:
     """Write the figure to the file that ``--out`` names; the exit code is 1 where it cannot.
 
-    ``draw`` makes the image in a format, ``png``, ``svg`` or ``pdf``.
+    Parameters
+    ----------
+    draw : callable
+        Makes the image in a format: ``png``, ``svg`` or ``pdf``.
+    arguments : list of str, optional
+        Arguments of the command line, by default those of the process.
+    prog, description : str
+        Name and purpose of the command, for its help.
+
+    Returns
+    -------
+    int
+        Exit code.
     """
     parser = argparse.ArgumentParser(prog=prog, description=description)
     parser.add_argument("--out", required=True, type=Path, help="PNG, SVG or PDF file to write")

@@ -240,6 +240,8 @@ def points(
 
     Parameters
     ----------
+    axes : sequence of Axis
+        What is varied.
     sample : {"grid", "lhs", "sobol", "one-at-a-time"}
         All combinations of values; a Latin hypercube or a scrambled Sobol sequence between the
         least and the largest values; or every value of each axis with the others at the base,
@@ -248,6 +250,13 @@ def points(
         Values of the files, for ``one-at-a-time``.
     samples, seed : int
         Number of drawn points, and where the drawing starts.
+
+    Returns
+    -------
+    points : ndarray, shape (point, axis)
+        Values in the units of the keys.
+    varied : ndarray of int, shape (point,)
+        Axis that a point varies, -1 for all.
 
     Raises
     ------

@@ -27,6 +27,17 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
     A CSV file has the configuration as JSON in its first line, behind ``#``; a Parquet file in the
     table's attributes.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Trade study.
+    file_format : {"nc", "csv", "parquet"}
+        NetCDF, or the points as a table.
+
+    Returns
+    -------
+    bytes
+
     Raises
     ------
     ImportError

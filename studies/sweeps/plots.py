@@ -341,6 +341,16 @@ def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
     """Mark the points that no other point beats in one and equals or beats in the other.
 
     Less is better in both; NaN is never on the front.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (point,)
+        Two numbers of each point.
+
+    Returns
+    -------
+    ndarray of bool, shape (point,)
+        Whether a point is on the front; of equal points all are.
     """
     front: NDArray[np.bool_] = np.isfinite(x) & np.isfinite(y)
     order = np.lexsort((y, x))
@@ -355,6 +365,19 @@ def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
 
 def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
     """Feasible points with the column ``pareto_front``, for two variables or varied keys.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Trade study.
+    x, y : str
+        Numeric columns of its table; more is better of excess times, margins and payloads, less of
+        everything else.
+
+    Returns
+    -------
+    DataFrame
+        One row for each feasible point.
 
     Raises
     ------
@@ -376,6 +399,17 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
 
 def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
     """All feasible points over two variables, and those that no other beats in both.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Trade study.
+    x, y : str
+        Columns over and up, see :func:`pareto_table`.
+
+    Returns
+    -------
+    Figure
 
     Raises
     ------

@@ -135,6 +135,10 @@ def varied_files(
     keys, values : sequence
         What is put in; keys of the mission begin with ``mission.``.
 
+    Returns
+    -------
+    (Aircraft, Mission)
+
     Raises
     ------
     InputError
@@ -178,7 +182,21 @@ def _groups(
 
 
 def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
-    """Fly the designs of some points; points that differ in design variables alone are a batch."""
+    """Fly the designs of some points; points that differ in design variables alone are a batch.
+
+    Parameters
+    ----------
+    configuration : SweepConfiguration
+        What all points have in common.
+    cells : sequence of tuple of float
+        Values of the varied keys at each point, in the order of ``configuration.keys`` and their
+        units.
+
+    Returns
+    -------
+    dict
+        Values of all points by the names of :data:`BLANKS`, in the units of :data:`DESCRIBED`.
+    """
     rows: list[dict[str, Any]] = [{} for _ in cells]
     aircraft_file = Document("aircraft", dict(configuration.aircraft))
     mission_file = Document("mission", dict(configuration.mission))
@@ -297,6 +315,18 @@ def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
     """Aircraft whose design variables of these names cannot be chosen any more.
 
     Bounds that coincide make the solver take a variable out of the problem.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        A parametric one.
+    variables : mapping
+        Values by the short names of design variables, such as ``wingspan_m``.
+
+    Returns
+    -------
+    Aircraft
+        With these values, and a design space that leaves no choice of them.
     """
     space: dict[str, Any] = {
         name: Range.model_construct(minimum=value, maximum=value)
@@ -324,7 +354,22 @@ _PLACES = {
 
 
 def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
-    """Size some points, with what is varied held."""
+    """Size some points, with what is varied held.
+
+    Parameters
+    ----------
+    configuration : SweepConfiguration
+        What all points have in common.
+    cells : sequence of tuple of float
+        Values of the varied keys at each point, in the order of ``configuration.keys`` and their
+        units.
+
+    Returns
+    -------
+    dict
+        Values of all points by the names of :data:`SIZED_BLANKS`, in the units of
+        :data:`SIZED_DESCRIBED`.
+    """
     assert configuration.objective is not None
     aircraft_file = Document("aircraft", dict(configuration.aircraft))
     mission_file = Document("mission", dict(configuration.mission))

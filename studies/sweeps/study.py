@@ -185,7 +185,37 @@ def prepare(
     resize: str | Objective | None = None,
     cover: bool | None = None,
 ) -> Study:
-    """Check a trade study and divide it into chunks; parameters as those of :func:`sweep`."""
+    """Check a trade study and divide it into chunks.
+
+    Parameters
+    ----------
+    aircraft, mission : Aircraft, Mission
+        The files' own values.
+    axes : sequence of Axis
+        What is varied.
+    solar : SolarModel
+        Model and correction.
+    sample : {"grid", "lhs", "sobol", "one-at-a-time"}
+        Which points, see :func:`studies.sweeps.axes.points`.
+    samples, seed : int
+        Number of drawn points, and where the drawing starts.
+    resize : str or Objective, optional
+        Objective that every point is sized for.
+    cover : bool, optional
+        Whether the module area is the largest that the wing takes.
+
+    Returns
+    -------
+    Study
+        Points in chunks, and how their results become a dataset.
+
+    Raises
+    ------
+    InputError
+        If a key or a value is wrong (a ValueError).
+    ValueError
+        If a name is none of those allowed.
+    """
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
     objective = None if resize is None else resize_objective(resize)
@@ -388,7 +418,20 @@ def _points_per_chunk(
 
 
 def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
-    """Columns of a study with their units, on a grid or along the samples."""
+    """Columns of a study with their units, on a grid or along the samples.
+
+    Parameters
+    ----------
+    study : Study
+        What was computed.
+    outcome : Outcome
+        Columns in the order of the job's cells.
+
+    Returns
+    -------
+    xarray.Dataset
+        On the varied keys as dimensions for a grid, else on ``sample``.
+    """
     import xarray as xr
 
     objective = study.job.configuration.objective

@@ -17,7 +17,27 @@ class Latitude(click.ParamType[float]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Read the number and check its range; NaN is outside."""
+        """Read the number and check its range; NaN is outside.
+
+        Parameters
+        ----------
+        value : Any
+            Text of the terminal, or a default.
+        param : click.Parameter or None
+            Option that is read, for messages.
+        ctx : click.Context or None
+            Call that it belongs to, for messages.
+
+        Returns
+        -------
+        float
+            Latitude [deg], north positive, from -90 to 90.
+
+        Raises
+        ------
+        click.BadParameter
+            If the text is not allowed.
+        """
         try:
             if "_" in str(value):  # Python's own notation, nobody's latitude
                 raise ValueError

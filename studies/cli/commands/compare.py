@@ -40,7 +40,27 @@ class Names(click.ParamType["tuple[str, ...]"]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[str, ...]:
-        """Read the names in their usual order, without repetition."""
+        """Read the names in their usual order, without repetition.
+
+        Parameters
+        ----------
+        value : Any
+            Text of the terminal, or a default.
+        param : click.Parameter or None
+            Option that is read, for messages.
+        ctx : click.Context or None
+            Call that it belongs to, for messages.
+
+        Returns
+        -------
+        tuple of str
+            Names, those of ``allowed``.
+
+        Raises
+        ------
+        click.BadParameter
+            If the text is not allowed.
+        """
         by_lower = {name.lower(): name for name in self.allowed}
         found = []
         for part in str(value).split(","):
