@@ -134,6 +134,10 @@ def design_requirements(
         Of floats, arrays or symbols.
     conditions : FlightConditions
         Air, payload, turbulence and wind.
+
+    Returns
+    -------
+    list of Requirement
     """
     it = DesignInFlight(aircraft, design, conditions)
     covered = it.airframe.maximum_module_coverage * design.wing_area_m2

@@ -160,6 +160,10 @@ def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[
         Parameter.
     value : float, array or symbol
         In the parameter's unit.
+
+    Returns
+    -------
+    (BaseModel, Mission)
     """
     parts = key.removeprefix(MISSION_PREFIX).split(".")
     if key.startswith(MISSION_PREFIX):
@@ -180,6 +184,10 @@ def replaced(node: M, parts: Sequence[str], value: Value) -> M:
         Names of the fields that lead to the value.
     value : float, array or symbol
         The formulas use arithmetic only, so that any of them will do.
+
+    Returns
+    -------
+    BaseModel
     """
     head, *rest = parts
     new = value if not rest else replaced(getattr(node, head), rest, value)

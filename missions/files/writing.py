@@ -166,7 +166,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
         raise OutputError(f"cannot write to {name}: {_writing_trouble(error)}") from error
     try:
         write_files_atomically({folder / file: data for file, data in contents.items()})
-    except OutputError:
+    except BaseException:  # a signal, too, leaves no empty folder
         for path in made:
             with suppress(OSError):  # not empty: somebody else's by now
                 path.rmdir()

@@ -131,6 +131,10 @@ def size_cells(
     seed : int
         Of the random neighbours of the cross-check.
 
+    Returns
+    -------
+    CellSizings
+
     Raises
     ------
     TypeError

@@ -91,6 +91,10 @@ def cross_check(
     seed : int
         Of the random neighbours.
 
+    Returns
+    -------
+    CrossCheck
+
     Raises
     ------
     ValueError
@@ -245,6 +249,11 @@ def design_grid(
         A payload that is maximised is free, around its optimum.
     optimum : DesignVariables
         Values of the variables that are not free.
+
+    Returns
+    -------
+    DesignVariables
+        Of arrays.
     """
     bounds = _free_axes(aircraft, objective, optimum)
     points = _GRID_POINTS[len(bounds)]

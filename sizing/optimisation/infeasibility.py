@@ -49,6 +49,10 @@ def least_mission(mission: Mission, objective: Objective) -> Mission:
         With a payload of its own.
     objective : Objective
         Of the sizing.
+
+    Returns
+    -------
+    Mission
     """
     keys = {
         Objective.max_payload_mass: "mission.payload.mass_kg",
@@ -72,6 +76,10 @@ def short_of_largest_excess(
         Sizing for the largest excess time.
     required_h : float
         Required excess time [h].
+
+    Returns
+    -------
+    Verdict or None
     """
     nearest = largest.nearest if largest.simulated is None else largest.simulated
     # Where no design flies perpetually, what else is missing comes first.
@@ -102,6 +110,10 @@ def violations(
         Simulated design that comes closest.
     required_h : float
         Required excess time [h].
+
+    Returns
+    -------
+    list of Violation
     """
     worst = nearest.worst_scenario()
     where = nearest.day.scenarios.label(worst)

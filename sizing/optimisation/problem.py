@@ -217,6 +217,10 @@ class SizingProblem:
             Decision vector.
         name : str
             Name of the variable.
+
+        Returns
+        -------
+        float
         """
         place = self.index[name]
         return float(self.variables[place].from_program(x[place]))
@@ -248,6 +252,10 @@ class SizingProblem:
             Sun of the scenario in every block.
         margin : float
             By how much more charge the day must return than the night takes, relative.
+
+        Returns
+        -------
+        ndarray
         """
         parts = {
             "weights": weights,
@@ -268,6 +276,10 @@ class SizingProblem:
             Decision vector.
         bounds : mapping
             Bounds by name of a variable, in its unit, that replace its own.
+
+        Returns
+        -------
+        DesignVariables
         """
         values = {"aspect_ratio": self.aircraft.airframe.aspect_ratio}
         for v in self.variables:
@@ -290,6 +302,10 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
         With a parametric airframe.
     blocks : int
         Number of scenario blocks.
+
+    Returns
+    -------
+    SizingProblem
 
     Raises
     ------

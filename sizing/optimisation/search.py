@@ -215,6 +215,11 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
         Of one design.
     count : int
         How many at most.
+
+    Returns
+    -------
+    list of int
+        Indices, the most telling one first.
     """
     cycle = perf.cycle
     short_of_sun = int(np.argmin(cycle.energy_budget.solar_wh / cycle.energy_budget.load_wh))
@@ -234,6 +239,10 @@ def simulated(solver: ProgramSolver, perf: Performance, merit: float) -> Simulat
         Of the design in all scenarios.
     merit : float
         The larger the better.
+
+    Returns
+    -------
+    Simulated
     """
     worst = perf.worst_scenario()
     met = meets_requirements(
@@ -327,6 +336,10 @@ def checked_problems(
         For single designs.
     problems : SizingProblems or None
         From an earlier sizing.
+
+    Returns
+    -------
+    SizingProblems
 
     Raises
     ------
@@ -547,6 +560,10 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
         Of the program.
     day : SolarDay
         Its scenarios name the blocks.
+
+    Returns
+    -------
+    tuple of str
     """
     active = []
     multipliers = np.abs(solution.constraint_multipliers)

@@ -106,6 +106,10 @@ class ProblemInstance:
         battery : bool
             Whether the aircraft needs its battery; if not, its excess time is infinite and none is
             required.
+
+        Returns
+        -------
+        ProblemInstance
         """
         if not battery:
             plain = cls.of(without_battery(objective), 0.0)
@@ -251,6 +255,10 @@ class ProgramSolver:
             What is tried from each of them.
         previous : Solution, optional
             Of a similar instance: sequential quadratic programming from there is tried first.
+
+        Returns
+        -------
+        Solution or None
         """
         posed = self._posed(instance, scenarios)
         if previous is not None:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Any
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from missions.files.writing import write_files_atomically
 from sizing.results.tables import Result, Summary, Table
 from studies.cli.files import Case
 from studies.cli.options import print_json
 from studies.output.formats import image_format
-from studies.output.plots import to_bytes
 from studies.output.terminal import console, show
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def tell(
@@ -91,4 +91,6 @@ def figure_bytes(figure: Figure, path: str) -> bytes:
     -------
     bytes
     """
+    from studies.output.plots import to_bytes  # matplotlib takes half a second
+
     return to_bytes(figure, image_format(path) or "png")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from solar.names import RESIZE_NAMES
@@ -12,6 +14,10 @@ from studies.cli.options import (
     solar_options,
     work_options,
 )
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 
 @click.command(name="map")
@@ -74,7 +80,7 @@ def map_(
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
     from studies.cli.outputs import tell, write_results
-    from studies.maps import feasibility, plots, resized, results
+    from studies.maps import feasibility, resized, results
     from studies.output.columns import to_netcdf_bytes
 
     if objective is not None and endurance:
@@ -92,13 +98,23 @@ def map_(
     asked = case.aircraft, case.mission
     if objective is None:
         study = feasibility.prepare(*asked, latitudes, days, case.solar, endurance)
-        draw, record, table = plots.plot_map, results.seasons_record, results.seasons_table
+        record, table = results.seasons_record, results.seasons_table
     else:
         study = resized.prepare(*asked, objective, latitudes, days, case.solar)
-        draw, record = plots.plot_resized_map, results.designs_record
-        table = results.designs_table
+        record, table = results.designs_record, results.designs_table
     with completed(study.job, options, out_file, "cells") as outcome:
         data = study.dataset(outcome)
-        write_results(out_file, lambda: to_netcdf_bytes(data), plot_file, lambda: draw(data))
+        write_results(
+            out_file,
+            lambda: to_netcdf_bytes(data),
+            plot_file,
+            lambda: _drawn(data, resized=objective is not None),
+        )
         named = case.named(record(data))
         tell(case, named, lambda: table(data), as_json=as_json)
+
+
+def _drawn(data: xr.Dataset, *, resized: bool) -> Figure:
+    from studies.maps.plots import plot_map, plot_resized_map
+
+    return plot_resized_map(data) if resized else plot_map(data)

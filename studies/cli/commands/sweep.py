@@ -111,7 +111,6 @@ def sweep(
     from studies.sweeps import study
     from studies.sweeps.axes import axis_names
     from studies.sweeps.files import FORMATS, table_format, to_bytes
-    from studies.sweeps.plots import plot_pareto, plot_sweep
     from studies.sweeps.points import BLANKS, SIZED_BLANKS
     from studies.sweeps.results import points_record, points_summary
 
@@ -149,6 +148,8 @@ def sweep(
             contents[out_file] = to_bytes(data, file_format)
         trouble = None
         if plot_file is not None:
+            from studies.sweeps.plots import plot_pareto, plot_sweep
+
             try:
                 figure = plot_sweep(data) if pareto is None else plot_pareto(data, *pareto)
                 contents[plot_file] = figure_bytes(figure, plot_file)
