@@ -366,6 +366,17 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
 def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
     """All feasible points over two variables, and those that no other beats in both.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        A trade study.
+    x, y : str
+        Names of results or varied keys.
+
+    Returns
+    -------
+    Figure
+
     Raises
     ------
     ValueError
