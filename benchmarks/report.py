@@ -33,7 +33,7 @@ one or two days and find no fixed point and no metrics.""",
     "day and night, alone": """The same for a single scenario, where nothing is shared. A plain
 Python loop without metrics or charge limit is then faster by far. Whoever simulates one case does
 not wait for it; whoever simulates thousands should pass them together.""",
-    "sizing, build and solve": """Least wingspan that flies for ever with 3 h of excess time on
+    "sizing, build and solve": """Least wingspan of perpetual flight with 3 h of excess time on
 three dates. Both sides use the same formulas for masses and power (AeroSandbox's program calls
 the functions of this project), the same solar power as data, a power-law structure and no charge
 limit. AeroSandbox's program is a direct collocation with slack for surplus power, logarithmic

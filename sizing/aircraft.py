@@ -101,6 +101,12 @@ class Propulsion(Record):
             Electric power of level flight [W].
         weight_n
             Weight of the aircraft [N].
+
+        Returns
+        -------
+        Value
+            ``level_w + weight_n v_climb / efficiency`` where a climb rate is given, else the climb
+            power ratio times ``level_w`` [W].
         """
         if self.climb_rate_m_per_s is not None:
             return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency
@@ -306,6 +312,12 @@ class DesignSpace(Record):
             Quantity of the design that is limited.
         end : {"minimum", "maximum"}
             Which of its limits.
+
+        Returns
+        -------
+        str
+            Key of its own, such as ``minimum_stall_margin``, if that one is given; else
+            ``limits.<quantity>.<end>``, whether or not it is given.
         """
         for key, place in _NAMED_LIMITS.items():
             if place == (quantity, end) and getattr(self, key) is not None:
@@ -323,6 +335,11 @@ class DesignSpace(Record):
             As for :meth:`key_of_limit`.
         value : float or None
             New limit in the quantity's unit; None takes it away.
+
+        Returns
+        -------
+        DesignSpace
+            Copy; a limit with a key of its own keeps that key.
         """
         key = self.key_of_limit(quantity, end)
         if key in _NAMED_LIMITS:

@@ -143,6 +143,11 @@ def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
         Its avionics, and the efficiency of their power supply.
     payload_power_w
         Power of the payload [W].
+
+    Returns
+    -------
+    Value
+        ``(P_avionics + P_payload) / eta_supply`` [W].
     """
     return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
 
@@ -177,6 +182,11 @@ def parametric_design(
         Numbers, arrays or symbols.
     total_mass_kg
         Assumed take-off mass [kg].
+
+    Returns
+    -------
+    Design
+        Of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
 
     Raises
     ------
@@ -233,6 +243,11 @@ def flown_at(aerodynamics: DragPolar | WingPolar, lift_coefficient: Value | None
         Polar as the aircraft's file describes it.
     lift_coefficient
         Lift coefficient of level flight [-]; None leaves the polar's own.
+
+    Returns
+    -------
+    Polar
+        Same polar with ``lift_coefficient`` replaced, not validated.
     """
     if lift_coefficient is None:
         return aerodynamics
@@ -324,6 +339,11 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
     mission : Mission
         Payload and air. Power scales with mass^1.5 and density^-0.5
         (:func:`sizing.aerodynamics.parabolic.scaled_power_w`), airspeed with their square roots.
+
+    Returns
+    -------
+    Design
+        Of floats; all but the masses of battery, modules and payload is ``other``.
     """
     airframe = aircraft.airframe
     assert isinstance(airframe, MeasuredAirframe)
@@ -381,6 +401,11 @@ def closed_design(
     relative_tolerance : float
         Largest change of the mass in the last iteration, relative to it [-].
 
+    Returns
+    -------
+    Design
+        Of arrays of the variables' broadcast shape, infinite mass and power where impossible.
+
     Raises
     ------
     TypeError
@@ -418,6 +443,11 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     ----------
     aircraft, mission
         Measured or parametric aircraft; air and payload.
+
+    Returns
+    -------
+    Design
+        Of floats, with the variables of the aircraft's file.
 
     Raises
     ------

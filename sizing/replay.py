@@ -76,6 +76,11 @@ def calendar_run(
     step_h : float
         Largest time step [h].
 
+    Returns
+    -------
+    CalendarRun
+        Ends early where the battery runs empty.
+
     Raises
     ------
     ValueError

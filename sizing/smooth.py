@@ -28,6 +28,11 @@ def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
         Values of one unit.
     blend : float
         Width relative to the values [-].
+
+    Returns
+    -------
+    Value
+        In the unit of the values.
     """
     total = first + second
     gap = first - second
@@ -43,6 +48,11 @@ def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
     ----------
     first, second, blend
         As for :func:`smooth_maximum`.
+
+    Returns
+    -------
+    Value
+        In the unit of the values.
     """
     return first * second / smooth_maximum(first, second, blend)
 
@@ -58,5 +68,10 @@ def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:
         Positive value of the same unit.
     blend : float
         Width of the rounded kink relative to the scale [-].
+
+    Returns
+    -------
+    Value
+        Above the absolute value by at most ``blend scale``, at zero.
     """
     return (value * value + (blend * scale) ** 2) ** 0.5

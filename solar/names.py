@@ -13,7 +13,6 @@ CorrectionName = Literal["none", "report", "loiter"]
 MODEL_NAMES: tuple[ModelName, ...] = get_args(ModelName)
 CORRECTION_NAMES: tuple[CorrectionName, ...] = get_args(CorrectionName)
 
-HORIZONTAL_MODEL_NAMES: tuple[ModelName, ...] = ("CDM", "CAM")
 # Models that know the attitude: they need module surfaces on the aircraft and a flight path.
 ATTITUDE_MODELS: tuple[ModelName, ...] = ("VM", "FM")
 

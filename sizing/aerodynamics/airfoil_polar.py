@@ -181,6 +181,11 @@ class AirfoilPolar:
             Lift coefficient of the section [-].
         reynolds
             Reynolds number of the chord [-], above zero.
+
+        Returns
+        -------
+        Value
+            Drag coefficient on the chord [-], above zero for every lift and Reynolds number.
         """
         inside, below = self._reynolds_coordinates(reynolds)
         top = _chebyshev(self._maximum_lift, inside) - _STALL_DISTANCE

@@ -37,6 +37,11 @@ class Polar(Protocol):
         ----------
         mass_kg, wing_area_m2, density_kg_per_m3
             Mass [kg], wing area [m2] and air density [kg/m3].
+
+        Returns
+        -------
+        Value
+            At :attr:`flight_lift_coefficient` [m/s].
         """
         ...
 
@@ -49,6 +54,11 @@ class Polar(Protocol):
             Of the wing [-].
         reynolds
             Reynolds number of the mean chord [-].
+
+        Returns
+        -------
+        Value
+            On the wing area, at :attr:`flight_lift_coefficient` [-].
         """
         ...
 
@@ -85,7 +95,20 @@ class DragPolar(Record):
         return self.lift_coefficient
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft [-]; as :meth:`Polar.drag_coefficient`."""
+        """Drag coefficient of the aircraft in level flight [-], by the formula of the class.
+
+        Parameters
+        ----------
+        aspect_ratio
+            Of the wing [-].
+        reynolds
+            Reynolds number of the mean chord [-].
+
+        Returns
+        -------
+        Value
+            On the wing area [-].
+        """
         profile = (
             self.profile_drag_coefficient
             * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
@@ -102,6 +125,11 @@ class DragPolar(Record):
         ----------
         mass_kg, wing_area_m2, density_kg_per_m3
             Mass [kg], wing area [m2] and air density [kg/m3].
+
+        Returns
+        -------
+        Value
+            At ``lift_coefficient`` [m/s].
         """
         weight = mass_kg * GRAVITY_M_PER_S2
         return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
@@ -130,6 +158,11 @@ def level_flight_power_w(
         Mass [kg], wingspan [m] and aspect ratio [-].
     density_kg_per_m3, dynamic_viscosity
         Of the air [kg/m3, Pa s].
+
+    Returns
+    -------
+    Value
+        ``0.5 rho V^3 S C_D`` with the wing area ``S = b^2/AR`` [W].
     """
     area = wingspan_m**2 / aspect_ratio
     chord = wingspan_m / aspect_ratio
@@ -159,5 +192,10 @@ def scaled_power_w(power_w: Value, *, mass_ratio: Value, density_ratio: Value) -
         Measured power [W].
     mass_ratio, density_ratio
         Mass and air density over those of the measurement [-].
+
+    Returns
+    -------
+    Value
+        Electric or aerodynamic, as ``power_w`` is [W].
     """
     return power_w * mass_ratio**1.5 * density_ratio**-0.5

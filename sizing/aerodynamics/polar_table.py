@@ -68,6 +68,11 @@ def parse_polar_table(text: str, source: str) -> PolarTable:
     source : str
         File name, for messages.
 
+    Returns
+    -------
+    PolarTable
+        Header and columns; the rows in the order of the file.
+
     Raises
     ------
     InputError

@@ -134,6 +134,11 @@ class WingPolar(Record):
             Of the wing [-].
         reynolds
             Reynolds number of the mean chord [-].
+
+        Returns
+        -------
+        Value
+            On the wing area, calibrated [-].
         """
         return self.drag_at(self.flight_lift_coefficient, aspect_ratio, reynolds)
 
@@ -146,16 +151,31 @@ class WingPolar(Record):
             Of the wing [-].
         reynolds
             Reynolds number of the mean chord [-].
+
+        Returns
+        -------
+        Value
+            On the wing area, calibrated [-].
         """
         return self.calibration * self.build_up(lift_coefficient, aspect_ratio, reynolds).total
 
     def build_up(
         self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value
     ) -> DragBuildUp:
-        """Drag of the parts before calibration; parameters as for :meth:`drag_at`.
+        """Drag of the parts before calibration.
 
         Flat plates of tail (laminar, ``1.328 Re^-1/2``) and fuselage (turbulent, ``0.074
         Re^-1/5``), Schlichting; sources of the factors at the head of the class.
+
+        Parameters
+        ----------
+        lift_coefficient, aspect_ratio, reynolds
+            As for :meth:`drag_at`.
+
+        Returns
+        -------
+        DragBuildUp
+            Drag coefficients on the wing area [-].
         """
         thickness = self.tail_thickness_ratio
         tail_form = 1.0 + 2.0 * thickness + 60.0 * thickness**4
@@ -178,6 +198,11 @@ class WingPolar(Record):
         ----------
         mass_kg, wing_area_m2, density_kg_per_m3
             Mass [kg], wing area [m2] and air density [kg/m3].
+
+        Returns
+        -------
+        Value
+            At :attr:`flight_lift_coefficient` [m/s].
         """
         pressure = mass_kg * GRAVITY_M_PER_S2 / (wing_area_m2 * self.flight_lift_coefficient)
         return (2.0 * pressure / density_kg_per_m3) ** 0.5

@@ -36,8 +36,8 @@ Progress = Callable[[int, int], None]
 class AltitudeFlight:
     """Flight at one altitude in the scenario with the least excess time there.
 
-    Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and all but the altitude and the
-    excess time (-24 h) are NaN for an aircraft that cannot carry itself.
+    Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and for an aircraft that cannot
+    carry itself all but altitude, air density and excess time (-24 h) is NaN.
     """
 
     altitude_m: float
@@ -94,6 +94,12 @@ def highest_perpetual_altitude(
     progress : callable, optional
         Told after every scanned altitude how many are done, and of how many.
 
+    Returns
+    -------
+    PerpetualCeiling
+        Flights at the scanned altitudes, the highest perpetual one, and the one with the largest
+        excess time.
+
     Raises
     ------
     ValueError
@@ -136,6 +142,11 @@ def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> lis
     ----------
     lowest_m, highest_m, step_m : float
         Ends and step of the scan [m].
+
+    Returns
+    -------
+    list of float
+        Rising altitudes [m].
     """
     first, last = np.floor(lowest_m / step_m) + 1.0, np.ceil(highest_m / step_m) - 1.0
     between = step_m * np.arange(first, last + 1.0)
@@ -153,6 +164,11 @@ def flight_at_altitude(
         As for :func:`highest_perpetual_altitude`.
     altitude_m : float
         Altitude above mean sea level [m].
+
+    Returns
+    -------
+    AltitudeFlight
+        With an excess time of -24 h for an aircraft that cannot carry its own mass there.
     """
     there = mission.at_altitude(altitude_m)
     density_kg_per_m3 = float(there.air_state().density_kg_per_m3)

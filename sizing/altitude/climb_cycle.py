@@ -137,6 +137,11 @@ def climb_performance(
     solar_factor : float
         Factor on all solar power, for what an error of the model does.
 
+    Returns
+    -------
+    ClimbPerformance
+        Flight with climbs, and the flight at the mission's altitude to compare it with.
+
     Raises
     ------
     ValueError

@@ -97,6 +97,11 @@ def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
     design : Design
         Its mass and the power of its level flight at the mission's altitude.
 
+    Returns
+    -------
+    ClimbLimits
+        Efficiency [-] and largest electric power [W], which is above that of level flight.
+
     Raises
     ------
     ClimbLimitError
@@ -146,6 +151,11 @@ def flight_levels(
         Flight at the mission's altitude.
     solar_factor : float
         Factor on all solar power [-].
+
+    Returns
+    -------
+    FlightLevels
+        At least two, evenly spaced from the mission's altitude to the ceiling.
 
     Raises
     ------

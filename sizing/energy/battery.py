@@ -78,6 +78,11 @@ def charge_rate_per_h(limit: ChargeLimit, state_of_charge: ArrayLike) -> FloatAr
     state_of_charge : array_like
         State of charge, 0 to 1 [-].
 
+    Returns
+    -------
+    ndarray
+        Of the shape of ``state_of_charge`` [1/h].
+
     Raises
     ------
     ValueError
@@ -132,6 +137,11 @@ class ChargeClock:
             State of charge at the start [-].
         duration_h : array_like
             How long the limit is followed [h].
+
+        Returns
+        -------
+        ndarray
+            Of the arguments' broadcast shape [-].
         """
         start_h = np.interp(state_of_charge, self.state_of_charge, self.hours)
         end_h = np.asarray(start_h + np.asarray(duration_h, float))
@@ -188,6 +198,11 @@ class Store:
             Battery as its file describes it.
         battery_energy_wh : array_like, optional
             Energy at full charge of every element [Wh]; by default that of the battery.
+
+        Returns
+        -------
+        Store
+            Its energy has the shape of ``battery_energy_wh``.
         """
         energy = battery.battery_energy_wh if battery_energy_wh is None else battery_energy_wh
         return cls(
@@ -217,6 +232,11 @@ class Store:
             Stored energy at the start, and surplus over these hours [Wh].
         hours : array_like
             How long the surplus lasts [h].
+
+        Returns
+        -------
+        ndarray
+            From ``energy_wh`` to the energy at full charge; of the arguments' broadcast shape [Wh].
         """
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
         if self.clock is None:

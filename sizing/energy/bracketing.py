@@ -36,6 +36,12 @@ def falling_root(
         its root there.
     limit : ndarray
         Tolerance of value and bracket.
+
+    Returns
+    -------
+    ndarray, shape (element,)
+        Points within the limit of the zeros, or the last trials after 100 rounds; in the unit of
+        ``lower``.
     """
     every = np.arange(len(upper))
     lower_gain = gain(every, lower)

@@ -345,6 +345,13 @@ def excess_and_status(
     missing_h, reserve_h : ndarray
         Time without energy, and how long what is stored would last from the morning's equal power
         [h].
+
+    Returns
+    -------
+    excess_h : ndarray
+        Above zero for perpetual flight; infinite where solar power never falls below the load [h].
+    status : ndarray of int
+        Codes of :class:`Status`.
     """
     lit = equal.always_above
     dark = np.isnan(equal.morning_h) & ~lit

@@ -60,6 +60,12 @@ def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
         Flows of the interval.
     energy_wh : ndarray
         Stored energy at its start [Wh].
+
+    Returns
+    -------
+    Step
+        Energies of the batch's shape, none below zero; ``unserved_wh`` is counted in energy
+        delivered to the load [Wh].
     """
     eta = store.discharge_efficiency
     drained = energy_wh - interval.early_deficit_wh / eta
@@ -82,6 +88,11 @@ def march(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> Iterato
         Batteries of the batch.
     energy_wh : ndarray
         Stored energy at the first node [Wh].
+
+    Yields
+    ------
+    Step
+        One per interval, in the order of time.
     """
     for interval in balance.intervals():
         step = advance(store, interval, energy_wh)
@@ -98,6 +109,11 @@ def empty_after_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
         Interval whose deficit empties the battery.
     unserved_wh : ndarray
         Part of the deficit that the battery cannot meet [Wh]; meaningful only where it is not 0.
+
+    Returns
+    -------
+    ndarray
+        Of the batch's shape [h].
     """
     begin, length = deficit_phase_h(interval)
     return np.asarray(begin + length * _served_fraction(interval, unserved_wh))
@@ -110,6 +126,11 @@ def unserved_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
     ----------
     interval, unserved_wh
         As for :func:`empty_after_h`; 0 h where all is served.
+
+    Returns
+    -------
+    ndarray
+        Of the batch's shape [h].
     """
     _, length = deficit_phase_h(interval)
     hours = length * (1.0 - _served_fraction(interval, unserved_wh))
@@ -136,6 +157,11 @@ def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray)
         Batteries of the batch.
     before_charge_wh : ndarray
         Stored energy before the surplus [Wh].
+
+    Returns
+    -------
+    ndarray
+        Of the batch's shape, at most the end of the surplus [h].
     """
     begin, end = surplus_phase_h(interval)
     stored = store.charge_efficiency * interval.surplus_wh
@@ -233,6 +259,11 @@ class ChargingDay:
             Stored energy at midnight [Wh].
         settled_deficit_wh : array_like
             Deficit since midnight that this energy has already met [Wh].
+
+        Yields
+        ------
+        Charging
+            One per interval of :attr:`hours`, of arrays of shape (element,).
         """
         eta = store.discharge_efficiency
         settled = np.asarray(settled_deficit_wh, float)
@@ -252,19 +283,46 @@ class ChargingDay:
         ----------
         store, energy_wh, settled_deficit_wh
             As for :meth:`charge`, after the last surplus.
+
+        Returns
+        -------
+        ndarray, shape (element,)
+            Not clipped, so that its negative part is the energy missing from the battery [Wh].
         """
         rest = self.cumulative_deficit_wh[-1] - settled_deficit_wh
         return np.asarray(energy_wh - rest / store.discharge_efficiency)
 
     def end_wh(self, store: Store, energy_wh: FloatArray) -> FloatArray:
-        """Energy at the end of the day [Wh]; parameters as for :meth:`charge`."""
+        """Energy at the end of the day [Wh].
+
+        Parameters
+        ----------
+        store, energy_wh
+            As for :meth:`charge`.
+
+        Returns
+        -------
+        ndarray, shape (element,)
+            Zero where the battery has run empty after the last surplus [Wh].
+        """
         settled: ArrayLike = 0.0
         for step in self.charge(store, energy_wh):
             energy_wh, settled = step.after_charge_wh, step.settled_deficit_wh
         return np.maximum(self.midnight_wh(store, energy_wh, settled), 0.0)
 
     def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
-        """March and keep what becomes of the batteries; parameters as for :meth:`charge`."""
+        """March and keep what becomes of the batteries.
+
+        Parameters
+        ----------
+        store, energy_wh
+            As for :meth:`charge`.
+
+        Returns
+        -------
+        DayRun
+            Energies around every surplus, shape (interval, element) [Wh].
+        """
         kept = np.empty((3, *self.surplus_wh.shape))
         for k, step in enumerate(self.charge(store, energy_wh)):
             kept[0, k], kept[1, k], kept[2, k] = step
@@ -354,6 +412,11 @@ def repeated_day(day: ChargingDay, store: Store) -> DayRun:
         Day of a one-dimensional batch.
     store : Store
         Its batteries.
+
+    Returns
+    -------
+    DayRun
+        Start and end agree to 1e-11 of the battery's energy.
     """
     run, unsettled = first_repetition(day, store)
     if not len(unsettled):
@@ -386,6 +449,11 @@ def first_repetition(day: ChargingDay, store: Store) -> Repetition:
         Day of a one-dimensional batch.
     store : Store
         Its batteries.
+
+    Returns
+    -------
+    Repetition
+        The run, and the indices of the elements that :func:`repeated_day` has to search for.
     """
     full, eta = store.battery_energy_wh, store.discharge_efficiency
     before_surplus = day.deficit_before_surplus_wh

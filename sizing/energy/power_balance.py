@@ -30,6 +30,11 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
         Power at the ends of the interval [W].
     hours : array_like
         Length of the interval [h].
+
+    Returns
+    -------
+    ndarray
+        Of the arguments' broadcast shape, not negative [Wh].
     """
     positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
     return _part_wh(positive, np.abs(left_w) + np.abs(right_w), hours)
@@ -48,6 +53,11 @@ def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
     ----------
     left, right : ndarray
         Values at the ends; of equal signs, the nearer end is returned.
+
+    Returns
+    -------
+    ndarray
+        ``left / (left - right)``, clipped to 0 to 1 [-].
     """
     drop = left - right
     safe = np.where(drop == 0.0, 1.0, drop)
@@ -131,6 +141,11 @@ class PowerBalance:
         solar_power_w, load_w : ndarray, shape (..., time)
             Power at the nodes [W].
 
+        Returns
+        -------
+        PowerBalance
+            With the time moved to the first axis; the other axes are the batch.
+
         Raises
         ------
         ValueError
@@ -178,6 +193,11 @@ class PowerBalance:
         ----------
         number, cells : ndarray of int
             Numbers of the intervals, and indices of the elements they are taken from.
+
+        Returns
+        -------
+        Interval
+            Flows of the shape of ``number``.
         """
         left, right = self.net_w[number, cells], self.net_w[number + 1, cells]
         deficit = self.deficit_wh[number, cells]
@@ -226,6 +246,11 @@ def blocks(count: int, size: int) -> Iterator[slice]:
     ----------
     count, size : int
         Elements of the batch, and of a block at most. An empty batch is one empty block.
+
+    Yields
+    ------
+    slice
+        In rising order; the last may reach beyond the batch.
     """
     for start in range(0, max(count, 1), size):
         yield slice(start, start + size)
@@ -262,6 +287,12 @@ def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> I
         Levels to reach.
     cells : ndarray of int
         Column of each level.
+
+    Returns
+    -------
+    ndarray of int
+        Of the shape of ``level``: the last node, the final one excepted, whose sum is at most the
+        level; 0 if there is none.
     """
     low = np.zeros(level.shape, np.intp)
     high = np.full(level.shape, len(sums) - 1)

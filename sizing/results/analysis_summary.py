@@ -84,7 +84,8 @@ def _endurance(record: dict[str, Any]) -> str:
 
 def _rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     endurance = _endurance(record)
-    if record["best_launch_h"] is not None:
+    if record["best_launch_h"] is not None and record["sunrise_h"] is not None:
+        # Without sun every launch is as good.
         endurance += f", launched {clock_label(record['best_launch_h'])}"
     airspeed = record["airspeed_m_per_s"]
     times = {

@@ -437,29 +437,3 @@ def _range_record(coverage: WidestRange) -> dict[str, Any]:
 def sensitivity_records(found: list[Sensitivity]) -> list[dict[str, Any]]:
     """Sensitivities, JSON-ready, most important first."""
     return [finite_values({**one.__dict__, "per_percent": one.per_percent}) for one in found]
-
-
-def sized_yaml(study: SizingStudy, source: str) -> str:
-    """Sized aircraft as a file that the other commands accept.
-
-    Parameters
-    ----------
-    study : SizingStudy
-        With an optimum.
-    source : str
-        File or name that the aircraft came from, for the heading.
-
-    Returns
-    -------
-    str
-    """
-    from missions.files.writing import to_yaml
-
-    carried, result = study.sized_mission().payload, study.result
-    header = (
-        f"# Sized by solar-uav {__version__} from {source} for the mission {study.mission.name}.\n"
-        f"# Objective: {result.objective.value}, required excess time "
-        f"{result.required_excess_time_h:g} h.\n"
-        f"# Payload, to be set on the mission: {carried.mass_kg:.6g} kg, {carried.power_w:.6g} W.\n"
-    )
-    return header + to_yaml(study._sized_data())

@@ -70,6 +70,11 @@ def gust_mass_ratio(
         Mass [kg], wing area [m2] and aspect ratio [-].
     density_kg_per_m3
         Of the air [kg/m3].
+
+    Returns
+    -------
+    Value
+        Ratio mu, for :func:`gust_alleviation_factor` [-].
     """
     chord_m = (wing_area_m2 / aspect_ratio) ** 0.5
     slope = lift_curve_slope(aspect_ratio)
@@ -96,6 +101,11 @@ def gust_load_increment(
         Mass [kg], wing area [m2] and aspect ratio [-].
     density_kg_per_m3
         Of the air [kg/m3]: it alone sets the mass ratio.
+
+    Returns
+    -------
+    Value
+        Magnitude; the gust load factors are ``1 + dn`` and ``1 - dn`` [-].
     """
     ratio = gust_mass_ratio(
         total_mass_kg=total_mass_kg,
@@ -125,6 +135,11 @@ def root_bending_moment_nm(
         Take-off mass, and mass spread evenly along the span [kg].
     minimum_fraction : float
         Floor, as a fraction of the unrelieved moment [-].
+
+    Returns
+    -------
+    Value
+        ``n g b (m/(3 pi) - m_span/8)`` with the limit load factor n, or the floor [N m].
     """
     newton = limit_load_factor(total_mass_kg) * GRAVITY_M_PER_S2
     unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * pi)

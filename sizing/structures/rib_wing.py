@@ -266,6 +266,12 @@ class RibWingStructure(Record):
             Equivalent airspeed of level flight, taken as cruise [m/s].
         density_kg_per_m3
             Of the air [kg/m3].
+
+        Returns
+        -------
+        LoadFactors
+            ``max(n, 1 + dn)`` up and ``max(r n, dn - 1)`` down, with the manoeuvre factor n, the
+            gust's increment dn and the ``negative_load_ratio`` r; smooth maxima [-].
         """
         gust = max(self.cruise_gust_m_per_s, self.dive_gust_m_per_s * self.dive_speed_ratio)
         increment = gust_load_increment(

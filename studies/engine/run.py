@@ -383,6 +383,8 @@ class _Run:
         self.stop.check()
         finished, _ = wait(futures, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
         self.stop.check()
+        if not finished:
+            self.pool.check()
         return finished
 
     def _part(self, future: Future[Part]) -> Part | None:

@@ -28,6 +28,8 @@ LOCAL_CLUSTER = "local-cluster"
 _PAYS_S = 3.0
 _CONNECT_S = 20.0
 _LOOK_S = 5.0
+# How long a cluster may be without a worker: the time in which one that died is started again.
+_WITHOUT_WORKERS_S = 60.0
 _STARTS = 3  # that may fail one after the other
 # One process for each core is enough: threads of the linear algebra would only get in each other's
 # way.
@@ -69,6 +71,9 @@ class Pool(Protocol):
         Future
             What the function returns or raises.
         """
+
+    def check(self) -> None:
+        """Raise :class:`WorkersUnavailableError` if nobody is left to compute."""
 
     def close(self, *, at_once: bool) -> None:
         """End the workers, in the middle of their tasks if need be."""
@@ -186,6 +191,9 @@ class LocalPool:
         self._started = self._executor.submit(os.getpid)
         return self._executor
 
+    def check(self) -> None:
+        """Nothing to raise: a process that ends breaks its executor, which says so by itself."""
+
     def close(self, *, at_once: bool) -> None:
         """End all processes."""
         if self._executor is None:
@@ -233,15 +241,31 @@ class DaskPool:
                     f"no worker at the scheduler {scheduler}: {error}"
                 ) from error
         self._executor: Executor = self._client.get_executor(pure=False)
-        self._size, self._looked_s = 1, -_LOOK_S
+        self._threads, self._looked_s = 1, -_LOOK_S
+        self._last_seen_s = time.monotonic()
 
     def size(self, tasks_left: int) -> int:
         """Two for each thread of the cluster, so that none waits for the network."""
-        if time.monotonic() - self._looked_s > _LOOK_S:
-            with suppress(OSError, TimeoutError):
-                self._size = max(2 * sum(self._client.nthreads().values()), 1)
-            self._looked_s = time.monotonic()
-        return self._size
+        self._look()
+        return max(2 * self._threads, 1)
+
+    def check(self) -> None:
+        """Raise if the cluster has had no worker for a while; one that died is started again."""
+        self._look()
+        if time.monotonic() - self._last_seen_s > _WITHOUT_WORKERS_S:
+            raise WorkersUnavailableError(
+                f"the scheduler has had no worker for {_WITHOUT_WORKERS_S:.0f} s"
+            )
+
+    def _look(self) -> None:
+        now = time.monotonic()
+        if now - self._looked_s <= _LOOK_S:
+            return
+        self._looked_s = now
+        with suppress(OSError, TimeoutError):
+            self._threads = sum(self._client.nthreads().values())
+            if self._threads:
+                self._last_seen_s = now
 
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
         """Send the task to the scheduler.

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -536,16 +536,13 @@ def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
         DaskPool("tcp://127.0.0.1:1")
 
 
-@pytest.mark.slow
-def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
-    functions: Any, tmp_path: Path
-) -> None:
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Callable[[int], tuple[DaskPool, list[Any]]]]:
+    """Pool on a scheduler with so many workers that nobody starts again, and their processes."""
     pytest.importorskip("distributed")
-    log = tmp_path / "log"
-    log.mkdir()
-    job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
     started = []
-    try:
+
+    def start(workers: int) -> tuple[DaskPool, list[Any]]:
         place = tmp_path / "scheduler.json"
         options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
         started.append(dask("scheduler", *options, "--scheduler-file", str(place)))
@@ -555,20 +552,43 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
             time.sleep(0.05)
         address = json.loads(place.read_text())["address"]
         worker = [address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-        started += [dask("worker", *worker, "--name", name) for name in ("one", "two")]
+        started.extend(dask("worker", *worker, "--name", str(n)) for n in range(workers))
         pool = DaskPool(address)
-        pool._client.wait_for_workers(2, timeout=60)
-        killer = threading.Timer(1.0, started[1].kill)
-        killer.start()
-        outcome = run(job, pool)
-        assert started[1].wait(timeout=10) == -signal.SIGKILL
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
+        pool._client.wait_for_workers(workers, timeout=60)
+        return pool, started[1:]
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.slow
+def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
+    functions: Any, tmp_path: Path, cluster: Any
+) -> None:
+    log = tmp_path / "log"
+    log.mkdir()
+    job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
+    pool, workers = cluster(2)
+    threading.Timer(1.0, workers[0].kill).start()
+    outcome = run(job, pool)
+    assert workers[0].wait(timeout=10) == -signal.SIGKILL
     pids = {path.name.split("-")[2] for path in log.iterdir()}
-    assert pids == {str(started[1].pid), str(started[2].pid)}
+    assert pids == {str(worker.pid) for worker in workers}
     assert_identical(outcome, run(functions.job(functions.Settings(), cells=60, each=2)))
+
+
+@pytest.mark.slow
+def test_a_cluster_without_workers_ends_the_work_with_a_reason(
+    functions: Any, cluster: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studies.engine.workers._WITHOUT_WORKERS_S", 2.0)
+    monkeypatch.setattr("studies.engine.workers._LOOK_S", 0.5)
+    pool, workers = cluster(1)
+    threading.Timer(1.0, workers[0].kill).start()
+    with pytest.raises(WorkersUnavailableError, match="has had no worker for 2 s"):
+        run(functions.job(functions.Settings(pause_s=0.5), cells=60, each=2), pool)
 
 
 def dask(*arguments: str) -> subprocess.Popen[bytes]:
