@@ -88,7 +88,8 @@ def new_figure(
         if grid:
             axes.grid(alpha=0.3, axis=grid)
     if title:
-        figure.suptitle(title, parse_math=False, wrap=True)
+        # Wrapping looks for formulas whatever parse_math says; an escaped dollar begins none.
+        figure.suptitle(title.replace("$", r"\$"), wrap=True)
     return figure, panels
 
 

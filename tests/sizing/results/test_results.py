@@ -108,8 +108,8 @@ def test_an_infeasible_sizing_has_no_design_and_says_why(design: Aircraft) -> No
     ("options", "message"),
     [
         ({"objective": "least_mass"}, "objective must be one of max_excess_time, min_wingspan"),
-        ({"model": "XX"}, "must be one of CDM, CAM, VM, FM"),
-        ({"correction": "best"}, "must be one of none, report, loiter"),
+        ({"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM, VM, FM"),
+        ({"correction": "best"}, "unknown correction 'best'; allowed: none, report, loiter"),
     ],
 )
 def test_names_are_checked_at_the_call(

@@ -125,7 +125,6 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
     assert table.exit_code == 1
     (row,) = (line.split() for line in table.output.splitlines() if line.startswith("44 N"))
     assert row[-1] == "1", table.output
-    assert "failed" in table.output
     data = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     flags = dict(
         zip(
@@ -292,10 +291,10 @@ def test_table_counts_the_cross_checked_designs(invoke: Any) -> None:
     asked = ["atlantiksolar-design", "--resize", "min_wingspan", "--workers", "1"]
     answer = invoke(*asked, "--latitudes", "0:75:75", "--days", "172:355:183")
     assert answer.exit_code == 0, answer.output
-    rows = {row[:4].strip(): row.split()[2:5] for row in answer.output.splitlines()}
+    rows = {row.split()[0]: row.split() for row in answer.output.splitlines() if " N " in row[:5]}
     # Latitude, days with a design, without one, unknown: cross-checked is a design.
-    assert rows["0 N"] == ["2", "0", "0"]
-    assert rows["75 N"] == ["1", "1", "0"]
+    assert rows["0"][2:5] == ["2", "0", "0"]
+    assert rows["75"][2:5] == ["1", "1", "0"]
 
 
 def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None:
