@@ -1,9 +1,4 @@
-"""Public functions of two or more arguments list their parameters and what they return.
-
-Functions that do not yet are named in ``docstrings_to_do.txt``. A line whose function is done or
-gone fails the test, so the list only shrinks; ``python tests/documentation/test_docstrings.py``
-takes such lines out.
-"""
+"""Public functions of two or more arguments list their parameters and what they return."""
 
 from __future__ import annotations
 
@@ -14,7 +9,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("solar", "missions", "sizing", "studies")
-TO_DO = Path(__file__).with_name("docstrings_to_do.txt")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -82,15 +76,4 @@ def incomplete_functions() -> dict[str, list[str]]:
 
 def test_functions_of_two_or_more_arguments_are_documented() -> None:
     incomplete = incomplete_functions()
-    to_do = TO_DO.read_text(encoding="utf-8").split()
-    undocumented = {name: sections for name, sections in incomplete.items() if name not in to_do}
-    assert not undocumented, f"sections of the docstrings are missing: {undocumented}"
-    settled = set(to_do) - set(incomplete)
-    assert not settled, (
-        f"done or gone, run `python tests/documentation/test_docstrings.py`: {sorted(settled)}"
-    )
-
-
-if __name__ == "__main__":
-    left = TO_DO.read_text(encoding="utf-8").split() if TO_DO.exists() else []
-    TO_DO.write_text("".join(f"{name}\n" for name in incomplete_functions() if name in left))
+    assert not incomplete, f"sections of the docstrings are missing: {incomplete}"
