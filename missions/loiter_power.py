@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from missions.flight_path import FlightPath, Orbit, Wind, orbit
 from solar.attitude import direction_cosines
+from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import ClearSky, Irradiance, clear_sky
-from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName

@@ -22,7 +22,6 @@ from missions.air import (
 )
 from missions.flight_path import FlightPath, Heading, Wind
 from solar.clearsky import ClearSky, named_clear_sky
-from solar.correction import correction
 from solar.names import CorrectionName, ModelName
 from solar.schema import (
     Fraction,
@@ -32,6 +31,7 @@ from solar.schema import (
     UnitInterval,
 )
 from solar.sun import declination, sun_times
+from solar.systematic_errors import correction
 from solar.types import BoolArray, FloatArray, IntArray
 
 Latitude = Annotated[float, Strict(), Field(ge=-90.0, le=90.0, allow_inf_nan=False)]

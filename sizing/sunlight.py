@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from solar.correction import correction
 from solar.names import (
     ATTITUDE_MODELS,
     CORRECTION_NAMES,
@@ -25,6 +24,7 @@ from solar.names import (
 )
 from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
+from solar.systematic_errors import correction
 from solar.types import FloatArray
 
 DEFAULT_STEP_H = 1.0 / 12.0

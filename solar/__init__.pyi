@@ -1,12 +1,15 @@
 from ._version import __version__ as __version__
 from .attitude import direction_cosines as direction_cosines
+from .attitude_models import full_model as full_model
+from .attitude_models import verification_model as verification_model
 from .clearsky import Irradiance as Irradiance
 from .clearsky import clear_sky as clear_sky
 from .clearsky import register_clear_sky as register_clear_sky
-from .full_model import verification_model as verification_model
 from .geometry import ModuleGeometry as ModuleGeometry
 from .geometry import ModuleSurface as ModuleSurface
+from .modules import Curve as Curve
 from .modules import SolarCell as SolarCell
+from .modules import shipped_curve as shipped_curve
 from .power import conceptual_analysis_model as conceptual_analysis_model
 from .power import conceptual_design_model as conceptual_design_model
 from .power import horizontal_specific_power as horizontal_specific_power
@@ -20,3 +23,4 @@ from .sun import hour_angle as hour_angle
 from .sun import solar_time_h as solar_time_h
 from .sun import sun_times as sun_times
 from .sun import sun_vector_ned as sun_vector_ned
+from .systematic_errors import correction as correction

@@ -22,10 +22,10 @@ from solar.clearsky import (
     irradiance_under,
     pressure_ratio,
 )
-from solar.correction import correction
 from solar.modules import SolarCell
 from solar.names import CorrectionName, ModelName
 from solar.sun import NOON_H, cos_zenith, declination, hour_angle, sun_arc
+from solar.systematic_errors import correction
 from solar.types import FloatArray
 
 
@@ -147,7 +147,7 @@ def horizontal_specific_power(
     model : {"CDM", "CAM"} or PowerModel
         Solar power model, or the user's own.
     correct : {"none", "report"}
-        Systematic correction of CDM or CAM, see :mod:`solar.correction`.
+        Systematic correction of CDM or CAM, see :mod:`solar.systematic_errors`.
     sky : ClearSky
         Clear-sky model, :func:`solar.clearsky.clear_sky` or the user's own.
 

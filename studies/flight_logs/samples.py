@@ -18,8 +18,8 @@ from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from solar.attitude import direction_cosines
+from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import ClearSky, Irradiance
-from solar.full_model import ModulePower, full_model, verification_model
 from solar.geometry import ModuleGeometry
 from solar.names import ModelName
 from solar.power import conceptual_analysis_model, conceptual_design_model

@@ -18,8 +18,8 @@ from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from solar.attitude import direction_cosines
+from solar.attitude_models import full_model
 from solar.clearsky import Irradiance
-from solar.full_model import full_model
 from solar.sun import SunPosition, sun_position
 from solar.types import FloatArray
 from studies.flight_logs.samples import ShadedArea, day_of_year

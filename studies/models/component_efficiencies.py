@@ -16,7 +16,7 @@ from sizing.results.records import clock_label
 from sizing.results.tables import Column, Table
 from sizing.sunlight import day_axis_h
 from solar._version import __version__
-from solar.full_model import ModulePower
+from solar.attitude_models import ModulePower
 from solar.types import FloatArray
 from studies.output.plots import BLUE, GREEN, PURPLE, VERMILLION, new_figure
 

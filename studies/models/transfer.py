@@ -18,8 +18,8 @@ from missions.mission import Mission, Scenarios, latitude_label
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Table
 from sizing.sunlight import day_axis_h, modelled_power
-from solar.correction import REPORTED_ERRORS
 from solar.names import ModelName
+from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import FloatArray
 
 LATITUDES_DEG = (0.0, 15.0, 30.0, 45.0, 55.0, 65.0)

@@ -23,8 +23,8 @@ from sizing.sunlight import (
     power_on_calendar,
     solar_day,
 )
-from solar.correction import REPORTED_ERRORS
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import FloatArray
 
 AS2 = load_aircraft("atlantiksolar-as2")

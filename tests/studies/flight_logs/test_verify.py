@@ -19,7 +19,7 @@ from missions.logs.table import log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, SolarModules
 from sizing.library import load_aircraft
-from solar.full_model import full_model
+from solar.attitude_models import full_model
 from solar.geometry import ModuleGeometry, ModuleOutline
 from solar.power import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from sizing.sunlight import SolarModel, solar_day
-from solar.correction import REPORTED_ERRORS
+from solar.systematic_errors import REPORTED_ERRORS
 from studies.cli.__main__ import cli
 from studies.models.transfer import transferred_errors
 from studies.validation import report_reproduction as study

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 
 from sizing.library import load_aircraft
 from solar.attitude import direction_cosines
+from solar.attitude_models import full_model, verification_model
 from solar.clearsky import Irradiance
-from solar.full_model import full_model, verification_model
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.modules import IncidenceTable, LowLightTable, MpptTable, SolarCell
 from solar.power import conceptual_analysis_model

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from solar.correction import CORRECTION_NAMES, MODEL_NAMES, REPORTED_ERRORS, correction
+from solar.systematic_errors import CORRECTION_NAMES, MODEL_NAMES, REPORTED_ERRORS, correction
 
 FLOWN_W = 99.61
 
