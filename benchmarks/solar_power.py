@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measuring import best_time_s, missing, optional, row
+from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
-from solar.power import horizontal_specific_power
 
 _LATITUDES = np.linspace(-70.0, 70.0, 60)[:, None, None]
 _DAYS = np.linspace(1.5, 365.5, 37)[:, None]

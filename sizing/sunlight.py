@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from solar.horizontal_models import horizontal_specific_power
 from solar.names import (
     ATTITUDE_MODELS,
     CORRECTION_NAMES,
@@ -22,7 +23,6 @@ from solar.names import (
     CorrectionName,
     ModelName,
 )
-from solar.power import horizontal_specific_power
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction
 from solar.types import FloatArray
@@ -221,7 +221,8 @@ def modelled_power(
 ) -> FloatArray:
     """Specific power of a model, uncorrected, over scenarios and time.
 
-    CDM and CAM see one horizontal surface (:func:`solar.power.horizontal_specific_power`); VM and
+    CDM and CAM see one horizontal surface
+    (:func:`solar.horizontal_models.horizontal_specific_power`); VM and
     FM are averaged over the mission's flight path (:mod:`missions.loiter_power`).
 
     Parameters

@@ -7,12 +7,12 @@ from .clearsky import clear_sky as clear_sky
 from .clearsky import register_clear_sky as register_clear_sky
 from .geometry import ModuleGeometry as ModuleGeometry
 from .geometry import ModuleSurface as ModuleSurface
+from .horizontal_models import conceptual_analysis_model as conceptual_analysis_model
+from .horizontal_models import conceptual_design_model as conceptual_design_model
+from .horizontal_models import horizontal_specific_power as horizontal_specific_power
 from .modules import Curve as Curve
 from .modules import SolarCell as SolarCell
 from .modules import shipped_curve as shipped_curve
-from .power import conceptual_analysis_model as conceptual_analysis_model
-from .power import conceptual_design_model as conceptual_design_model
-from .power import horizontal_specific_power as horizontal_specific_power
 from .shading import Shading as Shading
 from .shading import TailGeometry as TailGeometry
 from .shading import register_loss_model as register_loss_model

@@ -1,7 +1,8 @@
 """Verification Model (VM) and Full Model (FM): solar power of an aircraft in any attitude.
 
 Source: Oettershagen's report on solar power models, eq. 2 to 13 and table 2. Both return power per
-module area like the horizontal models of :mod:`solar.power`; the Full Model also returns every
+module area like the horizontal models of :mod:`solar.horizontal_models`; the Full Model also
+returns every
 component efficiency, so that it can be seen what drives the power.
 """
 
@@ -14,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, cos_angle_of_incidence
+from solar.horizontal_models import conceptual_analysis_model
 from solar.modules import SolarCell
-from solar.power import conceptual_analysis_model
 from solar.shading import Shading
 from solar.types import FloatArray
 

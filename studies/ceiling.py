@@ -29,7 +29,7 @@ _PRINTED_ROWS = 20
 _COLUMNS = (
     Column("altitude_m", "altitude", "m", ".0f"),
     Column("excess_time_h", "excess time", "h", ".2f"),
-    Column("minimum_state_of_charge_percent", "least SoC", "%", ".1f"),
+    Column("minimum_state_of_charge_percent", "min. SoC", "%", ".1f"),
     Column("propulsion_power_w", "level-flight power", "W", ".1f"),
     Column("solar_energy_wh", "solar energy", "Wh", ".0f"),
     Column("airspeed_m_per_s", "airspeed", "m/s", ".1f"),

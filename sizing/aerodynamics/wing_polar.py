@@ -8,6 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
@@ -75,7 +76,11 @@ class WingPolar(Record):
         try:
             highest = self.highest_lift_coefficient
         except OSError as error:
-            raise ValueError(f"cannot read {self.airfoil!r}: {error.strerror}") from error
+            raise PydanticCustomError(
+                "unreadable_polar",
+                "cannot read {file}: {why}",
+                {"key": "airfoil", "file": repr(self.airfoil), "why": str(error.strerror)},
+            ) from error
         if self.lift_coefficient is not None and self.lift_coefficient > highest:
             raise ValueError(
                 f"lift_coefficient must be at most {highest:.3g}, which is {self.stall_margin:g} "

@@ -130,7 +130,7 @@ def scenario_table(records: list[dict[str, Any]]) -> Table:
         Column("date"),
         Column("excess_time", "excess time"),
         Column("charge_margin", "charge margin"),
-        Column("minimum_state_of_charge", "min. charge"),
+        Column("minimum_state_of_charge", "min. SoC"),
         Column("endurance"),
     )
     rows = [

@@ -108,7 +108,7 @@ def _design_table(study: SizingStudy, record: dict[str, Any]) -> Table:
     simulated = record["simulated"]
     where = record["worst_scenario"]["label"]
     rows.append((f"excess time, {where}", hours(simulated["excess_time_h"], UNLIMITED)))
-    rows.append(("min. state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"))
+    rows.append(("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"))
     return facts("", rows)
 
 
@@ -125,14 +125,12 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
         low = record["uncertainty"]["excess_time_low_h"]
         required = max(study.result.required_excess_time_h, 0.0)
         if low is not None and low < required and not study.mission.uncertainty_margins.given:
-            blocks.append(
-                Line(
-                    f"on the edge: one RMS error less solar power misses the required "
-                    f"{required:g} h; to size with that margin: "
-                    "--set mission.uncertainty_margins.solar_model_sigmas=1",
-                    "warning",
-                )
+            what = "ends perpetual flight" if low <= 0.0 else f"misses the required {required:g} h"
+            text = (
+                f"on the edge: one RMS error less solar power {what}; to size with that margin: "
+                "--set mission.uncertainty_margins.solar_model_sigmas=1"
             )
+            blocks.append(Line(text, "warning"))
     if study.without_margins is not None:
         reached = hours(record["as_assumed"]["excess_time_h"], UNLIMITED)
         blocks.append(f"without the mission's uncertainty margins the excess time is {reached}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from missions.files.writing import write_files_atomically
@@ -24,6 +24,7 @@ def tell(
     *,
     as_json: bool = False,
     out_dir: str | None = None,
+    files: Iterable[str | None] = (),
 ) -> None:
     """Print a result: aircraft and mission first, which JSON has among its keys.
 
@@ -39,6 +40,8 @@ def tell(
         Whether JSON is asked for.
     out_dir : str, optional
         Folder that was written, to be named.
+    files : iterable of str or None
+        Files that were written, to be named; None where one was not asked for.
     """
     if as_json:
         print_json(record)
@@ -46,8 +49,9 @@ def tell(
     screen = console()
     screen.print(case.title, style="dim")
     show(shown if isinstance(shown, Result | Summary | Table) else shown())
-    if out_dir is not None:
-        screen.print(f"written to {out_dir}")
+    for place in (*files, out_dir):
+        if place is not None:
+            screen.print(f"written to {place}", soft_wrap=True)
 
 
 def write_results(

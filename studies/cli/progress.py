@@ -83,12 +83,16 @@ class _Lines:
     def __init__(self, unit: str) -> None:
         self._unit, self._pace = unit, _Pace()
         self._next_s = time.monotonic() + _FIRST_LINE_S
+        self._said = False
 
     def __call__(self, done: int, total: int) -> None:
         rate = self._pace.per_s(done)
         now = time.monotonic()
+        if done >= total and self._said:  # or the last line would look like an end half-way
+            print(f"{done} of {total} {self._unit}", file=sys.stderr, flush=True)
         if now < self._next_s or done >= total:
             return
+        self._said = True
         self._next_s = now + _EVERY_S
         left = "" if rate is None else f", {rate:.3g}/s, {(total - done) / rate:.0f} s left"
         print(f"{done} of {total} {self._unit}{left}", file=sys.stderr, flush=True)

@@ -21,8 +21,8 @@ from solar.attitude import direction_cosines
 from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import ClearSky, Irradiance
 from solar.geometry import ModuleGeometry
+from solar.horizontal_models import conceptual_analysis_model, conceptual_design_model
 from solar.names import ModelName
-from solar.power import conceptual_analysis_model, conceptual_design_model
 from solar.shading import shaded_area
 from solar.sun import SECONDS_PER_DAY, sun_position
 from solar.types import FloatArray, IntArray

@@ -36,7 +36,7 @@ def seasons_table(data: xr.Dataset) -> Table:
         Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
     )
     rows = list(zip(record["perpetual_days"], most, strict=True))
-    return _table(f"{data.attrs['title']}: perpetual flight", record, columns, rows)
+    return _table(data, f"{data.attrs['title']}: perpetual flight", record, columns, rows)
 
 
 def designs_record(data: xr.Dataset) -> dict[str, Any]:
@@ -79,7 +79,7 @@ def designs_table(data: xr.Dataset) -> Table:
         )
         for i in range(data.sizes["latitude"])
     ]
-    return _table(f"{data.attrs['title']} for {record['objective']}", record, columns, rows)
+    return _table(data, f"{data.attrs['title']} for {record['objective']}", record, columns, rows)
 
 
 def _places(data: xr.Dataset) -> dict[str, Any]:
@@ -90,7 +90,11 @@ def _places(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _table(
-    title: str, record: dict[str, Any], columns: Sequence[Column], rows: Sequence[tuple[Any, ...]]
+    data: xr.Dataset,
+    title: str,
+    record: dict[str, Any],
+    columns: Sequence[Column],
+    rows: Sequence[tuple[Any, ...]],
 ) -> Table:
     """Table of one row for each latitude; failed days have a column where there are any."""
     failed = record["failed_days"] if any(record["failed_days"]) else None
@@ -100,7 +104,7 @@ def _table(
         for i, (latitude, row) in enumerate(zip(latitudes, rows, strict=True))
     ]
     heads = (Column("latitude"), *columns, *([] if failed is None else [Column("failed")]))
-    return Table(title, heads, tuple(every))
+    return Table(title, heads, tuple(every), (_model(data),))
 
 
 def _range(least: float, largest: float) -> str:
@@ -108,3 +112,11 @@ def _range(least: float, largest: float) -> str:
     if math.isnan(least) or math.isinf(least):
         return ends.text(least)
     return f"{ends.text(least)} to {ends.text(largest)}"
+
+
+def _model(data: xr.Dataset) -> str:
+    days = data["day"].to_numpy()
+    return (
+        f"{data.attrs['solar_model']}, correction: {data.attrs['correction']}; days {days[0]} to "
+        f"{days[-1]}, {len(days)} of them"
+    )

@@ -277,7 +277,7 @@ _PREDICTED = (
     Column("mean_solar_energy_wh", "solar energy", "Wh", ".0f"),
     Column("above_reference_percent", "vs ref.", "%", "+z.1f"),
     Column("excess_time_h", "excess time", "h", ".2f"),
-    Column("minimum_state_of_charge_percent", "least SoC", "%", ".1f"),
+    Column("minimum_state_of_charge_percent", "min. SoC", "%", ".1f"),
     Column("charge_margin_h", "charge margin", "h", ".2f"),
     Column("endurance"),
     Column("season_days", "season", "d"),

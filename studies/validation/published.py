@@ -15,9 +15,9 @@ from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarModel
+from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
 from solar.names import CORRECTION_NAMES, ModelName
-from solar.power import horizontal_specific_power
 from studies.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, calibrated_rib_wing
 from studies.validation.report_reproduction import MEASURED_W, PERIOD_H, PUBLISHED_W
 

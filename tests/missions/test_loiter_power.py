@@ -4,8 +4,8 @@ import pytest
 from missions.flight_path import Circle, FlightPath, Level, StraightLegs, Wind
 from missions.loiter_power import mean_power_on_path, module_power_on_path
 from solar.geometry import ModuleGeometry, ModuleSurface
+from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
-from solar.power import horizontal_specific_power
 
 TIME_H = np.linspace(0.0, 24.0, 97)
 FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))

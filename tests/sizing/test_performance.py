@@ -18,8 +18,8 @@ from sizing.energy.cycle import Status, simulate_cycle
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
 from solar.clearsky import Irradiance, clear_sky
+from solar.horizontal_models import horizontal_specific_power
 from solar.names import ModelName
-from solar.power import horizontal_specific_power
 
 SEASON = mission(
     latitude_deg={"from_deg": 0.0, "to_deg": 70.0, "count": 3},

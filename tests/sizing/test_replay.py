@@ -12,7 +12,7 @@ from builders import AS2, UNLIMITED_AS2
 from missions.mission import Mission
 from sizing.performance import performance
 from sizing.replay import calendar_run
-from solar.power import horizontal_specific_power
+from solar.horizontal_models import horizontal_specific_power
 from solar.sun import equation_of_time_h
 
 

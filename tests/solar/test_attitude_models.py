@@ -8,8 +8,8 @@ from solar.attitude import direction_cosines
 from solar.attitude_models import full_model, verification_model
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, ModuleSurface
+from solar.horizontal_models import conceptual_analysis_model
 from solar.modules import IncidenceTable, LowLightTable, MpptTable, SolarCell
-from solar.power import conceptual_analysis_model
 from solar.shading import Shading, proportional_losses
 from solar.sun import sun_vector_ned
 

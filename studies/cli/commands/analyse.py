@@ -111,4 +111,4 @@ def analyse(
         plot_file,
         lambda: plot_cycle(result) if flight is None else plot_flight(result, flight),
     )
-    tell(case, case.named(result.to_dict()), result, as_json=as_json)
+    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))

@@ -84,6 +84,6 @@ def ceiling(
         plot_file,
         lambda: plot_ceiling(result),
     )
-    tell(case, case.named(result.to_dict()), result, as_json=as_json)
+    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
     if result.found.highest is None:
         raise SystemExit(EXIT_FAILED)

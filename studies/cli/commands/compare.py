@@ -165,7 +165,8 @@ def compare(
             "comparison.png": figure_bytes(plot_comparison(found), "comparison.png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
-    tell(case, record, found, as_json=as_json, out_dir=out_dir)
+    files = () if out_dir is not None else (csv_file, plot_file)
+    tell(case, record, found, as_json=as_json, out_dir=out_dir, files=files)
     sized = [one.built for one in found.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)

@@ -111,7 +111,7 @@ def map_(
             lambda: _drawn(data, resized=objective is not None),
         )
         named = case.named(record(data))
-        tell(case, named, lambda: table(data), as_json=as_json)
+        tell(case, named, lambda: table(data), as_json=as_json, files=(out_file, plot_file))
 
 
 def _drawn(data: xr.Dataset, *, resized: bool) -> Figure:

@@ -158,7 +158,7 @@ def sweep(
                 trouble = str(error)
         write_files_atomically(contents)
         record = case.named(points_record(data))
-        tell(case, record, lambda: points_summary(data), as_json=as_json)
+        tell(case, record, lambda: points_summary(data), as_json=as_json, files=map(str, contents))
         if trouble is not None:
             click.echo(f"solar-uav: no chart: {trouble}", err=True)
     if trouble is not None:

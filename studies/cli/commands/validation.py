@@ -105,7 +105,7 @@ def efficiencies(
         plot_file,
         lambda: study.plot_efficiencies(data),
     )
-    tell(case, {}, study.efficiency_table(data))
+    tell(case, {}, study.efficiency_table(data), files=(csv_file, plot_file))
 
 
 @click.command(name="reproduce-report")

@@ -22,8 +22,8 @@ from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.performance import performance
 from sizing.sunlight import SolarModel
+from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
-from solar.power import horizontal_specific_power
 
 pytestmark = pytest.mark.slow
 

@@ -24,8 +24,8 @@ from sizing.energy.battery import (
 )
 from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
 from sizing.sunlight import day_axis_h
+from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
-from solar.power import horizontal_specific_power
 from solar.types import FloatArray
 
 MEASURED = TableChargeLimit(

@@ -13,8 +13,8 @@ from sizing.energy.endurance import flight_time_h, longest_flight
 from sizing.energy.march import advance, empty_after_h
 from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import day_axis_h
+from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
-from solar.power import horizontal_specific_power
 from solar.types import FloatArray
 
 TIME = day_axis_h()

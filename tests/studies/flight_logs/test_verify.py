@@ -21,7 +21,7 @@ from sizing.aircraft import Aircraft, SolarModules
 from sizing.library import load_aircraft
 from solar.attitude_models import full_model
 from solar.geometry import ModuleGeometry, ModuleOutline
-from solar.power import HORIZONTAL_MODELS
+from solar.horizontal_models import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area
 from solar.types import FloatArray
 from studies.cli.__main__ import cli

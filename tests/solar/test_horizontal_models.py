@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 from solar.clearsky import Irradiance, clear_sky, global_horizontal
-from solar.modules import IncidenceTable, SolarCell
-from solar.names import ATTITUDE_MODELS, MODEL_NAMES, ModelName
-from solar.power import (
+from solar.horizontal_models import (
     conceptual_analysis_model,
     conceptual_design_model,
     horizontal_specific_power,
 )
+from solar.modules import IncidenceTable, SolarCell
+from solar.names import ATTITUDE_MODELS, MODEL_NAMES, ModelName
 from solar.sun import cos_zenith, declination, hour_angle, sun_times
 from solar.types import FloatArray
 
