@@ -1,4 +1,4 @@
-"""Quantities of a design that may be bounded, and what a design must be besides staying up.
+"""Limits on a design: quantities that may be bounded, and constraints besides those of energy.
 
 The formulas use arithmetic only, so that floats, arrays and symbolic expressions pass alike.
 """

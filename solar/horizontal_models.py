@@ -1,4 +1,4 @@
-"""Specific electric power of horizontal solar modules: the models CDM and CAM.
+"""Conceptual Design Model (CDM) and Conceptual Analysis Model (CAM): horizontal solar modules.
 
 Every function returns power per module area [W/m2] behind the MPPT; times the module
 area it is what reaches battery and load. Source: Oettershagen, "High-Fidelity Solar Power Income

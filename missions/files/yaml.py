@@ -1,4 +1,4 @@
-"""YAML files as plain data that remembers the line and column of each key and value.
+"""YAML files as plain data that remembers line and column of each key and value, for mistakes.
 
 The subset of YAML 1.2 that is read has no tags, no merge keys, no octal numbers, and only text
 for keys; an unquoted date, time, ``yes`` or ``on`` is text. Limits keep hostile files harmless.

@@ -1,4 +1,4 @@
-"""One scenario's cycle as a symbolic function: the night's deficit and what the day returns.
+"""Energy constraints of one scenario: the night's deficit and what the day returns, as symbols.
 
 Time runs over nodes between the last dark instant before sunrise and the first one after sunset of
 each scenario. Step and darkness are parameters like the sun, so that the function serves any day.

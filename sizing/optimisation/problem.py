@@ -1,4 +1,7 @@
-"""The sizing problem as a small nonlinear program.
+"""The sizing problem: variables, objective and constraints of a small nonlinear program.
+
+Constraints are the mass budget, those of the energy over a day, whose expressions come from
+:mod:`sizing.optimisation.energy_constraints`, and the limits of :mod:`sizing.limits`.
 
 Variables are wingspan, battery mass, module area and total mass, on request aspect ratio, lift
 coefficient and payload, the state of charge at dawn of every scenario, and the worst excess time.
