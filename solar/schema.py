@@ -81,4 +81,13 @@ PositiveInteger = Annotated[int, Strict(), Field(gt=0)]
 NonNegativeInteger = Annotated[int, Strict(), Field(ge=0)]
 
 Flag = Annotated[bool, Strict()]
-Text = Annotated[str, Strict(), Field(min_length=1, pattern=r"\S")]
+
+
+def _printable(text: str) -> str:
+    """Refuse control characters, which terminals obey and files of figures cannot hold."""
+    if not text.isprintable():
+        raise ValueError(f"must not hold control characters (got {ascii(text)[:60]})")
+    return text
+
+
+Text = Annotated[str, Strict(), Field(min_length=1, pattern=r"\S"), AfterValidator(_printable)]

@@ -62,6 +62,8 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     """
     result = dataclasses.replace(document, data=copy.deepcopy(document.data))
     problems: list[Problem] = []
+    if isinstance(overrides, str):
+        raise TypeError(f"overrides are a mapping or a list of texts (got the text {overrides!r})")
     values = overrides if isinstance(overrides, Mapping) else None
     for given in overrides:
         key, equals, text = given.partition("=") if values is None else (given, "=", "")

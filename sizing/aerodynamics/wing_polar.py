@@ -81,6 +81,10 @@ class WingPolar(Record):
                 "cannot read {file}: {why}",
                 {"key": "airfoil", "file": repr(self.airfoil), "why": str(error.strerror)},
             ) from error
+        except ValueError as error:
+            raise PydanticCustomError(
+                "polar", "{why}", {"key": "airfoil", "why": str(error)}
+            ) from error
         if self.lift_coefficient is not None and self.lift_coefficient > highest:
             raise ValueError(
                 f"lift_coefficient must be at most {highest:.3g}, which is {self.stall_margin:g} "

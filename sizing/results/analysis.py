@@ -16,7 +16,7 @@ from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance
 from sizing.replay import CalendarRun, calendar_run
-from sizing.results.records import finite
+from sizing.results.records import check_subjects, finite
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Analysis(Result):
     """Performance of an aircraft in the scenarios of a mission.
 
@@ -187,11 +187,14 @@ def analyse(
 
     Raises
     ------
+    TypeError
+        For what is no aircraft or mission, such as their names.
     ValueError
         For an unknown model or correction, or a model that lacks surfaces or path.
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
     """
+    check_subjects(aircraft, mission)
     solar = SolarModel(model, correction)
     rms = solar.rms_relative
     factors = (1.0 - rms, 1.0, 1.0 + rms)

@@ -7,7 +7,33 @@ from collections.abc import Mapping
 from typing import Any
 
 from missions.dates import date_label
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
 from sizing.results.tables import MISSING, UNLIMITED
+
+
+def check_subjects(aircraft: object, mission: object) -> None:
+    """Refuse what is no aircraft and no mission, such as the names of some.
+
+    Parameters
+    ----------
+    aircraft : object
+    mission : object
+
+    Raises
+    ------
+    TypeError
+        That says how to load one.
+    """
+    for thing, kind, load in (
+        (aircraft, Aircraft, "sizing.load_aircraft"),
+        (mission, Mission, "missions.load_mission"),
+    ):
+        if not isinstance(thing, kind):
+            raise TypeError(
+                f"expected {kind.__name__} (got {type(thing).__name__}); {load}(name or path) "
+                "reads one"
+            )
 
 
 def finite(value: Any) -> float | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_code
+from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables, FlightConditions
@@ -27,7 +28,7 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.performance import Performance, performance_of_designs
 from sizing.results.analysis import uncertainty_record
-from sizing.results.records import finite, finite_values
+from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, solar_day
 from solar._version import __version__
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class SizingStudy(Result):
     """A sizing and what was asked about it.
 
@@ -260,11 +261,16 @@ def size(
     Raises
     ------
     TypeError
-        For a measured aircraft.
+        For a measured aircraft, or what is no aircraft or mission.
     ValueError
-        For an unknown objective, model or correction.
+        For an unknown objective, model or correction, or an impossible required excess time.
     """
+    check_subjects(aircraft, mission)
     wanted, solar = checked_objective(objective), SolarModel(model, correction)
+    if required_excess_time_h is not None:
+        # The mission's rules for its own requirement hold for another one, too.
+        other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
+        required_excess_time_h = other.required_excess_time_h
     problems = SizingProblems(aircraft)
     coverage = None
     options: dict[str, Any] = {

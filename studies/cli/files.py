@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from typing import Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from missions.files.errors import OVERRIDE, InputError, Problem, file_error
+from missions.files.errors import OVERRIDE, InputError, Problem, file_error, printable
 from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
 from missions.files.validation import validate
@@ -220,6 +221,9 @@ def load(
     """
     is_default = _is_default("mission")
     folder = RunFolder.at(aircraft)
+    if folder is None and os.path.isdir(aircraft):  # noqa: PTH112 - takes any text for a path
+        message = "is a folder without run.json; allowed: a folder that --out wrote, or a file"
+        raise file_error(printable(aircraft), message)
     if folder is not None:
         aircraft = folder.aircraft
         if is_default:

@@ -96,7 +96,7 @@ class RunFolder:
         try:
             record = json.loads((folder / RUN).read_text(encoding="utf-8"))
             model, correction = record["model"], record["correction"]
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             model = correction = None
         if model not in MODEL_NAMES or correction not in CORRECTION_NAMES:
             raise file_error(str(folder / RUN), "is not the record of a run of solar-uav")
@@ -106,7 +106,9 @@ class RunFolder:
 def write_run_folder(
     folder: Path, inputs: RunInputs, record: Any, extra: Mapping[str, bytes]
 ) -> None:
-    """Write a folder of results whole or not at all; existing files of these names are replaced.
+    """Write a folder of results whole or not at all.
+
+    Existing files of these names are replaced; what an earlier run wrote besides is removed.
 
     Parameters
     ----------
@@ -132,11 +134,24 @@ def write_run_folder(
     contents = {
         AIRCRAFT: _described(aircraft, files["aircraft"]),
         MISSION: _described(inputs.mission, files["mission"]),
-        RUN: _json_bytes(_run_record(inputs.solar, files)),
+        RUN: b"",
         RESULTS: _json_bytes(record),
         **extra,
     }
+    contents[RUN] = _json_bytes({**_run_record(inputs.solar, files), "files": sorted(contents)})
+    earlier = _files_of_run(folder)
     write_folder(folder, contents)
+    for name in earlier - contents.keys():
+        (folder / name).unlink(missing_ok=True)
+
+
+def _files_of_run(folder: Path) -> set[str]:
+    """Files that an earlier run wrote into a folder; none but its own, and none elsewhere."""
+    try:
+        names = json.loads((folder / RUN).read_text(encoding="utf-8"))["files"]
+        return {name for name in names if Path(name).name == name and name not in (".", "..")}
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return set()
 
 
 def _json_bytes(record: Any) -> bytes:

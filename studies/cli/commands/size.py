@@ -92,6 +92,8 @@ def size(
         refuse_polar_night(case)
     require_path(case)
     if out_dir is not None:
+        if not out_dir:
+            raise click.BadParameter("needs the name of a folder", param_hint="--out")
         check_writable_folder(Path(out_dir))
     study = sizing.size(
         *(case.aircraft, case.mission, asked),

@@ -128,3 +128,26 @@ def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual() -> None:
     short = sizing.analyse(aircraft, missions.load_mission("rafz-july", ["dates={on: 12-21}"]))
     assert not short.is_perpetual
     assert math.isfinite(short.to_frame()["endurance_h"][0])
+
+
+@pytest.mark.parametrize("hours", [-1.0, math.nan, 1e9, "3"])
+def test_an_impossible_required_excess_time_is_refused(design: Aircraft, hours: float) -> None:
+    with pytest.raises(ValueError, match="required_excess_time_h: must be"):
+        sizing.size(design, missions.load_mission("rafz-july"), required_excess_time_h=hours)
+
+
+def test_names_are_no_aircraft_and_no_mission(design: Aircraft) -> None:
+    mission = missions.load_mission("rafz-july")
+    with pytest.raises(TypeError, match=r"sizing.load_aircraft\(name or path\) reads one"):
+        sizing.analyse("atlantiksolar-as2", mission)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="expected Mission \\(got str\\)"):
+        sizing.size(design, "rafz-july")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="overrides are a mapping or a list of texts"):
+        sizing.load_aircraft("sky-sailor", "power.avionics_w=8")
+
+
+def test_results_are_compared_by_identity(analysis: Analysis) -> None:
+    again = sizing.analyse(analysis.aircraft, analysis.mission, correction="report")
+    assert analysis == analysis
+    assert analysis != again
+    assert len({analysis, again}) == 2

@@ -142,7 +142,7 @@ def test_byte_order_mark_and_line_ends_of_windows_are_read(run: Run, tmp_path: P
         (("analyse", "atlantiksolar-as3"), f"did you mean '{AS2}'?"),
         (("analyse", "rafz-july"), "no shipped aircraft of that name"),
         (("analyse", AS2, "-m", AS2), "no shipped mission of that name"),
-        (("analyse", "."), ".: is a folder, not a file"),
+        (("analyse", "."), ".: is a folder without run.json"),
         (("size", DESIGN, "-m", "."), ".: is a folder, not a file"),
         (("validate", "missing.yaml"), "missing.yaml: no such file"),
         (("size", AS2, "-m", "rafz-july"), "airframe.kind: a measured aircraft cannot be sized"),

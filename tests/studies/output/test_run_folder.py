@@ -153,7 +153,10 @@ def test_every_folder_is_complete(
 
 def test_a_folder_that_is_not_one_of_results(run: Run, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
-    assert run("analyse", "empty").err == "empty: is a folder, not a file\n"
+    assert (
+        run("analyse", "empty").err
+        == "empty: is a folder without run.json; allowed: a folder that --out wrote, or a file\n"
+    )
     (tmp_path / "broken").mkdir()
     for text in ("", "[]", "{}", '{"model": "XYZ", "correction": "none"}'):
         (tmp_path / "broken" / "run.json").write_text(text)
@@ -200,3 +203,44 @@ def test_a_measured_aircraft_in_a_folder(run: Run, tmp_path: Path) -> None:
     run("compare", "bird.yaml", "-m", "field.yaml", "--no-design", "--out", "bird")
     after = run("analyse", "bird", "--json").json()
     assert after == before
+
+
+def test_what_an_earlier_run_wrote_does_not_stay_beside_another_aircraft(
+    run: Run, tmp_path: Path
+) -> None:
+    size = ("size", "-m", "rafz-july", "--required-excess-time", "2", "--out", "both")
+    assert run(*size, "sky-sailor", "--sensitivities").code == 0
+    assert (tmp_path / "both" / "sensitivities.csv").exists()
+    (tmp_path / "both" / "notes.txt").write_text("mine")
+    assert run(*size, "atlantiksolar-design").code == 0
+    names = {path.name for path in (tmp_path / "both").iterdir()}
+    record = json.loads((tmp_path / "both" / "run.json").read_text())
+    assert names == {*record["files"], "notes.txt"}
+    assert "sensitivities.csv" not in names
+
+
+def test_a_folder_without_a_run_and_a_damaged_one_are_refused_in_words(
+    run: Run, tmp_path: Path
+) -> None:
+    (tmp_path / "empty").mkdir()
+    outcome = run("analyse", "empty")
+    assert outcome.code == 2
+    assert "empty: is a folder without run.json" in outcome.err
+    (tmp_path / "empty" / "run.json").write_text("[" * 200_000)
+    outcome = run("analyse", "empty")
+    assert outcome.code == 2
+    assert "is not the record of a run" in outcome.err
+
+
+def test_an_empty_name_is_no_folder(run: Run, tmp_path: Path) -> None:
+    outcome = run("size", "sky-sailor", "-m", "rafz-july", "--out", "")
+    assert outcome.code == 2
+    assert "--out" in outcome.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_name_with_control_characters_is_refused(run: Run) -> None:
+    outcome = run("analyse", "atlantiksolar-as2", "--set", 'name="a\\e[31mb"')
+    assert outcome.code == 2
+    assert "must not hold control characters" in outcome.err
+    assert "\x1b" not in outcome.err
