@@ -100,6 +100,7 @@ class Analysis(Result):
         result = records[self.worst] | {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
+            "mission_is_default": False,  # a command without --mission says so
             "model": solar.model,
             "correction": solar.correction,
             "total_mass_kg": finite(design.total_mass_kg),

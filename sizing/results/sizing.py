@@ -347,6 +347,7 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
         "status": result.status.name,
         "aircraft": aircraft.name,
         "mission": mission.name,
+        "mission_is_default": False,  # a command without --mission says so
         "objective": {
             "name": result.objective.value,
             "value": None if result.objective_value is None else finite(result.objective_value),
