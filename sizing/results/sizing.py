@@ -191,7 +191,7 @@ class SizingStudy(Result):
         from sizing.results.sizing_summary import design_rows
 
         self._optimum()
-        return pd.DataFrame(design_rows(self), columns=["quantity", "value", "unit"])
+        return pd.DataFrame(design_rows(self.to_dict()), columns=["quantity", "value", "unit"])
 
     def masses(self) -> pd.DataFrame:
         """Mass budget, one row per item."""

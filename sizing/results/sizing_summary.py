@@ -41,7 +41,7 @@ def summary(study: SizingStudy) -> Summary:
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
     if at_bounds:
         blocks.append(Line("at the end of the design space: " + "; ".join(at_bounds), "warning"))
-    blocks.append((_design_table(study, record), _mass_table(record)))
+    blocks.append((_design_table(record), _mass_table(record)))
     limits = [name for name in study.result.active_constraints if name not in at_bounds]
     if limits:
         blocks.append("limited by: " + "; ".join(limits))
@@ -78,9 +78,8 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     return [*blocks, *(f"  {one.text}" for one in study.relaxations)]
 
 
-def design_rows(study: SizingStudy) -> list[tuple[str, float, str]]:
-    """Design as rows of quantity, value and unit."""
-    record = study.to_dict()
+def design_rows(record: dict[str, Any]) -> list[tuple[str, float, str]]:
+    """Design of a sizing's record as rows of quantity, value and unit."""
     quantities = record["quantities"]
     rows = [
         ("wingspan", record["wingspan_m"], "m"),
@@ -100,10 +99,10 @@ def design_rows(study: SizingStudy) -> list[tuple[str, float, str]]:
 _FORMS = {"m": ".3f", "": ".2f", "kg": ".3f", "m2": ".3f", "m/s": ".2f", "kg/m2": ".2f", "W": ".1f"}
 
 
-def _design_table(study: SizingStudy, record: dict[str, Any]) -> Table:
+def _design_table(record: dict[str, Any]) -> Table:
     rows = [
         (name, f"{value:{_FORMS[unit]}} {unit}".rstrip())
-        for name, value, unit in design_rows(study)
+        for name, value, unit in design_rows(record)
     ]
     simulated = record["simulated"]
     where = record["worst_scenario"]["label"]
