@@ -61,6 +61,22 @@ def test_curve_is_the_interpolant_of_scipy(curve: Curve, seed: int) -> None:
     np.testing.assert_allclose(curve(x), expected, rtol=1e-12, atol=1e-11)
 
 
+@given(curves())
+def test_pieces_of_a_curve_are_those_of_scipy_to_the_last_bit(curve: Curve) -> None:
+    assert_pieces_of_scipy(curve)
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, "mppt_atlantiksolar"])
+def test_pieces_of_a_shipped_curve_are_those_of_scipy_to_the_last_bit(name: str) -> None:
+    assert_pieces_of_scipy(shipped_curve(name))
+
+
+def assert_pieces_of_scipy(curve: Curve) -> None:
+    with np.errstate(over="ignore"):  # SciPy's own, where slopes are next to zero
+        expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y)).c
+    np.testing.assert_array_equal(curve._pieces.cubic, expected)
+
+
 def test_curve_with_points_close_together_is_searched() -> None:
     curve = Curve(x=(0.0, 1e-6, 1.0), y=(0.0, 1.0, 2.0))
     x = np.array([0.0, 5e-7, 1e-6, 0.5, 1.0])
