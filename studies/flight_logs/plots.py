@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from solar.names import ModelName
 from solar.types import BoolArray, FloatArray, IntArray
@@ -25,6 +24,10 @@ from studies.output.plots import (
     new_figure,
     shade,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 MEASURED, LOGGED, LIMITED = "black", BLUE, YELLOW
 # More points than this are not told apart on a page.
@@ -50,7 +53,7 @@ class _View:
     excluded: BoolArray
 
 
-Draw = Callable[[Axes, _View], None]
+Draw: TypeAlias = "Callable[[Axes, _View], None]"
 
 
 def figures(result: Verification) -> Iterator[tuple[str, Figure]]:

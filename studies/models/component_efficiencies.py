@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
-from matplotlib.figure import Figure
 
 from missions.loiter_power import module_power_on_path
 from missions.mission import Mission
@@ -19,6 +17,10 @@ from solar._version import __version__
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
 from studies.output.plots import BLUE, GREEN, PURPLE, VERMILLION, new_figure
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 _LABELS = {
     "incidence_efficiency": ("angle of incidence", VERMILLION),
@@ -59,6 +61,8 @@ def component_efficiencies(
     ValueError
         If the aircraft has no module geometry or the mission no flight path.
     """
+    import xarray as xr
+
     geometry, path = aircraft.modules.geometry, mission.flight_path
     if geometry is None or path is None:
         raise ValueError("component efficiencies need modules.geometry and a flight_path")

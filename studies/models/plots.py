@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from missions.dates import MONTH_NAMES
 from sizing.optimisation.objectives import Objective
@@ -16,6 +13,11 @@ from studies.maps.season import Season
 from studies.models.comparison import Case, Comparison
 from studies.models.solar_models import model_label
 from studies.output.plots import BLUE, GREEN, VERMILLION, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 # A marker for each colour, so that print in grey is read as well.
 _LOOKS = {
@@ -93,6 +95,8 @@ def _heights(cases: tuple[Case, ...]) -> Any:
 
 
 def _legend(comparison: Comparison) -> list[Line2D]:
+    from matplotlib.lines import Line2D
+
     def entry(label: str, color: str = "black", marker: str = "", ls: Any = "") -> Line2D:
         return Line2D([], [], color=color, marker=marker, linestyle=ls, label=label)
 

@@ -12,8 +12,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from missions.dates import date_label, day_of_year
 from missions.files.writing import write_bytes_atomically
@@ -25,6 +23,8 @@ from studies.output.formats import IMAGE_FORMATS, image_format
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.optimisation.sensitivity import Sensitivity
@@ -81,6 +81,8 @@ def new_figure(
     panels : list of Axes
         Row by row.
     """
+    from matplotlib.figure import Figure  # half a second, for those who draw only
+
     figure = Figure(figsize=size_in, layout="constrained")
     panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
     for axes in panels:

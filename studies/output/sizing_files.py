@@ -7,8 +7,6 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-import pandas as pd
-
 from missions.dates import date_code
 from missions.mission import MAXIMUM_SCENARIOS
 from sizing.optimisation.coverage import WidestRange
@@ -82,6 +80,8 @@ def sizing_files(study: SizingStudy) -> dict[str, bytes]:
         "masses.png": plots.to_bytes(masses, "png"),
     }
     if worth:
+        import pandas as pd
+
         contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(sensitivity_records(worth)))
         tornado = plots.plot_sensitivities(worth, result.objective, sized.name, solar)
         contents["sensitivities.png"] = plots.to_bytes(tornado, "png")

@@ -8,10 +8,9 @@ Hand-Launchable UAV for Low-Altitude Multi-Day Continuous Flight, ICRA 2015.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.polar_table import shipped_airfoils
@@ -31,6 +30,9 @@ from studies.output.plots import (
     to_bytes,
 )
 from studies.validation.built_aircraft import ATLANTIKSOLAR
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _COLOURS = (BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION)
 

@@ -13,7 +13,6 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from missions.flight_path import Circle
 from missions.library import load_mission
@@ -28,6 +27,7 @@ from studies.output.plots import MODEL_COLOURS, new_figure, shade
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 AIRCRAFT, MISSION = "atlantiksolar-as2", "rafz-loiter"
 MEASURED_W = 99.61

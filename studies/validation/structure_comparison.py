@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
@@ -32,6 +32,9 @@ from studies.validation.built_aircraft import (
     calibrated_rib_wing,
     family,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # The calibration of the simpler model, fitted to the same number.
 SPAR_CALIBRATION = 1.109
