@@ -1,0 +1,256 @@
+"""What the product says of a wild problem, held against a search by simulation."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from benchmarks.simulated_search import FINE_STEP_H, Effort, Found, Judge, judge_of, search
+from benchmarks.wild_problems import WildProblem
+from missions.files.overrides import with_values
+from sizing.design import DesignVariables
+from sizing.optimisation.coverage import widest_range
+from sizing.optimisation.infeasibility import least_mission
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.relaxations import Relaxation, relaxations
+from sizing.optimisation.result import (
+    ABSOLUTE_TOLERANCE_H,
+    RELATIVE_TOLERANCE,
+    SizingResult,
+    SizingStatus,
+)
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import Performance
+from sizing.sunlight import DEFAULT_STEP_H
+
+_EDGE = 0.999  # of the largest excess time
+_PAYLOAD_TOLERANCE = 0.001  # of the total mass or load, as in the cross-check
+_FINE_ALLOWANCE_H = 0.02  # of excess time, between steps of one and of five minutes
+_SAME = 1e-6  # relative, of what the product's own design is simulated to
+
+# Verdicts; all but the first two speak against the product.
+AGREE, BETTER = "agree", "product better"
+FALSE_OPTIMUM, FALSE_INFEASIBLE = "false optimum", "false infeasible"
+NOT_CONVERGED, UNSOUND, ERROR = "not converged", "unsound", "error"
+PASSED = (AGREE, BETTER)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What the product says: status, value and design; ``nearest`` where there is no optimum."""
+
+    status: str
+    value: float | None = None
+    design: DesignVariables | None = None
+    nearest: DesignVariables | None = None
+    cpu_s: float = 0.0
+    text: str = ""
+    result: SizingResult | None = None
+
+
+def at_the_edge(problem: WildProblem) -> WildProblem:
+    """Edge problems with the required excess time just below the largest one that there is."""
+    if not problem.edge:
+        return problem
+    mission = least_mission(problem.mission, problem.objective)
+    largest = size_aircraft(
+        problem.aircraft,
+        mission,
+        Objective.max_excess_time,
+        problem.solar,
+        required_excess_time_h=0.0,
+    )
+    value = largest.objective_value
+    if value is None or not math.isfinite(value):
+        return problem
+    return problem.requiring(_EDGE * value)
+
+
+def claim_of(problem: WildProblem) -> Claim:
+    """What the product says of a problem."""
+    given = (problem.aircraft, problem.mission, problem.objective, problem.solar)
+    begun = time.process_time()
+    try:
+        if problem.objective.of_range:
+            wide = widest_range(*given, required_excess_time_h=problem.required_h)
+            result, value = wide.sizing, wide.extent
+        else:
+            result = size_aircraft(*given, required_excess_time_h=problem.required_h)
+            value = result.objective_value
+    except Exception as error:  # noqa: BLE001 - any of them is a finding
+        cpu_s = time.process_time() - begun
+        return Claim("error", cpu_s=cpu_s, text=f"{type(error).__name__}: {error}")
+    cpu_s = time.process_time() - begun
+    if result.design is None:
+        nearest = None if result.nearest is None else result.nearest.design.variables.mapped(float)
+        text = "; ".join(v.text for v in result.violations)
+        return Claim(result.status.name, None, None, nearest, cpu_s, text, result)
+    design = result.design.variables
+    return Claim(result.status.name, value, design, None, cpu_s, result=result)
+
+
+def judged(
+    problem: WildProblem, claim: Claim, seed: int = 0, effort: Effort | None = None
+) -> dict[str, Any]:
+    """Verdict on a claim, by a search that is independent of it.
+
+    Parameters
+    ----------
+    problem : WildProblem
+        With its final required excess time.
+    claim : Claim
+        What the product says.
+    seed : int
+        Of the search.
+    effort : Effort, optional
+        Length of the search.
+
+    Returns
+    -------
+    dict
+        One row: the claim, what the search found, and the verdict.
+    """
+    judge = judge_of(problem)
+    begun = time.process_time()
+    found = search(judge, seed, claim.design or claim.nearest, effort)
+    searched_s = time.process_time() - begun
+    verdict, gain = _verdict(judge, claim, found)
+    return {
+        "number": problem.seed,
+        "objective": problem.objective.value,
+        "required_h": problem.required_h,
+        "model": problem.solar.model,
+        "correction": problem.solar.correction,
+        "tags": list(problem.tags),
+        "status": claim.status,
+        "value": _plain(claim.value),
+        "design": _plain_design(claim.design),
+        "says": claim.text,
+        "product_cpu_s": claim.cpu_s,
+        "verdict": verdict,
+        "gain_percent": _plain(gain),
+        "found": _plain(_signed(judge, found.cost)) if found.feasible else None,
+        "missed": found.missed,
+        "found_design": _plain_design(found.variables),
+        "designs": judge.simulated,
+        "search_cpu_s": searched_s,
+    }
+
+
+def _verdict(judge: Judge, claim: Claim, found: Found) -> tuple[str, float | None]:
+    """Verdict, and by how many per cent the search is better than the product."""
+    feasible = found.feasible and not math.isnan(_at(judge, found.variables, fine=True)[0])
+    value = _signed(judge, found.cost)
+    if claim.status == "error":
+        return ERROR, None
+    if claim.status == "not_converged":
+        return NOT_CONVERGED, None
+    if claim.value is None or claim.design is None:
+        return (FALSE_INFEASIBLE if feasible else AGREE), None
+    own, perf = _at(judge, claim.design)
+    if math.isnan(own) or not _same(judge, own, claim.value):
+        return UNSOUND, None
+    if own == value or not found.feasible:
+        return (AGREE if own == value else BETTER), 0.0
+    gain = (value - own) if judge.problem.objective.maximised else (own - value)
+    tolerance = _tolerance(judge, own, perf)
+    percent = 100.0 * gain / max(abs(own), 1e-9)
+    if gain > tolerance:
+        return (FALSE_OPTIMUM if feasible else AGREE), percent
+    return (BETTER if gain < -tolerance else AGREE), percent
+
+
+def _at(
+    judge: Judge, variables: DesignVariables, *, fine: bool = False
+) -> tuple[float, Performance]:
+    """Value of one design, NaN where it misses a requirement, and its performance."""
+    step_h = FINE_STEP_H if fine else DEFAULT_STEP_H
+    perf = judge.performance(variables.mapped(lambda v: np.atleast_1d(float(v))), step_h)
+    value = judge.value(perf, _FINE_ALLOWANCE_H if fine else 0.0)
+    return float(value[0]), perf
+
+
+def _same(judge: Judge, own: float, claimed: float) -> bool:
+    if judge.problem.objective.of_range:
+        return int(own) >= int(claimed)  # the design may do more than the range it was found for
+    return own == claimed or abs(own - claimed) <= _SAME * max(abs(own), 1.0)
+
+
+def _tolerance(judge: Judge, value: float, perf: Performance) -> float:
+    """By how much a value must be better to count, in its unit; the cross-check's."""
+    least = {
+        Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
+        Objective.max_payload_mass: _PAYLOAD_TOLERANCE * float(perf.design.total_mass_kg[0]),
+        Objective.max_payload_power: _PAYLOAD_TOLERANCE * float(np.max(perf.nominal_load_w)),
+        # Whole members; the fraction is the search's own.
+        Objective.longest_season: 1.0,
+        Objective.widest_latitude_band: 1.0,
+    }
+    return max(RELATIVE_TOLERANCE * abs(value), least.get(judge.problem.objective, 0.0))
+
+
+def _signed(judge: Judge, cost: float) -> float:
+    return -cost if judge.problem.objective.maximised else cost
+
+
+def _plain(value: float | None) -> float | str | None:
+    """Number for JSON, which has no infinity."""
+    if value is None or math.isfinite(value):
+        return value
+    return "unlimited" if value > 0.0 else None
+
+
+def _plain_design(design: DesignVariables | None) -> dict[str, float] | None:
+    if design is None:
+        return None
+    return {name: float(value) for name, value in design.chosen().items()}
+
+
+# --- relaxations ------------------------------------------------------------------------------
+
+
+def checked_relaxations(problem: WildProblem, claim: Claim) -> list[dict[str, Any]]:
+    """Relaxations of an infeasible problem, each tried at its printed value.
+
+    Parameters
+    ----------
+    problem : WildProblem
+        As it was sized, for a single design.
+    claim : Claim
+        Infeasible.
+
+    Returns
+    -------
+    list of dict
+        Text and status of each; ``optimal`` is as it should be.
+    """
+    if claim.result is None or claim.result.status is not SizingStatus.infeasible:
+        return []
+    given = (problem.aircraft, problem.mission, claim.result, problem.solar)
+    try:
+        return [
+            {"text": found.text, "status": _relaxed_status(problem, found)}
+            for found in relaxations(*given)
+        ]
+    except Exception as error:  # noqa: BLE001 - any of them is a finding
+        return [{"text": f"{type(error).__name__}: {error}", "status": "error"}]
+
+
+def _relaxed_status(problem: WildProblem, found: Relaxation) -> str:
+    """Status of the sizing with one parameter at the value that is printed."""
+    aircraft, mission, required_h = problem.aircraft, problem.mission, problem.required_h
+    printed = float(f"{found.value:g}")
+    if found.parameter == "mission.required_excess_time_h":
+        required_h = printed
+    elif found.parameter.startswith("mission."):
+        mission = with_values(mission, {found.parameter.removeprefix("mission."): printed})
+    else:
+        aircraft = with_values(aircraft, {found.parameter: printed})
+    result = size_aircraft(
+        aircraft, mission, problem.objective, problem.solar, required_excess_time_h=required_h
+    )
+    return result.status.name
