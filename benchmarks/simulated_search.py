@@ -44,7 +44,7 @@ class Axis(NamedTuple):
         """Value at a share of the logarithmic range."""
         ends = np.log(self.low + self.offset), np.log(self.high + self.offset)
         raw = np.exp(ends[0] + share * (ends[1] - ends[0])) - self.offset
-        return np.clip(raw, self.low, self.high)
+        return np.asarray(np.clip(raw, self.low, self.high))
 
     def share(self, value: float) -> float:
         """Share of the logarithmic range at which the value lies."""
@@ -96,7 +96,7 @@ class Judge:
 
     def variables(self, shares: FloatArray) -> DesignVariables:
         """Designs at shares of the logarithmic ranges, one design a row."""
-        own = {name: value for name, value in variables_of(self.problem.aircraft).chosen().items()}
+        own = variables_of(self.problem.aircraft).chosen()
         fixed = {name: np.full(len(shares), value) for name, value in own.items()}
         free = {axis.name: axis.value(shares[:, i]) for i, axis in enumerate(self.axes)}
         return DesignVariables(**(fixed | free))
@@ -348,4 +348,4 @@ def _around(judge: Judge, rng: np.random.Generator, centre: FloatArray, count: i
     spread = np.resize(_SPREADS, count)[:, np.newaxis] / widths
     shares = centre + spread * rng.standard_normal((count, len(centre)))
     shares[0] = centre
-    return np.clip(shares, 0.0, 1.0)
+    return np.asarray(np.clip(shares, 0.0, 1.0))

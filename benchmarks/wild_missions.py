@@ -2,8 +2,9 @@
 
 ``python -m benchmarks.wild_missions --count 500 --seed 0``. Each problem is drawn from the seed and
 its number (:mod:`benchmarks.wild_problems`), sized, and searched for a better or, where it is said
-to be infeasible, for any feasible design (:mod:`benchmarks.simulated_search`). With ``--rows`` every
-row is kept as it is made, a line of JSON each: run again, the command goes on where it stopped.
+to be infeasible, for any feasible design (:mod:`benchmarks.simulated_search`). With ``--rows``
+every row is kept as it is made, a line of JSON each: run again, the command goes on where it
+stopped.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from benchmarks.wild_verdicts import (
 )
 from missions.files.writing import to_yaml
 
-_RELAXED_EVERY = 4  # of the infeasible problems, one in so many has its relaxations tried
+_RELAXED_EVERY = 2  # of the infeasible problems, one in so many has its relaxations tried
 
 
 def row_of(number: int, seed: int = 0) -> tuple[dict[str, Any], WildProblem]:
@@ -48,9 +49,9 @@ def row_of(number: int, seed: int = 0) -> tuple[dict[str, Any], WildProblem]:
     problem = at_the_edge(wild_problem(seed, number))
     claim = claim_of(problem)
     row = judged(problem, claim, seed=number)
-    if claim.status == "infeasible" and number % _RELAXED_EVERY == 0:
-        if not problem.objective.of_range:
-            row["relaxations"] = checked_relaxations(problem, claim)
+    single = not problem.objective.of_range
+    if claim.status == "infeasible" and single and number % _RELAXED_EVERY == 0:
+        row["relaxations"] = checked_relaxations(problem, claim)
     return row, problem
 
 
@@ -157,7 +158,12 @@ def _kept(rows_file: Path | None) -> dict[int, dict[str, Any]]:
     "--cases", type=click.Path(path_type=Path), help="Folder for the files of problems that fail."
 )
 def main(
-    count: int, first: int, seed: int, only: tuple[int, ...], rows_file: Path | None, cases: Path | None
+    count: int,
+    first: int,
+    seed: int,
+    only: tuple[int, ...],
+    rows_file: Path | None,
+    cases: Path | None,
 ) -> None:
     """Size wild problems, search for better designs by simulation, print what does not agree."""
     numbers = _numbers(only, first, count)

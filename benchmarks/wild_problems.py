@@ -264,13 +264,17 @@ def _mission(draw: _Draw, scale: str) -> tuple[Mission, list[str]]:
         "clearness": draw.choice({1.0: 0.4, draw.between(0.5, 1.0): 0.6}),
         "turbulence": {
             "all_day": draw.choice({0.0: 0.5, draw.between(0.0, 0.8): 0.5}),
-            "thermal": draw.choice({0.0: 0.5, draw.between(0.0, 0.5): 0.3, draw.between(0, 3): 0.2}),
+            "thermal": draw.choice(
+                {0.0: 0.5, draw.between(0.0, 0.5): 0.3, draw.between(0, 3): 0.2}
+            ),
         },
         "payload": {
             "mass_kg": draw.choice({0.0: 0.4, draw.between(0.0, heavy): 0.6}),
             "power_w": draw.choice({0.0: 0.4, 10.0 * draw.between(0.0, heavy): 0.6}),
         },
-        "wind_m_per_s": draw.choice({0.0: 0.5, draw.between(0.0, 9.0): 0.35, draw.between(5, 25): 0.15}),
+        "wind_m_per_s": draw.choice(
+            {0.0: 0.5, draw.between(0.0, 9.0): 0.35, draw.between(5, 25): 0.15}
+        ),
         "uncertainty_margins": {
             "solar_model_sigmas": draw.choice({0.0: 0.6, draw.between(0.0, 2.0): 0.4}),
             "battery_capacity": draw.choice({1.0: 0.6, draw.between(0.5, 1.0): 0.4}),
@@ -314,7 +318,9 @@ def _place_and_season(draw: _Draw, where: str) -> tuple[Any, dict[str, Any], lis
     # Day of the year near the summer solstice of the hemisphere, or any.
     summer = 172.0 if sign > 0.0 else 355.0
     season = draw.choice({"summer": 0.6, "any": 0.4})
-    middle = summer + 45.0 * float(draw.rng.normal()) if season == "summer" else draw.between(1, 366)
+    middle = (
+        summer + 45.0 * float(draw.rng.normal()) if season == "summer" else draw.between(1, 366)
+    )
     length = draw.choice({0: 0.45, draw.log_between(2.0, 120.0): 0.45, draw.between(120, 365): 0.1})
     first, last = (_date(middle + sign * length / 2.0) for sign in (-1.0, 1.0))
     dates: dict[str, Any] = {"on": first} if length == 0 else {"from": first, "to": last}

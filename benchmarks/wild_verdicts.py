@@ -74,14 +74,15 @@ def claim_of(problem: WildProblem) -> Claim:
     """What the product says of a problem."""
     given = (problem.aircraft, problem.mission, problem.objective, problem.solar)
     begun = time.process_time()
+    value: float | None
     try:
         if problem.objective.of_range:
             wide = widest_range(*given, required_excess_time_h=problem.required_h)
-            result, value = wide.sizing, wide.extent
+            result, value = wide.sizing, float(wide.extent)
         else:
             result = size_aircraft(*given, required_excess_time_h=problem.required_h)
             value = result.objective_value
-    except Exception as error:  # noqa: BLE001 - any of them is a finding
+    except Exception as error:  # any of them is a finding
         cpu_s = time.process_time() - begun
         return Claim("error", cpu_s=cpu_s, text=f"{type(error).__name__}: {error}")
     cpu_s = time.process_time() - begun
@@ -236,7 +237,7 @@ def checked_relaxations(problem: WildProblem, claim: Claim) -> list[dict[str, An
             {"text": found.text, "status": _relaxed_status(problem, found)}
             for found in relaxations(*given)
         ]
-    except Exception as error:  # noqa: BLE001 - any of them is a finding
+    except Exception as error:  # any of them is a finding
         return [{"text": f"{type(error).__name__}: {error}", "status": "error"}]
 
 
