@@ -25,7 +25,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
-from sizing.optimisation.energy_constraints import never_dark
+from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, Role, SizingProblems
 from sizing.optimisation.result import (
@@ -37,7 +37,6 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.search import (
     PENALTY,
-    Accepted,
     Search,
     Simulated,
     checked_problems,
@@ -166,11 +165,12 @@ def size_cells(
 class _CellSearch(Search):
     """Search for the design of one cell; what it misses whatever the design stays in ``missed``."""
 
-    def __init__(self, cells: _Cells, cell: int, *, battery: bool = True) -> None:
+    def __init__(self, cells: _Cells, cell: int, lit: Sequence[int] = ()) -> None:
         required_h = float(cells.required_h[cell])
         held = {name: float(values[cell]) for name, values in cells.payload.items()}
+        instance = replace(ProblemInstance.of(cells.objective, required_h), held=held)
         super().__init__(
-            replace(ProblemInstance.of(cells.objective, required_h, battery=battery), held=held),
+            instance.always_lit(lit, all_of_them=len(lit) == cells.each),
             required_h,
             range(cell * cells.each, (cell + 1) * cells.each),
             cells.solve,
@@ -201,22 +201,28 @@ class _Cells:
         searches = [_CellSearch(self, cell) for cell in range(self.count)]
         self._run(searches)
         best = {one.cell: one.best for one in searches if one.best is not None}
-        for cell, found in self._without_battery().items():
-            if cell not in best or found.found.merit > best[cell].found.merit:
-                best[cell] = found
+        lit = self._lit_searches()
+        self._run(lit)
+        for one in lit:
+            own = best.get(one.cell)
+            if one.best is not None and (own is None or one.best.found.merit > own.found.merit):
+                best[one.cell] = one.best
         return self._results(
             {cell: found.solution for cell, found in best.items()},
             {one.cell: one.missed for one in searches if one.missed and one.cell not in best},
         )
 
-    def _without_battery(self) -> dict[int, Accepted]:
-        """Best designs that fly by the sun alone at all times, under a midnight sun."""
-        lit = never_dark(self.day).reshape(-1, self.each).all(axis=-1)
+    def _lit_searches(self) -> list[_CellSearch]:
+        """Searches for designs that fly by the sun alone under some of a cell's midnight suns."""
+        lowest = lowest_power(self.day).reshape(-1, self.each)
+        polar = lowest.max(axis=-1) > 0.0
         if self.objective is not Objective.max_excess_time:
-            lit = lit & (self.required_h > 0.0)
-        searches = [_CellSearch(self, int(cell), battery=False) for cell in np.flatnonzero(lit)]
-        self._run(searches)
-        return {one.cell: one.best for one in searches if one.best is not None}
+            polar = polar & (self.required_h > 0.0)
+        return [
+            _CellSearch(self, int(cell), [int(cell) * self.each + i for i in some])
+            for cell in np.flatnonzero(polar)
+            for some in growing_lit_sets(lowest[cell])
+        ]
 
     def _run(self, searches: Sequence[_CellSearch]) -> None:
         self.last = None

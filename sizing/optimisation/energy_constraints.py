@@ -8,13 +8,12 @@ simulator's are; the sun's curvature between nodes costs less than 0.01 h of exc
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.mission import Mission
 from sizing.design import thermal_shape
@@ -24,8 +23,8 @@ from solar.types import FloatArray
 
 # 10 min apart on a day of 16 h.
 NODES = 97
-SUN_PARAMETERS = 2 * NODES + 2
-_INSTANT_H = 0.0024  # of night: 1e-4 of the day
+SUN_PARAMETERS = 2 * NODES + 3
+_SAME_POWER = 1e-6  # relative
 # Keeps an interval without any charge from dividing by zero [state of charge].
 _NOTHING = 1e-12
 
@@ -41,7 +40,7 @@ class _Taken(NamedTuple):
 Charger = Callable[[Any, Any], _Taken]
 
 
-def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
+def sun_parameters(day: SolarDay, mission: Mission, lit: Collection[int] = ()) -> FloatArray:
     """Sun, thermals, step and darkness of every scenario.
 
     Parameters
@@ -50,52 +49,59 @@ def sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
         Specific power of the scenarios over the day.
     mission : Mission
         Its thermals.
+    lit : collection of int
+        Scenarios in which the sun must carry the nominal load at all times.
 
     Returns
     -------
     ndarray, shape (scenario, SUN_PARAMETERS)
-        Specific power [W/m2] and extra propulsion power [-] at the nodes, step between them [h] and
-        hours without light.
+        Specific power [W/m2] and extra propulsion power [-] at the nodes, step between them [h],
+        hours without light, and the specific power that must carry the nominal load: the lowest one
+        of the day in the scenarios of ``lit``, else 0 [W/m2].
     """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
     thermal = np.broadcast_to(thermal, day.specific_power_w_per_m2.shape)
     active = (day.specific_power_w_per_m2 > 0.0) | (thermal > 0.0)
-    return np.stack(
+    suns = np.stack(
         [
             _one_scenario(day.time_h, *rows)
             for rows in zip(day.specific_power_w_per_m2, thermal, active, strict=True)
         ]
     )
+    some = list(lit)
+    suns[some, -1] = lowest_power(day)[some]
+    return suns
 
 
-def lowest_sun_parameters(day: SolarDay, mission: Mission) -> FloatArray:
-    """Like :func:`sun_parameters`, with the lowest sun of the day and its highest thermals all day.
+def lowest_power(day: SolarDay) -> FloatArray:
+    """Lowest specific power of the day, 0 where there is a night [W/m2], shape ``(scenario,)``."""
+    return np.asarray(day.specific_power_w_per_m2.min(axis=-1))
 
-    An aircraft that closes such a day needs no battery in the real one. A few seconds of night take
-    slightly more than the load: at equality rounding decides, and the multipliers jump.
+
+def growing_lit_sets(lowest_w_per_m2: FloatArray) -> list[list[int]]:
+    """Sets of scenarios in which the sun may carry the load at all times, each one in the next.
+
+    The load in calm air is the same in all scenarios. Whatever design is always lit in one of them
+    therefore is so in those with a higher lowest power: no other sets need be looked at.
 
     Parameters
     ----------
-    day, mission
-        As for :func:`sun_parameters`.
+    lowest_w_per_m2 : ndarray, shape (scenario,)
+        Lowest specific power of the day, 0 where there is a night [W/m2].
 
     Returns
     -------
-    ndarray, shape (scenario, SUN_PARAMETERS)
-        In the same order.
+    list of list of int
+        Indices of the scenarios, that with the most power first; empty where all have a night.
     """
-    thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
-    lowest = day.specific_power_w_per_m2.min(axis=-1)
-    highest = np.broadcast_to(np.max(thermal, axis=-1), lowest.shape)
-    columns = [np.repeat(lowest[:, np.newaxis], NODES, axis=1)]
-    columns.append(np.repeat(highest[:, np.newaxis], NODES, axis=1))
-    columns.append(np.tile([24.0 / (NODES - 1), _INSTANT_H], (len(lowest), 1)))
-    return np.concatenate(columns, axis=1)
-
-
-def never_dark(day: SolarDay) -> NDArray[np.bool_]:
-    """Whether the modules have light at all times, shape ``(scenario,)``."""
-    return np.asarray(day.specific_power_w_per_m2.min(axis=-1) > 0.0)
+    order = [int(i) for i in np.argsort(-lowest_w_per_m2, kind="stable")]
+    power = lowest_w_per_m2[order]
+    ends = [
+        n
+        for n, value in enumerate(power, start=1)
+        if value > 0.0 and (n == len(power) or power[n] < value * (1.0 - _SAME_POWER))
+    ]
+    return [order[:n] for n in ends]
 
 
 def _one_scenario(
@@ -110,7 +116,7 @@ def _one_scenario(
         (
             np.interp(nodes, time_h, power),
             np.interp(nodes, time_h, thermal),
-            [lit_h / (NODES - 1), 24.0 - lit_h],
+            [lit_h / (NODES - 1), 24.0 - lit_h, 0.0],
         )
     )
 
@@ -145,7 +151,7 @@ def _cycle_function(
         "cycle",
         [area, capacity_wh, nominal_w, propulsion_w, dawn_soc, sun],
         [deficit, charged],
-        # The sun is data: its 196 numbers need no derivatives.
+        # The sun is data: its numbers need no derivatives.
         {"is_diff_in": [True, True, True, True, True, False], "never_inline": True},
     )
 

@@ -88,8 +88,9 @@ def short_of_largest_excess(
         shortfall_h = required_h - float(np.min(nearest.cycle.excess_time_h))
         if largest.simulated is not None and shortfall_h <= 0.0:
             return None
-        # The nearest design may fly long enough and miss another requirement.
-        if shortfall_h > 0.0:
+        # The nearest design may fly long enough and miss another requirement; where none is
+        # required, what else is missing says it all.
+        if shortfall_h > 0.0 and (required_h > 0.0 or not missed):
             missed += violations(aircraft, {"excess_time": shortfall_h}, nearest, required_h)
     status = SizingStatus.infeasible if largest.feasible else largest.status
     return Verdict(status, tuple(missed), nearest, largest.active_constraints)

@@ -63,8 +63,3 @@ _VARIABLES = {
     Objective.longest_season: "season_days",
     Objective.widest_latitude_band: "latitude_band_deg",
 }
-
-
-def without_battery(objective: Objective) -> Objective:
-    """Objective of designs that never need a battery: their excess time is infinite anyway."""
-    return Objective.min_mass if objective is Objective.max_excess_time else objective

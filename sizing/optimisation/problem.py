@@ -91,6 +91,9 @@ _SQP_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
 }
 
 WORST_EXCESS = "worst_excess_time_h"
+# By how much the lowest sun must exceed the load where it carries it at all times, relative: at
+# equality rounding decides whether the battery is needed for an instant.
+ALWAYS_LIT_MARGIN = 1e-5
 _MAXIMUM_EXCESS_H = 1e4
 
 # Technology to which the power of the modules is proportional.
@@ -341,10 +344,16 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
         recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit
         excess = Constraint("excess_time", i, "h", 2.4)
+        # Where the sun carries the load at all times the excess time is unlimited, whatever the
+        # battery holds at dawn.
+        lowest = sun[-1, i]
+        lit = lowest > 0.0
+        reserve = (dawn_soc[i] * usable_h - worst_h) / excess.scale
+        spare_sun = lit_area * lowest / nominal_w - (1.0 + ALWAYS_LIT_MARGIN)
         rows += [
             (Constraint("battery_capacity", i), 1.0 - dawn_soc[i] - deficit),
             (Constraint("energy_balance", i), recharged),
-            (excess, (dawn_soc[i] * usable_h - worst_h) / excess.scale),
+            (excess, (1.0 - lit) * reserve + lit * spare_sun),
         ]
     slacks = list(dict.fromkeys(c.slack for c, _ in rows))
     slack = ca.MX.sym("slack", len(slacks))

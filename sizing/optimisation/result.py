@@ -7,16 +7,19 @@ from enum import IntEnum
 
 import numpy as np
 
-from sizing.design import Design
+from sizing.design import Design, Masses
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import Constraint
 from sizing.optimisation.solver import Solution, SolverReport
 from sizing.performance import Performance
+from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
 # A design that is better than an optimum by less than this is within what the time steps and
 # tolerances allow; relative, and for excess times in hours.
 RELATIVE_TOLERANCE = 0.005
 ABSOLUTE_TOLERANCE_H = 0.01
+_ACTIVE_MULTIPLIER = 1e-5
 ROW_TOLERANCE = 1e-6  # of requirements, relative: the solver meets them to about 1e-8
 
 
@@ -123,3 +126,50 @@ def objective_value(objective: Objective, perf: Performance) -> FloatArray:
     if value is None:  # the payload is not a variable: the mission's
         value = perf.mission.payload.power_w
     return np.array(np.broadcast_to(np.asarray(value, float), worst.shape))
+
+
+def limiting_rows(solution: Solution) -> list[Constraint]:
+    """Requirements of the program that hold a solution back."""
+    multipliers = np.abs(solution.constraint_multipliers)
+    rows = zip(multipliers, solution.constraints, strict=True)
+    return [row for multiplier, row in rows if multiplier > _ACTIVE_MULTIPLIER and not row.equation]
+
+
+def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
+    """Names of the requirements and bounds that hold a solution back.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of the program.
+    day : SolarDay
+        Its scenarios name the blocks.
+
+    Returns
+    -------
+    tuple of str
+    """
+    active = []
+    for constraint in limiting_rows(solution):
+        label = constraint.name
+        if constraint.block is not None:
+            scenario = solution.scenarios[constraint.block]
+            if label == "excess_time" and scenario in solution.instance.lit:
+                label = "always_lit"
+            label += f" ({day.scenarios.label(scenario)})"
+        active.append(label)
+    for name, multiplier in solution.free_bound_multipliers().items():
+        if abs(multiplier) > _ACTIVE_MULTIPLIER:
+            active.append(f"{name} at its {'maximum' if multiplier > 0 else 'minimum'}")
+    return tuple(dict.fromkeys(active))
+
+
+def plain_design(design: Design) -> Design:
+    """Turn a design of zero-dimensional arrays into one of floats."""
+    numbers = {
+        name: float(value)
+        for name, value in design._asdict().items()
+        if name not in ("variables", "masses")
+    }
+    masses = Masses(*(float(mass) for mass in design.masses))
+    return Design(variables=design.variables.mapped(float), masses=masses, **numbers)

@@ -17,10 +17,10 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, DesignVariables, Masses, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import meets_requirements
-from sizing.optimisation.energy_constraints import never_dark
+from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import (
     Verdict,
     least_mission,
@@ -33,7 +33,10 @@ from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
     SizingResult,
     SizingStatus,
+    active_constraints,
+    limiting_rows,
     objective_value,
+    plain_design,
 )
 from sizing.optimisation.solver import (
     GOAL_CUSHION_H,
@@ -54,7 +57,6 @@ _WASTE_H = 0.012  # excess time beyond the required one that another goal is to 
 PENALTY = 300.0
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
-_ACTIVE_MULTIPLIER = 1e-5
 _RESTARTS = 3
 _LEAST_MISSED_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
 
@@ -141,6 +143,8 @@ class Search:
             self.best = Accepted(self.current, found)
         if accepted and found.worst in self.scenarios and not self._wasteful(found):
             return False
+        if accepted and self.instance.lit and np.isinf(found.excess_time_h):
+            return False  # nothing is worse than the others
         self._tighten(found)
         self.previous, self.solution = self.solution, None
         return True
@@ -312,15 +316,7 @@ def size_aircraft(
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     solver = ProgramSolver(problems, mission, solar, lit)
-    given = (solver, objective, required, start)
-    unlimited = None
-    if never_dark(lit).all() and (required > 0.0 or objective is Objective.max_excess_time):
-        unlimited = _Sizing(*given, explain=False, battery=False).run()
-        if unlimited.feasible and objective is Objective.max_excess_time:
-            return unlimited
-    if unlimited is None or not unlimited.feasible:
-        return _Sizing(*given, explain=explain).run()
-    return _better(_Sizing(*given, explain=False).run(), unlimited)
+    return _sized(solver, objective, required, start, explain=explain)
 
 
 def checked_problems(
@@ -357,12 +353,50 @@ def checked_problems(
     return problems or SizingProblems(aircraft)
 
 
-def _better(one: SizingResult, other: SizingResult) -> SizingResult:
-    """Better of two results of the same sizing, of which the second is an optimum."""
-    if one.objective_value is None or other.objective_value is None:
-        return other
-    gain = one.objective_value - other.objective_value
-    return one if (gain > 0.0) is one.objective.maximised else other
+def _sized(
+    solver: ProgramSolver,
+    objective: Objective,
+    required_h: float,
+    start: DesignVariables | None = None,
+    *,
+    explain: bool,
+) -> SizingResult:
+    """Best design over the branches of the problem, or why there is none.
+
+    Under a midnight sun a requirement of excess time can be met in two ways: by the battery, or by
+    a sun that carries the load at all times. Which scenarios are met in which way makes a branch;
+    of a set of branches each of which has one more always lit scenario than the one before, only
+    those are tried in which a scenario joins whose required excess time holds the last one back.
+    """
+    given = (solver, objective, required_h, start)
+    count = len(solver.day.scenarios)
+    best_excess = objective is Objective.max_excess_time
+    lit_sets = growing_lit_sets(lowest_power(solver.day)) if required_h > 0.0 or best_excess else []
+    if not lit_sets:
+        return _Sizing(*given, explain=explain).run()
+    everything_lit = _Sizing(*given, explain=False, lit=lit_sets[-1])
+    found = [everything_lit.run()]
+    # No excess time is longer than an unlimited one.
+    if best_excess and found[0].feasible and len(lit_sets[-1]) == count:
+        return found[0]
+    by_battery = one = _Sizing(*given, explain=False)
+    found.append(one.run())
+    place = one.next_of(lit_sets, -1)
+    while place is not None and place < len(lit_sets) - 1:
+        one = _Sizing(*given, explain=False, lit=lit_sets[place])
+        found.append(one.run())
+        place = one.next_of(lit_sets, place)
+    best = max(found, key=_merit)
+    if not best.feasible:
+        return by_battery.explained() if explain else found[1]
+    return replace(best, solver=solver.report())
+
+
+def _merit(result: SizingResult) -> float:
+    """Objective, the larger the better."""
+    if result.objective_value is None:
+        return -np.inf
+    return result.objective_value if result.objective.maximised else -result.objective_value
 
 
 class _Sizing:
@@ -376,21 +410,23 @@ class _Sizing:
         start: DesignVariables | None = None,
         *,
         explain: bool = True,
-        battery: bool = True,
+        lit: Sequence[int] = (),
     ) -> None:
-        self.explain, self.battery = explain, battery
+        self.explain, self.lit = explain, list(lit)
         self.solver, self.aircraft, self.day = solver, solver.aircraft, solver.day
         self.objective, self.required_h = objective, required_h
         self.start = variables_of(self.aircraft) if start is None else start
         self.restarts = 0
+        self.last: Solution | None = None
+        self.missed: Solution | None = None
 
     def run(self) -> SizingResult:
         first = self.solver.performance(self.start)
         count = len(self.day.scenarios)
         self.search = Search(
-            ProblemInstance.of(self.objective, self.required_h, battery=self.battery),
+            self._instance(),
             self.required_h,
-            telling_scenarios(first, min(_FIRST_BLOCKS, count)),
+            self._first_scenarios(first, min(_FIRST_BLOCKS, count)),
             self._solve_again,
             count=count,
         )
@@ -402,10 +438,47 @@ class _Sizing:
         if solution.missed() and self.explain:
             return self._explained([solution.design])
         if solution.missed():
+            self.missed = solution
             solution = self._met_after_all(solution)
         return self._given_up(first) if solution is None else self._settled(solution)
 
+    def explained(self) -> SizingResult:
+        """Why a run without explanation has found no design; or the design, after all."""
+        self.explain = True
+        if self.missed is None:
+            return self._failure(self.solver.performance(self.start))
+        return self._explained([self.missed.design])
+
+    def next_of(self, lit_sets: Sequence[Sequence[int]], place: int) -> int | None:
+        """First set of always lit scenarios in which a required excess time falls that limits.
+
+        The next one where there is no solution, none where no other scenario holds back.
+        """
+        solution = self.search.best.solution if self.search.best is not None else self.last
+        if solution is None:
+            return place + 1
+        limiting = {
+            solution.scenarios[row.block]
+            for row in limiting_rows(solution)
+            if row.name == "excess_time" and row.block is not None
+        } - set(self.lit)
+        places = range(place + 1, len(lit_sets))
+        return next((i for i in places if not limiting.isdisjoint(lit_sets[i])), None)
+
     # --- the program -------------------------------------------------------------------------
+
+    def _instance(self) -> ProblemInstance:
+        instance = ProblemInstance.of(self.objective, self.required_h)
+        everywhere = len(self.lit) == len(self.day.scenarios)
+        return instance.always_lit(self.lit, all_of_them=everywhere)
+
+    def _first_scenarios(self, first: Performance, count: int) -> list[int]:
+        """Scenarios to begin with; of those that must be always lit, the one with the least sun."""
+        if not self.lit:
+            return telling_scenarios(first, count)
+        telling = telling_scenarios(first, len(self.day.scenarios))
+        others = [i for i in telling if i not in self.lit]
+        return list(dict.fromkeys([*others[:1], self.lit[-1], *others, *telling]))[:count]
 
     def _solve(
         self,
@@ -416,13 +489,15 @@ class _Sizing:
         previous: Solution | None = None,
     ) -> Solution | None:
         search = self.search
-        return self.solver.solve(
+        found = self.solver.solve(
             search.instance if instance is None else instance,
             search.filled(),
             starts,
             efforts=(effort,),
             previous=previous,
         )
+        self.last = found or self.last
+        return found
 
     def _solve_again(self, search: Search) -> Solution | None:
         """Solution from the last one's design."""
@@ -463,7 +538,7 @@ class _Sizing:
 
     def _explained(self, starts: list[DesignVariables]) -> SizingResult:
         """Why there is no design; where nothing is found to be missing, the search starts again."""
-        if self.required_h > 0.0:
+        if self.required_h > 0.0 or self.objective is not Objective.max_excess_time:
             return self._explained_by_largest_excess(starts)
         return self._explained_by_least_missed(starts)
 
@@ -471,12 +546,13 @@ class _Sizing:
         own = self.solver
         mission = least_mission(own.mission, self.objective)
         solver = ProgramSolver(own.problems, mission, own.solar, own.day)
-        largest = _Sizing(solver, Objective.max_excess_time, 0.0).run()
+        largest = _sized(solver, Objective.max_excess_time, 0.0, explain=True)
         own.add(solver)
         verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
         if verdict is not None:
             return self._failed(verdict)
         assert largest.simulated is not None
+        assert largest.optimum is not None
         if self.objective is Objective.max_excess_time:
             return replace(
                 largest, required_excess_time_h=self.required_h, solver=self.solver.report()
@@ -485,8 +561,9 @@ class _Sizing:
         reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
         search = self.search
         search.cushion_h = min(search.cushion_h, (reached_h - self.required_h) / 4.0)
+        self.lit = sorted(largest.optimum.instance.lit)
         goal_h = self.required_h + search.cushion_h
-        search.instance = replace(search.instance, goal_h=goal_h)
+        search.instance = replace(self._instance(), goal_h=goal_h)
         nearest = largest.simulated.design.variables.mapped(float)
         return self._restarted([nearest, *starts], largest.simulated)
 
@@ -541,7 +618,7 @@ class _Sizing:
             objective=self.objective,
             required_excess_time_h=self.required_h,
             objective_value=float(objective_value(self.objective, found.performance)),
-            design=_plain_design(found.performance.design),
+            design=plain_design(found.performance.design),
             simulated=found.performance,
             nearest=None,
             active_constraints=active_constraints(solution, self.day),
@@ -549,43 +626,3 @@ class _Sizing:
             solver=self.solver.report(),
             optimum=solution,
         )
-
-
-def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
-    """Names of the requirements and bounds that hold a solution back.
-
-    Parameters
-    ----------
-    solution : Solution
-        Of the program.
-    day : SolarDay
-        Its scenarios name the blocks.
-
-    Returns
-    -------
-    tuple of str
-    """
-    active = []
-    multipliers = np.abs(solution.constraint_multipliers)
-    for multiplier, constraint in zip(multipliers, solution.constraints, strict=True):
-        if multiplier <= _ACTIVE_MULTIPLIER or constraint.equation:
-            continue
-        label = constraint.name
-        if constraint.block is not None:
-            label += f" ({day.scenarios.label(solution.scenarios[constraint.block])})"
-        active.append(label)
-    for name, multiplier in solution.free_bound_multipliers().items():
-        if abs(multiplier) > _ACTIVE_MULTIPLIER:
-            active.append(f"{name} at its {'maximum' if multiplier > 0 else 'minimum'}")
-    return tuple(dict.fromkeys(active))
-
-
-def _plain_design(design: Design) -> Design:
-    """Turn a design of zero-dimensional arrays into one of floats."""
-    numbers = {
-        name: float(value)
-        for name, value in design._asdict().items()
-        if name not in ("variables", "masses")
-    }
-    masses = Masses(*(float(mass) for mass in design.masses))
-    return Design(variables=design.variables.mapped(float), masses=masses, **numbers)

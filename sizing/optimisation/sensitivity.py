@@ -20,7 +20,7 @@ import numpy as np
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions
-from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
+from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Role, SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult
@@ -211,11 +211,12 @@ class _Lagrangian:
         function = ca.Function(
             "program", [symbols["x"], symbols["p"]], [symbols["f"], symbols["g"]]
         )
-        suns = sun_parameters if self.optimum.instance.battery else lowest_sun_parameters
+        always = self.optimum.instance.lit
+        lit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
             self.optimum.weights,
             FlightConditions.of(mission),
-            suns(day, mission),
+            sun_parameters(day, mission, lit),
             margin=self.optimum.instance.margin,
         )
         cost, rows = function(self._point(problem, mission), parameters)

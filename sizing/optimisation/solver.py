@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -13,8 +13,8 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, closed_design
-from sizing.optimisation.energy_constraints import lowest_sun_parameters, sun_parameters
-from sizing.optimisation.objectives import Objective, without_battery
+from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
+from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import (
     WORST_EXCESS,
     Constraint,
@@ -77,8 +77,9 @@ class ProblemInstance:
         that counts; None where every requirement must be met.
     margin : float
         By how much more charge the day must return than the night takes, relative.
-    battery : bool
-        Whether the sun is that of the day; if not, its lowest one shines all day long.
+    lit : frozenset of int
+        Scenarios in which the sun must carry the nominal load at all times. Their excess time is
+        unlimited and meets any requirement.
     """
 
     cost: Mapping[str, float]
@@ -89,12 +90,10 @@ class ProblemInstance:
     held: Mapping[str, float] = field(default_factory=dict)
     penalty: float | None = None
     margin: float = _FIRST_MARGIN
-    battery: bool = True
+    lit: frozenset[int] = frozenset()
 
     @classmethod
-    def of(
-        cls, objective: Objective, required_h: float, *, battery: bool = True
-    ) -> ProblemInstance:
+    def of(cls, objective: Objective, required_h: float) -> ProblemInstance:
         """Instance of an objective, with a cushion on the required excess time where that costs.
 
         Parameters
@@ -103,17 +102,11 @@ class ProblemInstance:
             Of single designs.
         required_h : float
             Required excess time [h].
-        battery : bool
-            Whether the aircraft needs its battery; if not, its excess time is infinite and none is
-            required.
 
         Returns
         -------
         ProblemInstance
         """
-        if not battery:
-            plain = cls.of(without_battery(objective), 0.0)
-            return replace(plain, goal_h=0.0, battery=False)
         payload = (Objective.max_payload_mass, Objective.max_payload_power)
         best_excess = objective is Objective.max_excess_time
         return cls(
@@ -122,6 +115,27 @@ class ProblemInstance:
             best_excess=best_excess,
             freed=(objective.variable,) if objective in payload else (),
         )
+
+    def always_lit(self, scenarios: Iterable[int], *, all_of_them: bool) -> ProblemInstance:
+        """The same with some scenarios whose sun must carry the load at all times.
+
+        Parameters
+        ----------
+        scenarios : iterable of int
+            Their indices.
+        all_of_them : bool
+            Whether the mission has no others: no excess time is then required, and that of the
+            lightest of the designs is as unlimited as that of any other.
+
+        Returns
+        -------
+        ProblemInstance
+        """
+        lit = replace(self, lit=frozenset(scenarios))
+        if not all_of_them:
+            return lit
+        cost = _COSTS[Objective.min_mass] if self.best_excess else self.cost
+        return replace(lit, cost=cost, goal_h=0.0, best_excess=False)
 
     def penalised(self, penalty: float) -> ProblemInstance:
         """The same where missing a requirement has a cost.
@@ -223,7 +237,7 @@ class ProgramSolver:
     ) -> None:
         self.problems, self.mission, self.solar, self.day = problems, mission, solar, day
         self.conditions = FlightConditions.of(mission)
-        self._suns = {True: sun_parameters(day, mission)}
+        self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
         self.message = ""
 
@@ -285,7 +299,9 @@ class ProgramSolver:
         problem = self.problems.of(len(scenarios))
         self.build_s += time.perf_counter() - begun
         weights = problem.weights(_cost(problem, instance))
-        suns = self._sun(battery=instance.battery)[list(scenarios)]
+        suns = self._suns[list(scenarios)]
+        lit = [i for i, scenario in enumerate(scenarios) if scenario in instance.lit]
+        suns[lit, -1] = self._lowest_power[[scenarios[i] for i in lit]]
         lower, upper = self._bounds(problem, instance)
         limits = {
             "p": problem.parameters(weights, self.conditions, suns, margin=instance.margin),
@@ -319,12 +335,6 @@ class ProgramSolver:
             *(instance, problem.variables, problem.constraints, posed.scenarios, design),
             *(x, posed.weights, rows, bounds),
         )
-
-    def _sun(self, *, battery: bool) -> FloatArray:
-        """Sun of every scenario; without battery its lowest one."""
-        if battery not in self._suns:
-            self._suns[battery] = lowest_sun_parameters(self.day, self.mission)
-        return self._suns[battery]
 
     def add(self, other: ProgramSolver) -> None:
         """Count the work of another solver as well."""

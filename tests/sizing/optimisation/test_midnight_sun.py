@@ -1,0 +1,164 @@
+"""Where the sun never sets: designs that live on it at all times, and those that need a battery."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from builders import DESIGN, aircraft
+from builders import mission as july_day
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables, variables_of
+from sizing.energy.cycle import Status
+from sizing.optimisation.cells import size_cells
+from sizing.optimisation.cross_check import cross_check
+from sizing.optimisation.energy_constraints import growing_lit_sets
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import performance_of_designs
+from sizing.sunlight import SolarModel
+
+MIN_SPAN, MIN_MASS = Objective.min_wingspan, Objective.min_mass
+
+
+def mission(**changes: Any) -> Mission:
+    return july_day(latitude_deg=80.0, altitude_m=0.0, turbulence={"thermal": 1.0}, **changes)
+
+
+class Known(NamedTuple):
+    """A sizing, and a good design for it that a search by simulation alone has found."""
+
+    plane: Aircraft
+    mission: Mission
+    objective: Objective
+    required_h: float
+    solar: SolarModel
+    design: dict[str, float]
+
+    def sized(self) -> SizingResult:
+        return size_aircraft(
+            self.plane,
+            self.mission,
+            self.objective,
+            self.solar,
+            required_excess_time_h=self.required_h,
+        )
+
+    def value(self) -> float:
+        """Objective of the known design, which the simulator must accept."""
+        variables: DesignVariables = variables_of(self.plane)._replace(**self.design)
+        perf = performance_of_designs(self.plane, self.mission, variables, self.solar)
+        worst_h = float(np.min(perf.cycle.excess_time_h))
+        assert worst_h > 0.0
+        assert worst_h >= self.required_h
+        return float(objective_value(self.objective, perf))
+
+
+KNOWN = {
+    "thermals at noon, one day": Known(
+        DESIGN,
+        mission(),
+        MIN_MASS,
+        12.0,
+        SolarModel(),
+        {"wingspan_m": 4.661, "battery_mass_kg": 0.2, "module_area_m2": 0.9979},
+    ),
+    "more required than any battery has": Known(
+        aircraft("atlantiksolar-design", "design_space.wingspan_m.maximum=6"),
+        mission(),
+        MIN_MASS,
+        60.0,
+        SolarModel(),
+        {"wingspan_m": 4.661, "battery_mass_kg": 0.2, "module_area_m2": 0.9979},
+    ),
+    "battery for the thermals alone": Known(
+        aircraft(
+            "atlantiksolar-design",
+            "airframe.avionics_mass_kg=0.05",
+            "power.avionics_w=100",
+            "battery.specific_energy_wh_per_kg=501.11",
+            "battery.charge_limit={kind: rule, c_rate_per_h: 1.188, taper_start: 0.3663, "
+            "relative_rate_at_full: 0.2425}",
+            "modules.efficiency_stc=0.350837",
+            "design_space.battery_mass_kg={minimum: 0.1, maximum: 150}",
+        ),
+        july_day(
+            latitude_deg=89.61,
+            dates={"from": "06-06", "to": "08-05"},
+            altitude_m=1368.2,
+            turbulence={"all_day": 1.0, "thermal": 2.0},
+            payload={"mass_kg": 0.3},
+            uncertainty_margins={"battery_capacity": 0.8},
+        ),
+        MIN_SPAN,
+        24.0,
+        SolarModel("CDM"),
+        {"wingspan_m": 5.856, "battery_mass_kg": 0.1145, "module_area_m2": 1.5755},
+    ),
+    "a range of latitudes": Known(
+        aircraft(
+            "atlantiksolar-design",
+            "power.avionics_w=1",
+            "battery.specific_energy_wh_per_kg=503.33",
+            "modules.efficiency_stc=0.397517",
+            "design_space.battery_mass_kg={minimum: 0.1, maximum: 150}",
+        ),
+        july_day(
+            latitude_deg={"from_deg": 76.8, "to_deg": 86.17, "count": 3},
+            altitude_m=0.0,
+            clearness=0.811735,
+            turbulence={"all_day": 0.2, "thermal": 0.3},
+            payload={"mass_kg": 0.3, "power_w": 5.0},
+            uncertainty_margins={"battery_capacity": 0.8},
+        ),
+        MIN_MASS,
+        12.0,
+        SolarModel("CDM", "report"),
+        {"wingspan_m": 5.486, "battery_mass_kg": 0.1, "module_area_m2": 1.3828},
+    ),
+}
+
+
+@pytest.mark.parametrize("known", KNOWN.values(), ids=KNOWN)
+def test_thermals_under_a_midnight_sun_cost_no_more_than_they_must(known: Known) -> None:
+    result = known.sized()
+    assert result.status is SizingStatus.optimal
+    assert result.objective_value is not None
+    assert result.simulated is not None
+    assert result.objective_value <= known.value() * 1.001
+    assert (result.simulated.cycle.status == Status.always_lit).all()
+    assert any(name.startswith("always_lit") for name in result.active_constraints) or any(
+        name.startswith("battery_capacity") for name in result.active_constraints
+    )
+
+
+def test_cell_under_a_midnight_sun_has_the_design_of_a_single_sizing() -> None:
+    known = KNOWN["thermals at noon, one day"]
+    cells = size_cells(
+        known.plane,
+        known.mission,
+        Scenarios(np.array([80.0]), np.array([196])),
+        MIN_MASS,
+        required_excess_time_h=12.0,
+    )
+    assert cells.objective_value == pytest.approx([known.sized().objective_value], rel=1e-3)
+
+
+def test_dates_with_and_without_a_night_are_sized_together() -> None:
+    # The sun sets at 76 N from the middle of August on; until then it may do without a battery.
+    ranged = mission(dates={"from": "06-21", "to": "08-28", "count": 3})
+    ranged = ranged.model_copy(update={"latitude_deg": 76.0})
+    plane = aircraft("atlantiksolar-design", "design_space.wingspan_m.maximum=12")
+    result = size_aircraft(plane, ranged, MIN_MASS, required_excess_time_h=6.0)
+    assert result.feasible
+    assert cross_check(plane, ranged, result).cross_checked
+
+
+def test_always_lit_scenarios_join_by_their_lowest_sun() -> None:
+    lowest = np.array([0.0, 30.0, 10.0, 30.0, 20.0])
+    assert growing_lit_sets(lowest) == [[1, 3], [1, 3, 4], [1, 3, 4, 2]]
+    assert growing_lit_sets(np.zeros(3)) == []
