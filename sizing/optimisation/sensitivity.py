@@ -214,7 +214,7 @@ class _Lagrangian:
         always = self.optimum.instance.lit
         lit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
-            self.optimum.weights,
+            self._weights(problem),
             FlightConditions.of(mission),
             sun_parameters(day, mission, lit),
             margin=self.optimum.instance.margin,
@@ -223,14 +223,28 @@ class _Lagrangian:
         multipliers = self.optimum.constraint_multipliers
         return float(cost) + float(np.asarray(rows).ravel() @ multipliers)
 
+    def _weights(self, problem: SizingProblem) -> FloatArray:
+        """Cost of the optimum in another program of the same aircraft."""
+        named = zip(self.optimum.variables, self.optimum.weights, strict=True)
+        return problem.weights({v.name: float(weight) for v, weight in named if weight != 0.0})
+
     def _point(self, problem: SizingProblem, mission: Mission) -> FloatArray:
-        """Decision vector of the optimum; a payload that is no variable is the mission's."""
-        x = self.optimum.x.copy()
+        """Decision vector of the optimum in another program of the same aircraft.
+
+        A payload that is not chosen is the mission's. Technology is what the aircraft has: a value
+        of zero has no variable, one that differs from it has.
+        """
+        optimum = {v.name: x for v, x in zip(self.optimum.variables, self.optimum.x, strict=True)}
+        technology = problem.of_role(Role.technology)
+        optimum |= {v.name: v.to_program(1.0) for v in technology}
         held = {
             "payload_mass_kg": mission.payload.mass_kg,
             "payload_power_w": mission.payload.power_w,
         }
-        for i, variable in enumerate(problem.variables):
-            if variable.name in held and self.optimum.weights[i] == 0.0:
-                x[i] = variable.to_program(held[variable.name])
-        return x
+        chosen = {
+            v.name for v, w in zip(self.optimum.variables, self.optimum.weights, strict=True) if w
+        }
+        for v in problem.variables:
+            if v.name in held and v.name not in chosen:
+                optimum[v.name] = v.to_program(held[v.name])
+        return np.array([optimum[v.name] for v in problem.variables])

@@ -120,6 +120,21 @@ def test_sensitivities_are_sorted_and_consistent() -> None:
         )
 
 
+def test_parameter_of_zero_has_a_derivative_and_no_elasticity() -> None:
+    overrides = ["power.avionics_w=0", "modules.mass_kg_per_m2=0"]
+    result = sized(Objective.min_wingspan, 4.0, *overrides)
+    aircraft, mission = load_aircraft(DESIGN, overrides), load_mission("rafz-july")
+    found = {s.parameter: s for s in sensitivities(aircraft, mission, result)}
+    for key in ("power.avionics_w", "modules.mass_kg_per_m2"):
+        assert found[key].elasticity is None
+        assert found[key].per_percent == 0.0
+        assert found[key].derivative > 0.0
+    # A watt is a watt, whoever draws it.
+    assert found["power.avionics_w"].derivative == pytest.approx(
+        found["mission.payload.power_w"].derivative, rel=1e-4
+    )
+
+
 def test_free_aspect_ratio_is_no_parameter() -> None:
     freed = "design_space.aspect_ratio={minimum: 10, maximum: 24}"
     result = sized(Objective.min_wingspan, 4.0, freed)
