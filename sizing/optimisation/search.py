@@ -9,6 +9,7 @@ is the optimum.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -29,8 +30,9 @@ from sizing.optimisation.infeasibility import (
     violations,
 )
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Effort, SizingProblems
+from sizing.optimisation.problem import WORST_EXCESS, Effort, SizingProblems
 from sizing.optimisation.result import (
+    RELATIVE_TOLERANCE,
     SizingResult,
     SizingStatus,
     active_constraints,
@@ -55,6 +57,8 @@ _ROUNDS = 12
 _WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
 # Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
 PENALTY = 300.0
+_NEXT_TO_NOTHING = 1e-3  # of a payload [kg, W]
+_SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _RESTARTS = 3
@@ -115,10 +119,13 @@ class Search:
         self.instance, self.required_h = instance, required_h
         self.scenarios, self.blocks, self.count = list(scenarios), len(scenarios), count
         self.cushion_h = GOAL_CUSHION_H
+        self.ceiling_h = math.inf  # goal beyond which the program is known to have no solution
         self._solve = solve
         self.solution: Solution | None = None
         self.previous: Solution | None = None
         self.best: Accepted | None = None
+        # Design of the last program whose goal turned out too low: as good as any can be.
+        self.rejected: DesignVariables | None = None
 
     def filled(self) -> list[int]:
         """Scenarios in the blocks; spare ones repeat them."""
@@ -145,6 +152,10 @@ class Search:
             return False
         if accepted and self.instance.lit and np.isinf(found.excess_time_h):
             return False  # nothing is worse than the others
+        if not accepted:
+            self.rejected = self.current.design
+            if self.ceiling_h - self.instance.goal_h < _SAME_GOAL_H:
+                return False
         self._tighten(found)
         self.previous, self.solution = self.solution, None
         return True
@@ -181,7 +192,10 @@ class Search:
             # The battery runs empty over many days: the day must return more.
             goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
         else:
-            goal_h = max(goal_h + self.required_h - found.excess_time_h + self.cushion_h, 0.0)
+            shifted_h = goal_h + self.required_h - found.excess_time_h + self.cushion_h
+            if shifted_h > self.ceiling_h:
+                shifted_h = (goal_h + self.ceiling_h) / 2.0
+            goal_h = max(shifted_h, 0.0)
         self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
 
 
@@ -419,6 +433,7 @@ class _Sizing:
         self.restarts = 0
         self.last: Solution | None = None
         self.missed: Solution | None = None
+        self.largest: Accepted | None = None  # design of largest excess time, if it is enough
 
     def run(self) -> SizingResult:
         first = self.solver.performance(self.start)
@@ -524,9 +539,27 @@ class _Sizing:
         """Best design that the simulator accepts, from a first solution on."""
         self.search.previous, self.search.solution = None, solution
         run([self.search], lambda some: [self._simulated(one.current) for one in some])
+        if self.search.best is None and self._nothing_between():
+            self.search.best = self.largest
         if self.search.best is None:
             return self._failure(self.solver.performance(solution.design))
         return self._optimal(*self.search.best)
+
+    def _nothing_between(self) -> bool:
+        """Whether the design of largest excess time is as good as one that falls just short.
+
+        Next to the largest excess time the solver's tolerance moves the design by about its square
+        root, and there may be no goal whose design the simulator accepts.
+        """
+        if self.largest is None or self.search.rejected is None:
+            return False
+        own, short = self.largest.solution.design.chosen(), self.search.rejected.chosen()
+        return all(
+            math.isclose(
+                own[name], short[name], rel_tol=RELATIVE_TOLERANCE, abs_tol=_NEXT_TO_NOTHING
+            )
+            for name in own
+        )
 
     # --- verdicts ----------------------------------------------------------------------------
 
@@ -557,15 +590,34 @@ class _Sizing:
             return replace(
                 largest, required_excess_time_h=self.required_h, solver=self.solver.report()
             )
-        # The cushion must not exceed what there is.
-        reached_h = float(np.min(largest.simulated.cycle.excess_time_h))
-        search = self.search
-        search.cushion_h = min(search.cushion_h, (reached_h - self.required_h) / 4.0)
         self.lit = sorted(largest.optimum.instance.lit)
-        goal_h = self.required_h + search.cushion_h
-        search.instance = replace(self._instance(), goal_h=goal_h)
+        self.search.instance = self._instance()
+        self._aim_below(largest)
+        self.largest = Accepted(largest.optimum, self._simulated(largest.optimum))
         nearest = largest.simulated.design.variables.mapped(float)
         return self._restarted([nearest, *starts], largest.simulated)
+
+    def _aim_below(self, largest: SizingResult) -> None:
+        """Goal that the design of largest excess time meets, in its scenarios.
+
+        The program counts otherwise than the simulator: it wants a margin on the recharge, and its
+        steps are longer. Near the largest excess time that decides whether it has any solution.
+        """
+        assert largest.optimum is not None
+        assert largest.objective_value is not None
+        search, optimum = self.search, largest.optimum
+        to_spare_h = largest.objective_value - self.required_h
+        if math.isinf(to_spare_h):
+            return
+        search.cushion_h = min(search.cushion_h, to_spare_h / 4.0)
+        search.scenarios = list(dict.fromkeys(optimum.scenarios))
+        search.blocks = len(optimum.scenarios)
+        search.ceiling_h = optimum.value(WORST_EXCESS)
+        search.instance = replace(
+            search.instance,
+            goal_h=search.ceiling_h - to_spare_h + search.cushion_h,
+            margin=optimum.instance.margin,
+        )
 
     def _explained_by_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
         instance = self.search.instance.least_missed()

@@ -1,0 +1,90 @@
+"""Sizings next to the edge of what is feasible, and far from the bounds of the shipped designs."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import builders
+import numpy as np
+import pytest
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import SizingResult, SizingStatus
+from sizing.optimisation.search import size_aircraft
+
+pytestmark = pytest.mark.slow
+
+# A design for high altitude whose optimum lies far inside its wide design space.
+HIGH = builders.aircraft(
+    "atlantiksolar-design",
+    "design_space.wingspan_m={minimum: 0.3, maximum: 80}",
+    "design_space.battery_mass_kg={minimum: 0.1, maximum: 1500}",
+    "design_space.module_area_m2={minimum: 0.1, maximum: 800}",
+    "battery.charge_limit={kind: none}",
+    "battery.specific_energy_wh_per_kg=537",
+    "modules.efficiency_stc=0.3",
+    "airframe.avionics_mass_kg=5",
+    "power.avionics_w=20",
+)
+STRATOSPHERE = builders.mission(
+    latitude_deg=69.88,
+    dates={"from": "06-24", "to": "08-03"},
+    altitude_m=16900.0,
+    clearness=0.504,
+    payload={"mass_kg": 0.0, "power_w": 20.0},
+    turbulence={"all_day": 0.0, "thermal": 0.3},
+    wind_m_per_s=10.0,
+)
+# Much payload, strong thermals, and two latitudes under the midnight sun.
+THERMALS = builders.aircraft(
+    "atlantiksolar-design",
+    "design_space.wingspan_m={minimum: 0.3, maximum: 30}",
+    "design_space.battery_mass_kg={minimum: 0.2, maximum: 150}",
+    "design_space.module_area_m2={minimum: 0.1, maximum: 112.5}",
+    "battery.charge_limit={kind: rule, c_rate_per_h: 0.336, taper_start: 0.86, "
+    "relative_rate_at_full: 0.0238}",
+    "battery.specific_energy_wh_per_kg=538",
+    "modules.efficiency_stc=0.2256",
+    "airframe.avionics_mass_kg=0.3",
+    "power.avionics_w=100",
+)
+MIDSUMMER = builders.mission(
+    latitude_deg={"from_deg": 72.144, "to_deg": 82.619, "count": 2},
+    dates={"on": "06-20"},
+    altitude_m=985.0,
+    payload={"mass_kg": 0.0, "power_w": 300.0},
+    turbulence={"all_day": 1.0, "thermal": 2.0},
+)
+CASES = {"stratosphere": (HIGH, STRATOSPHERE), "thermals": (THERMALS, MIDSUMMER)}
+
+
+@cache
+def largest(name: str) -> tuple[Aircraft, Mission, SizingProblems, SizingResult]:
+    plane, flown = CASES[name]
+    problems = SizingProblems(plane)
+    return plane, flown, problems, size_aircraft(plane, flown, problems=problems)
+
+
+@pytest.mark.parametrize("left", [1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("objective", [Objective.min_mass, Objective.min_wingspan])
+@pytest.mark.parametrize("name", CASES)
+def test_next_to_the_largest_excess_time_there_is_an_optimum(
+    name: str, objective: Objective, left: float
+) -> None:
+    plane, flown, problems, best = largest(name)
+    assert best.objective_value is not None
+    assert best.design is not None
+    required_h = best.objective_value * (1.0 - left)
+    result = size_aircraft(
+        plane, flown, objective, required_excess_time_h=required_h, problems=problems
+    )
+    assert result.status is SizingStatus.optimal
+    assert result.design is not None
+    assert result.simulated is not None
+    assert np.min(result.simulated.cycle.excess_time_h) >= required_h
+    # The design of largest excess time meets the requirement as well.
+    assert result.design.total_mass_kg <= best.design.total_mass_kg * (1.0 + 1e-6)
+    assert result.design.variables.wingspan_m <= best.design.variables.wingspan_m * (1.0 + 1e-6)
