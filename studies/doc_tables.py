@@ -31,6 +31,10 @@ def _clear_sky() -> str:
     return _markdown(clear_sky_comparison.clear_sky_table(clear_sky_comparison.compare()))
 
 
+def _light() -> str:
+    return _markdown(clear_sky_comparison.light_table(clear_sky_comparison.light_up_to()))
+
+
 def _comparison(aircraft: str, mission: str, required_h: float) -> str:
     found = compare(
         load_aircraft(aircraft), load_mission(mission), required_excess_time_h=required_h
@@ -48,6 +52,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
         "full-model.md",
         lambda: _markdown(transfer_table(transferred_errors(*reference()))),
     ),
+    "light": ("altitude.md", _light),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),

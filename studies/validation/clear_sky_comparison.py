@@ -1,14 +1,16 @@
-"""Daily insolation of the clear sky against pvlib's models (needs the extra ``pvlib``)."""
+"""The clear sky against pvlib's models, on the ground and high up (needs the extra ``pvlib``)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from missions.air import standard_air
 from missions.dates import date_label
 from sizing.results.tables import Column, Table
-from solar.clearsky import clear_sky, global_horizontal
+from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
 from solar.sun import cos_zenith, declination, hour_angle
 from solar.types import FloatArray
 
@@ -119,3 +121,115 @@ def clear_sky_table(rows: list[Insolation]) -> Table:
         for r in rows
     ]
     return Table("daily horizontal energy of clear skies", columns, tuple(cells))
+
+
+@dataclass(frozen=True)
+class Light:
+    """Light at noon: direct normal, diffuse and global horizontal [W/m2]; of the day [Wh/m2]."""
+
+    dni: float
+    dhi: float
+    ghi: float
+    day_wh: float
+
+
+@dataclass(frozen=True)
+class LightAt:
+    """Light of two skies at an altitude."""
+
+    altitude_m: float
+    ours: Light
+    solis: Light
+
+
+ALTITUDES_M = (0.0, 5000.0, 9000.0, 12000.0, 15000.0, 18000.0, 20000.0, 25000.0)
+# Simplified Solis at altitude: water and dust at sea level, and the height over which both fall by
+# e. Assumptions, of the order of the US standard atmosphere's water (1.4 cm) and pvlib's default.
+_WATER_CM, _DUST_700NM, _FADING_HEIGHT_M = 1.5, 0.1, 2000.0
+
+
+def light_up_to(
+    altitudes_m: Sequence[float] = ALTITUDES_M,
+    *,
+    latitude_deg: float = 47.6,
+    day_of_year: int = 172,
+) -> list[LightAt]:
+    """Light of a clear day at several altitudes, ours and that of simplified Solis.
+
+    Solis takes the pressure of the standard atmosphere, and water and dust that fall off by e every
+    2 km, its water not below 0.2 cm. Its range ends at 7 km; it fits direct, diffuse and global
+    light apart from each other.
+
+    Parameters
+    ----------
+    altitudes_m : sequence of float
+        Altitudes above mean sea level [m].
+    latitude_deg : float
+        Latitude [deg].
+    day_of_year : int
+        Day of the year.
+
+    Returns
+    -------
+    list of LightAt
+        One per altitude.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If pvlib is not installed.
+    """
+    noon = day_of_year + 0.5
+    cosine = cos_zenith(latitude_deg, declination(noon), hour_angle(_TIME_H))
+    rows = []
+    for altitude_m in altitudes_m:
+        sky = clear_sky(noon, latitude_deg, cosine, altitude_m)
+        ours = _light(sky.dni, sky.dhi, global_horizontal(sky, cosine))
+        rows.append(LightAt(altitude_m, ours, _solis(noon, cosine, altitude_m)))
+    return rows
+
+
+def _solis(noon: float, cosine: FloatArray, altitude_m: float) -> Light:
+    import pvlib
+
+    lit = cosine > 1e-3  # at the horizon itself Solis is infinite high up
+    fading = np.exp(-altitude_m / _FADING_HEIGHT_M)
+    sky = pvlib.clearsky.simplified_solis(
+        np.degrees(np.arcsin(cosine[lit])),
+        aod700=_DUST_700NM * fading,
+        precipitable_water=_WATER_CM * fading,
+        pressure=float(standard_air(altitude_m).pressure_pa),
+        dni_extra=float(extraterrestrial_irradiance(noon)),
+    )
+    parts = np.zeros((3, len(cosine)))
+    parts[:, lit] = sky["dni"], sky["dhi"], sky["ghi"]
+    return _light(*parts)
+
+
+def _light(dni: FloatArray, dhi: FloatArray, ghi: FloatArray) -> Light:
+    noon = len(_TIME_H) // 2
+    return Light(float(dni[noon]), float(dhi[noon]), float(ghi[noon]), _daily_wh(ghi))
+
+
+def light_table(rows: list[LightAt]) -> Table:
+    """Both skies side by side, and how far the light on a horizontal surface is apart."""
+    parts = ("direct", "diffuse", "horizontal")
+    columns = (
+        Column("altitude", unit="km", form=".0f"),
+        *(Column(part, unit="W/m²", form=".0f") for part in parts),
+        *(Column(f"Solis {part}", unit="W/m²", form=".0f") for part in parts),
+        Column("vs Solis, noon", form="{:+.1f} %"),
+        Column("day", unit="Wh/m²", form=".0f"),
+        Column("vs Solis, day", form="{:+.1f} %"),
+    )
+    cells = [
+        (
+            r.altitude_m / 1000.0,
+            *(r.ours.dni, r.ours.dhi, r.ours.ghi, r.solis.dni, r.solis.dhi, r.solis.ghi),
+            100.0 * (r.ours.ghi / r.solis.ghi - 1.0),
+            r.ours.day_wh,
+            100.0 * (r.ours.day_wh / r.solis.day_wh - 1.0),
+        )
+        for r in rows
+    ]
+    return Table("clear skies up to 25 km", columns, tuple(cells))

@@ -1,0 +1,45 @@
+"""Our clear sky beside simplified Solis, up to 25 km."""
+
+from __future__ import annotations
+
+import pytest
+
+from solar.clearsky import extraterrestrial_irradiance
+from studies.validation.clear_sky_comparison import ALTITUDES_M, light_table, light_up_to
+
+
+@pytest.mark.parametrize(
+    ("latitude_deg", "day", "of_noon", "of_day"),
+    [
+        (47.6, 172, 0.032, 0.042),
+        (0.0, 80, 0.034, 0.031),
+        (32.0, 195, 0.038, 0.033),
+        # Low sun: the coefficients of the ground give too much at 9 km, Solis at 25 km.
+        (47.6, 80, 0.037, 0.07),
+    ],
+)
+def test_light_on_a_horizontal_surface_up_to_25_km_is_that_of_solis(
+    latitude_deg: float, day: int, of_noon: float, of_day: float
+) -> None:
+    for row in light_up_to(latitude_deg=latitude_deg, day_of_year=day):
+        ours, solis = row.ours, row.solis
+        assert ours.ghi == pytest.approx(solis.ghi, rel=of_noon)
+        assert ours.day_wh == pytest.approx(solis.day_wh, rel=of_day)
+        if row.altitude_m >= 12000.0:
+            assert ours.dhi == pytest.approx(solis.dhi, abs=4.0)
+        if 12000.0 <= row.altitude_m <= 20000.0:
+            assert ours.dni == pytest.approx(solis.dni, rel=0.06)
+            assert ours.day_wh == pytest.approx(solis.day_wh, rel=0.033)
+
+
+def test_solis_gives_more_than_the_sun_sends_far_above_its_range() -> None:
+    # Why it is no formula to compute with there: the table says so.
+    highest = light_up_to((25000.0,))[0]
+    outside = float(extraterrestrial_irradiance(172.5))
+    assert highest.solis.dni > outside > highest.ours.dni
+
+
+def test_table_has_a_row_for_each_altitude() -> None:
+    rows = light_up_to((0.0, 12000.0))
+    assert [row[0] for row in light_table(rows).rows] == [0.0, 12.0]
+    assert ALTITUDES_M[-1] == 25000.0
