@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -14,7 +16,15 @@ from typing import Any
 import click
 import pytest
 from command_line import Run
-from documented import Block, Command, blocks, disagreement, inline_commands, inline_options
+from documented import (
+    Block,
+    Command,
+    blocks,
+    disagreement,
+    inline_commands,
+    inline_options,
+    replaced,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -58,7 +68,7 @@ def in_subprocess(words: list[str], folder: Path | None = None) -> tuple[int, st
     return done.returncode, done.stdout, done.stderr
 
 
-# As it is installed: worker processes import the program again, which a test is not.
+# As it is installed.
 SOLAR_UAV = [str(Path(sys.executable).with_name("solar-uav"))]
 
 
@@ -90,8 +100,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             make_wrong_aircraft(folder)
             return path
         (block,) = blocks_that(lambda block: name in block.makes)
-        code, _, err = in_subprocess([sys.executable, "-c", block.text], folder)
-        assert code == 0, err
+        script = folder / "make.py"
+        script.write_text(block.text, encoding="utf-8")
+        with contextlib.chdir(folder):
+            runpy.run_path(str(script))
         return path
 
     return file
@@ -123,10 +135,8 @@ class Player:
             patch.setenv("COLUMNS", variables.get("COLUMNS", "80"))
             if words[0] != "solar-uav":
                 code, out, err = in_subprocess([sys.executable, *words[1:]])
-            elif "--resize" in words:  # with as many processes as there are cores
-                code, out, err = in_subprocess([*SOLAR_UAV, *words[1:]])
             else:
-                code, out, err = self.run(*words[1:])
+                code, out, err = self.run(*replaced(words, self._coarser(block, words))[1:])
         if target is not None:
             Path(target).write_text(out, encoding="utf-8")
         at = f"{block}: {command.text.strip()}"
@@ -141,6 +151,10 @@ class Player:
             if None not in found:
                 self.wrong.append(f"{at}\n  {found[0]}")
         return out + err
+
+    @staticmethod
+    def _coarser(block: Block, words: list[str]) -> dict[str, str]:
+        return {option: value for option, value in block.tested_with.items() if option in words}
 
 
 @pytest.mark.parametrize("page", pages_with(is_run))
@@ -177,8 +191,12 @@ def test_every_block_is_run_or_says_why_not() -> None:
 
 
 @pytest.mark.parametrize("page", pages_with(is_python))
-def test_python_of_the_page_runs(page: Path, tmp_path: Path) -> None:
-    """Each block in a file of its own, all in one process but those that start workers."""
+def test_python_of_the_page_runs(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each block in a file of its own; those that start workers in a process of their own."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
     names = []
     for number, block in enumerate(blocks_that(is_python, [page])):
         path = tmp_path / f"block{number}.py"
@@ -186,11 +204,12 @@ def test_python_of_the_page_runs(page: Path, tmp_path: Path) -> None:
         path.write_text("\n" * block.line + block.text, encoding="utf-8")
         names.append(path.name)
     alone = [name for name in names if "__main__" in (tmp_path / name).read_text("utf-8")]
-    together = [name for name in names if name not in alone]
-    run_all = f"import runpy\nfor name in {together}: runpy.run_path(name)"
-    for arguments in (["-c", run_all], *([name] for name in alone)):
-        code, _, err = in_subprocess([sys.executable, *arguments], tmp_path)
-        assert code == 0, err
+    for name in names:
+        if name in alone:
+            code, _, err = in_subprocess([sys.executable, name], tmp_path)
+            assert code == 0, err
+        else:
+            runpy.run_path(name)
 
 
 def command_tree() -> dict[str, click.Command]:

@@ -9,6 +9,8 @@ wrote. HTML comments above a block, which readers do not see, say how:
     a file that Python of one page makes and commands of any page use;
 ``<!-- slow -->``
     the block takes more than a few seconds;
+``<!-- tested with: --days 1:365:91 -->``
+    options that the test gives a coarser value, where a fine grid is for the eye alone;
 ``<!-- not run: REASON -->``
     the block is not run;
 ``<!-- printed: A; B -->``
@@ -62,6 +64,7 @@ class Block:
     text: str
     exit_code: int = 0
     slow: bool = False
+    tested_with: dict[str, str] = field(default_factory=dict)
     not_run: str | None = None
     makes: list[str] = field(default_factory=list)
     needs: list[str] = field(default_factory=list)
@@ -138,10 +141,21 @@ def _apply(block: Block, comment: str) -> None:
         block.slow = True
     elif name == "exit":
         block.exit_code = int(value)
+    elif comment.startswith("tested with:"):
+        words = shlex.split(comment.removeprefix("tested with:"))
+        block.tested_with |= dict(zip(words[::2], words[1::2], strict=True))
     elif name in ("needs:", "makes:"):
         (block.needs if name == "needs:" else block.makes).append(value)
     elif comment.startswith("not run:"):
         block.not_run = comment.removeprefix("not run:").strip()
+
+
+def replaced(words: list[str], options: dict[str, str]) -> list[str]:
+    """Words of a command with other values of some options, which it must have."""
+    changed = list(words)
+    for option, value in options.items():
+        changed[changed.index(option) + 1] = value
+    return changed
 
 
 def tokens(text: str) -> list[str]:

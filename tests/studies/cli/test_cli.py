@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -262,32 +263,72 @@ def environment(**variables: str) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": root, **variables}
 
 
-def test_help_imports_nothing_heavy() -> None:
+def imported(*calls: tuple[str, ...]) -> list[tuple[str, set[str]]]:
+    """Output of each call, one after the other in one process, and all modules imported by then."""
     code = (
-        "import sys\n"
+        "import contextlib, io, json, sys\n"
         "from studies.cli.__main__ import main\n"
-        "sys.argv = ['solar-uav', *sys.argv[1:]]\n"
-        "try:\n"
-        "    main()\n"
-        "finally:\n"
-        "    print(*sys.modules, file=sys.stderr)\n"
+        "told = []\n"
+        "for arguments in json.loads(sys.argv[1]):\n"
+        "    sys.argv = ['solar-uav', *arguments]\n"
+        "    out = io.StringIO()\n"
+        "    with contextlib.suppress(SystemExit), contextlib.redirect_stdout(out):\n"
+        "        main()\n"
+        "    told.append([out.getvalue(), list(sys.modules)])\n"
+        "print(json.dumps(told))\n"
     )
+    done = subprocess.run(
+        [sys.executable, "-c", code, json.dumps(calls)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+        env=environment(),
+    )
+    return [(out, set(modules)) for out, modules in json.loads(done.stdout)]
+
+
+HEAVY = {"numpy", "casadi", "pandas", "matplotlib", "xarray", "scipy", "pydantic", "rich"}
+
+
+def heavy(modules: set[str]) -> set[str]:
+    return HEAVY & {name.partition(".")[0] for name in modules}
+
+
+def test_help_imports_nothing_heavy() -> None:
     commands = cli.cli.list_commands(click.Context(cli.cli))
-    heavy = {"numpy", "casadi", "pandas", "matplotlib", "xarray", "scipy", "pydantic", "rich"}
-    for arguments in (["--help"], *([name, "--help"] for name in commands)):
-        done = subprocess.run(
-            [sys.executable, "-c", code, *arguments],
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=True,
-            env=environment(),
-        )
-        assert "Usage: solar-uav" in done.stdout
-        loaded = done.stderr.split()
-        assert not heavy & {name.partition(".")[0] for name in loaded}
-        own = [name for name in loaded if name.startswith("studies.cli.commands.")]
-        assert len(own) == len(arguments) - 1
+    own: set[str] = set()
+    for name, (out, modules) in zip(
+        (None, *commands),
+        imported(("--help",), *((name, "--help") for name in commands)),
+        strict=True,
+    ):
+        assert "Usage: solar-uav" in out
+        assert not heavy(modules)
+        prefix = "studies.cli.commands."
+        now = {module for module in modules if module.startswith(prefix)}
+        # The module of this command, no other.
+        lazy = set() if name is None else {prefix + cli._COMMANDS[name].module}
+        assert now == own | lazy
+        own = now
+
+
+@pytest.mark.parametrize(
+    ("arguments", "needed"),
+    [
+        (("list",), set()),
+        (("analyse", AS2), {"numpy", "pydantic", "rich"}),
+        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "rich", "casadi"}),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_command_imports_what_its_result_needs(
+    arguments: tuple[str, ...], needed: set[str]
+) -> None:
+    """Matplotlib, pandas, SciPy and xarray take longer than these commands themselves."""
+    ((out, modules),) = imported(arguments)
+    assert out
+    assert heavy(modules) == needed
 
 
 def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
@@ -331,9 +372,9 @@ def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
     ("arguments", "module", "function"),
     [
         (("analyse", AS2, "--csv", "a.csv"), "sizing.results.analysis", "analyse"),
-        (("size", DESIGN, "-m", "rafz-july", "--out", "a"), "sizing.optimisation.search", "size_aircraft"),  # noqa: E501
+        (("size", DESIGN, "-m", "rafz-july", "--out", "a"), "sizing.results.sizing", "size_aircraft"),  # noqa: E501
         (("compare", AS2, "--no-design", "--out", "a"), "studies.models.comparison", "compare"),
-        (("ceiling", AS2, "--csv", "a.csv"), "sizing.altitude.ceiling", "highest_perpetual_altitude"),  # noqa: E501
+        (("ceiling", AS2, "--csv", "a.csv"), "studies.ceiling", "highest_perpetual_altitude"),
         (("published", "--markdown", "a.md"), "studies.validation.published", "published"),
         (("reproduce-report", "--out", "a"), "studies.validation.report_reproduction", "reproduce"),
     ],
@@ -342,12 +383,36 @@ def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_signal_ends_a_command_quietly(
-    tmp_path: Path, arguments: tuple[str, ...], module: str, function: str, name: str
+    run: Run,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: tuple[str, ...],
+    module: str,
+    function: str,
+    name: str,
 ) -> None:
     number = getattr(signal, name)
-    done = stopped(
-        tmp_path, arguments, f"{module}:{function}", f"os.kill(os.getpid(), {int(number)})"
-    )
+    ours = signal.getsignal(number)
+
+    def act(*arguments: Any, **options: Any) -> None:
+        assert signal.getsignal(number) is not ours  # else the tests would end
+        os.kill(os.getpid(), number)
+
+    monkeypatch.setattr(f"{module}.{function}", act)
+    outcome = run(*arguments)
+    assert outcome.code == 128 + number
+    assert (outcome.out, outcome.err.strip()) == ("", "")
+    assert files(tmp_path) == set()
+    assert signal.getsignal(number) is ours
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_signal_ends_a_process_quietly(tmp_path: Path, name: str) -> None:
+    number = getattr(signal, name)
+    target = "sizing.results.analysis:analyse"
+    arguments = ("analyse", AS2, "--csv", "a.csv")
+    done = stopped(tmp_path, arguments, target, f"os.kill(os.getpid(), {int(number)})")
     assert done.returncode == 128 + number
     assert (done.stdout, done.stderr.strip()) == ("", "")
     assert files(tmp_path) == set()

@@ -14,8 +14,8 @@ from studies.output.columns import SizingStatus
 pytestmark = pytest.mark.slow
 
 DESIGN = ["atlantiksolar-design", "--resize", "min_wingspan"]
-MAP = ["map", *DESIGN, "--latitudes", "-70:70:10", "--days", "1:365:30"]
-SWEEP = ["sweep", *DESIGN, "--vary", "battery.specific_energy_wh_per_kg=200:400:5"]
+MAP = ["map", *DESIGN, "--latitudes", "-70:70:20", "--days", "1:365:60"]
+SWEEP = ["sweep", *DESIGN, "--vary", "battery.specific_energy_wh_per_kg=200:400:20"]
 
 
 @pytest.fixture
@@ -31,6 +31,8 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setattr(BaseProcess, "start", noted)
     monkeypatch.setattr("studies.engine.workers._PAYS_S", 0.0)
     monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 2)
+    # Chunks so small that a few cells make enough of them for all processes.
+    monkeypatch.setattr("studies.maps.grid._CHUNK_S", 0.06)
     return names
 
 

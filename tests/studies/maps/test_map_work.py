@@ -162,9 +162,10 @@ def test_where_every_cell_fails_there_is_no_file(
 
 
 def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
+    """Start the command as it is installed: worker processes import that script again."""
     root = str(Path(feasibility.__file__).parents[2])
     return subprocess.Popen(
-        [sys.executable, "-m", "studies.cli", *arguments],
+        [str(Path(sys.executable).with_name("solar-uav")), *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -178,12 +179,12 @@ def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 def test_a_stopped_command_says_how_to_go_on(
     tmp_path: Path, signum: signal.Signals, workers: str
 ) -> None:
-    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:10"]
+    asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:20"]
     asked = ["map", *asked, "--days", "1:365:10", "--out", "m.nc", "--workers", workers]
     process = command(*asked, cwd=tmp_path)
     folder = tmp_path / "m.nc.parts"
     deadline = time.monotonic() + 120.0
-    while len(list(folder.glob("*.part"))) < 2:
+    while len(list(folder.glob("*.part"))) < 1:
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.02)
