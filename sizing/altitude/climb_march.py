@@ -6,6 +6,7 @@ What a step does, and why, stands at the head of :mod:`sizing.altitude.climb_cyc
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from sizing.altitude.climb_levels import FlightLevels
 from sizing.energy.battery import Store
 from sizing.energy.cycle import FULL
 from sizing.energy.power_balance import crossing_fraction, positive_part_wh
-from solar.types import BoolArray, FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 Strategy = Literal["battery_full", "surplus"]
 
@@ -97,6 +98,10 @@ class March:
         rises = np.diff(levels.potential_energy_wh)
         self.per_wh = 1.0 / np.where(rises > 0.0, rises, np.inf)
         self.counts_as_full_wh = FULL * store.battery_energy_wh
+        lengths = np.diff(self.node_h) / self.steps_per_node
+        self.hours = [float(length) for length in lengths for _ in range(self.steps_per_node)]
+        zero = np.zeros(len(self.places))
+        self.nothing = _Drawn(Stored(zero, zero), zero, zero, zero)
 
     @property
     def time_h(self) -> FloatArray:
@@ -108,34 +113,53 @@ class March:
     def steps(self, stored: Stored) -> Iterator[ClimbStep]:
         """March through the day from what is stored at its start."""
         before = stored.potential_wh
-        for node in range(len(self.node_h) - 1):
-            hours = (self.node_h[node + 1] - self.node_h[node]) / self.steps_per_node
-            for part in range(self.steps_per_node):
-                middle = 1.5 * stored.potential_wh - 0.5 * before
-                power = self._power(node, part, np.clip(middle, 0.0, self.potential_max_wh))
-                step = self._step(stored, power, hours)
-                yield step
-                before, stored = stored.potential_wh, step.end
+        for number, hours in enumerate(self.hours):
+            supply = self._supply(number, stored.potential_wh, before)
+            moves = self._moves(stored, supply, hours)
+            yield ClimbStep(stored, supply.power, _flows(supply, moves, hours), moves.end)
+            before, stored = stored.potential_wh, moves.end
 
     def end_of_day(self, stored: Stored) -> Stored:
         """What is stored at the end of the day, from what is at its start."""
-        for step in self.steps(stored):
-            stored = step.end
+        before = stored.potential_wh
+        for number, hours in enumerate(self.hours):
+            supply = self._supply(number, stored.potential_wh, before)
+            before, stored = stored.potential_wh, self._moves(stored, supply, hours).end
         return stored
 
-    def _power(self, node: int, part: int, potential_wh: FloatArray) -> StepPower:
-        levels = self.levels
+    def _supply(self, number: int, potential_wh: FloatArray, before_wh: FloatArray) -> _Supply:
+        """What a step has to go on, at the altitude extrapolated to its middle."""
+        if not (potential_wh.any() or before_wh.any()):
+            return self._at_floor[number]
+        middle = np.clip(1.5 * potential_wh - 0.5 * before_wh, 0.0, self.potential_max_wh)
+        power = self._power(*divmod(number, self.steps_per_node), middle)
+        return _Supply.of(power, self._balance(power, self.hours[number]))
+
+    @cached_property
+    def _at_floor(self) -> list[_Supply]:
+        """All steps of the day at the lowest altitude: most of them, known beforehand."""
+        node, part = np.divmod(np.arange(len(self.hours))[:, np.newaxis], self.steps_per_node)
+        power = self._power(node, part, np.zeros(len(self.places)))
+        balance = self._balance(power, np.array(self.hours)[:, np.newaxis])
+        rows = zip(zip(*power, strict=True), zip(*balance, strict=True), strict=True)
+        return [_Supply.of(StepPower(*p), _Balance(*b)) for p, b in rows]
+
+    def _power(
+        self, node: int | IntArray, part: int | IntArray, potential_wh: FloatArray
+    ) -> StepPower:
+        """Power of one step, or of a column of steps, at an altitude."""
+        levels, places = self.levels, self.places
         below = np.searchsorted(levels.potential_energy_wh, potential_wh, side="right") - 1
         below = np.clip(below, 0, len(self.per_wh) - 1)
         upper = (potential_wh - levels.potential_energy_wh[below]) * self.per_wh[below]
         lower = 1.0 - upper
-        left, right = self.solar[node], self.solar[node + 1]
-        start = lower * left[below, self.places] + upper * left[below + 1, self.places]
-        end = lower * right[below, self.places] + upper * right[below + 1, self.places]
+        solar = self.solar
+        start = lower * solar[node, below, places] + upper * solar[node, below + 1, places]
+        end = lower * solar[node + 1, below, places] + upper * solar[node + 1, below + 1, places]
         level_w = levels.propulsion_power_w
         motor = lower * level_w[below] + upper * level_w[below + 1]
         a, b = part / self.steps_per_node, (part + 1) / self.steps_per_node
-        first, last = self.factor[node], self.factor[node + 1]
+        first, last = self.factor[node, places], self.factor[node + 1, places]
         return StepPower(
             start + (end - start) * a,
             start + (end - start) * b,
@@ -143,42 +167,49 @@ class March:
             motor * (first + (last - first) * b),
         )
 
-    def _step(self, stored: Stored, power: StepPower, hours: float) -> ClimbStep:
-        """Early deficit, surplus (charge, then climb), late deficit."""
+    def _balance(self, power: StepPower, hours: float | FloatArray) -> _Balance:
+        """Surplus and deficit of one step, or of a column of steps."""
         constant = self.levels.constant_power_w
         solar_left, solar_right, motor_left, motor_right = power
         left = solar_left - motor_left - constant
         right = solar_right - motor_right - constant
-        surplus = positive_part_wh(left, right, hours)
         deficit = positive_part_wh(-left, -right, hours)
         of_avionics = positive_part_wh(constant - solar_left, constant - solar_right, hours)
         early = np.where(left < 0.0, 1.0, 0.0)
+        late = 1.0 - early
         lit_h = hours * _surplus_share(left, right)
-        first = self._drawn(stored, early * deficit, early * of_avionics)
-        energy = first.end.battery_wh
-        charged = self.store.charged(energy, surplus, hours)
-        left_over = surplus - (charged - energy) / self.store.charge_efficiency
         room_w = self.levels.limits.maximum_power_w - (motor_left + motor_right) / 2.0
-        usable = self._usable_wh(energy, charged, surplus, left_over, hours)
-        climb = self._climb_wh(first.end.potential_wh, usable, room_w * lit_h)
-        higher = first.end.potential_wh + self.levels.limits.efficiency * climb
-        second = _Drawn(Stored(charged, higher), *np.zeros((3, len(charged))))
-        if np.any((left >= 0.0) & (right < 0.0)):
-            late = 1.0 - early
-            second = self._drawn(second.end, late * deficit, late * of_avionics)
-        unserved = first.unserved_wh + second.unserved_wh
-        flows = Flows(
-            solar_wh=(solar_left + solar_right) / 2.0 * hours,
-            level_electric_wh=(motor_left + motor_right) / 2.0 * hours,
-            charged_wh=charged - energy,
-            drawn_wh=first.drawn_wh + second.drawn_wh,
-            curtailed_wh=left_over - climb,
-            climb_wh=climb,
-            glide_wh=first.glide_wh + second.glide_wh,
-            unserved_wh=unserved,
-            missing_h=(hours - lit_h) * unserved / np.maximum(deficit, 1e-300),
+        return _Balance(
+            surplus_wh=positive_part_wh(left, right, hours),
+            deficit_wh=deficit,
+            early_wh=early * deficit,
+            early_avionics_wh=early * of_avionics,
+            late_wh=late * deficit,
+            late_avionics_wh=late * of_avionics,
+            lit_h=lit_h,
+            room_wh=room_w * lit_h,
         )
-        return ClimbStep(stored, power, flows, second.end)
+
+    def _moves(self, stored: Stored, supply: _Supply, hours: float) -> _Moves:
+        """Early deficit, surplus (charge, then climb), late deficit; none where there is none."""
+        balance = supply.balance
+        first = second = self.nothing
+        climb = charged_wh = left_over = self.nothing.drawn_wh
+        if supply.begins_short:
+            first = self._drawn(stored, balance.early_wh, balance.early_avionics_wh)
+            stored = first.end
+        if supply.has_surplus:
+            energy, potential = stored
+            charged = self.store.charged(energy, balance.surplus_wh, hours)
+            charged_wh = charged - energy
+            left_over = balance.surplus_wh - charged_wh / self.store.charge_efficiency
+            usable = self._usable_wh(energy, charged, balance.surplus_wh, left_over, hours)
+            climb = self._climb_wh(potential, usable, balance.room_wh)
+            stored = Stored(charged, potential + self.levels.limits.efficiency * climb)
+        if supply.ends_short:
+            second = self._drawn(stored, balance.late_wh, balance.late_avionics_wh)
+            stored = second.end
+        return _Moves(first, charged_wh, left_over, climb, second, stored)
 
     def _usable_wh(
         self,
@@ -223,6 +254,48 @@ class March:
         return _Drawn(Stored(energy - drawn, lower), drawn, glide, unserved)
 
 
+class _Balance(NamedTuple):
+    """Energy that is left over or lacking in a step, whatever is stored [Wh]; per scenario.
+
+    ``room_wh`` is what the propulsion could take besides level flight while there is a surplus.
+    """
+
+    surplus_wh: FloatArray
+    deficit_wh: FloatArray
+    early_wh: FloatArray
+    early_avionics_wh: FloatArray
+    late_wh: FloatArray
+    late_avionics_wh: FloatArray
+    lit_h: FloatArray
+    room_wh: FloatArray
+
+
+class _Supply(NamedTuple):
+    """Power and balance of a step, and which of its phases any scenario has."""
+
+    power: StepPower
+    balance: _Balance
+    begins_short: bool
+    has_surplus: bool
+    ends_short: bool
+
+    @classmethod
+    def of(cls, power: StepPower, balance: _Balance) -> _Supply:
+        phases = (balance.early_wh, balance.surplus_wh, balance.late_wh)
+        return cls(power, balance, *(bool(phase.any()) for phase in phases))
+
+
+class _Moves(NamedTuple):
+    """What a step does with what is stored; per scenario."""
+
+    first: _Drawn
+    charged_wh: FloatArray
+    left_over_wh: FloatArray
+    climb_wh: FloatArray
+    second: _Drawn
+    end: Stored
+
+
 class _Drawn(NamedTuple):
     """What is stored after a deficit, and what was given [Wh]; ``glide_wh`` is electric, saved."""
 
@@ -230,6 +303,24 @@ class _Drawn(NamedTuple):
     drawn_wh: FloatArray
     glide_wh: FloatArray
     unserved_wh: FloatArray
+
+
+def _flows(supply: _Supply, moves: _Moves, hours: float) -> Flows:
+    """Energy that moved within a step."""
+    power, balance = supply.power, supply.balance
+    first, second = moves.first, moves.second
+    unserved = first.unserved_wh + second.unserved_wh
+    return Flows(
+        solar_wh=(power.solar_left_w + power.solar_right_w) / 2.0 * hours,
+        level_electric_wh=(power.motor_left_w + power.motor_right_w) / 2.0 * hours,
+        charged_wh=moves.charged_wh,
+        drawn_wh=first.drawn_wh + second.drawn_wh,
+        curtailed_wh=moves.left_over_wh - moves.climb_wh,
+        climb_wh=moves.climb_wh,
+        glide_wh=first.glide_wh + second.glide_wh,
+        unserved_wh=unserved,
+        missing_h=(hours - balance.lit_h) * unserved / np.maximum(balance.deficit_wh, 1e-300),
+    )
 
 
 def _surplus_share(left: FloatArray, right: FloatArray) -> FloatArray:
