@@ -5,7 +5,10 @@ design for a range is the one with the largest worst excess time. Ranges around 
 latitude are nested by adding, again and again, the easier one of the two neighbours; the largest
 that has a feasible design is found by bisection. Which neighbour is easier depends on the design,
 but hardly: the order is taken anew from the best design until the range grows no more. Then all
-runs one longer are tried that begin within a few members of it.
+runs one longer are tried that begin within a few members of it. Near the equator the year has two
+easy seasons: where there may be several, a range is grown around the easiest member of each.
+A run that grows no more is moved along to where its worst excess time is largest, which may leave
+room for more.
 """
 
 from __future__ import annotations
@@ -34,6 +37,10 @@ LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
 _ORDERS = 6
 _OTHER_CENTRES = (1, 2, 4, 8, 16, 32)
 _SHIFTS = (0, -1, 1, -2, 2, -3)
+_SLIDES = (8, 4, 2, 1)
+_GAIN_H = 1e-4  # less is what the search leaves open
+_SAMPLES = 30  # members that are sized on their own in search of other easy seasons
+_VALLEY_H = 0.002  # lower by less than that it parts no peaks: what time steps do
 
 
 @dataclass(frozen=True)
@@ -146,32 +153,103 @@ class _Growth:
             if best.status is not SizingStatus.not_converged or place >= len(order):
                 break
             centre, best = order[place], self._sized([order[place]])
-        if not self._enough(best):
-            nothing = np.empty(0)
-            return WidestRange(self._named(best, None), None, None, nothing)
+        held: list[int] = []
+        if self._enough(best):
+            best, held = self._grown(best, centre)
+        for easiest in self._other_centres(best, held):
+            found = self._sized([easiest])
+            if easiest in held or not self._enough(found):
+                continue
+            found, others = self._grown(found, easiest)
+            if len(others) > len(held):
+                best, held = found, others
+        if not held:
+            return WidestRange(self._named(best, None), None, None, np.empty(0))
+        return self._result(best, held)
+
+    def _grown(self, best: SizingResult, centre: int) -> tuple[SizingResult, list[int]]:
+        """Longest run around a member, from the design for that member alone."""
         held = [centre]
         for _ in range(_ORDERS):
             nested = self._nested(best, held)
             count, found = self._largest(nested, len(held))
+            if found is not None:
+                best, held = found, sorted(nested[:count])
+            if len(held) == len(self.members):
+                break
             if found is None:
-                break
-            best, held = found, sorted(nested[:count])
-            if count == len(nested):
-                break
-        return self._result(*self._longer(best, held), centre)
+                found, beside = self._slid(best, held)
+                if beside == held:
+                    break
+                best, held = found, beside
+        return self._longer(best, held)
+
+    def _slid(self, best: SizingResult, held: list[int]) -> tuple[SizingResult, list[int]]:
+        """Move a run along, by ever smaller steps, as long as its worst excess time grows."""
+        for step in _SLIDES:
+            for way in (-step, step):
+                moved = False
+                while run := self._run(held, way, way):
+                    found = self._sized(run)
+                    if _reached_h(found) <= _reached_h(best) + _GAIN_H:
+                        break
+                    best, held, moved = found, sorted(run), True
+                if moved:
+                    break
+        return best, held
+
+    def _run(self, held: list[int], before: int, behind: int) -> list[int]:
+        """Run whose ends lie some members off those of another; empty where there is none."""
+        count = len(self.members)
+        first, last = self._ends(held)
+        run = np.arange(first + before, last + behind + 1)
+        if len(run) > count or not (self.season or (run[0] >= 0 and run[-1] < count)):
+            return []
+        return [int(i) for i in run % count]
+
+    def _other_centres(self, best: SizingResult, held: list[int]) -> list[int]:
+        """Members around which there may be a longer run, the easiest first.
+
+        A few members, each sized for itself, tell: no design does better on a range than that of
+        any of its members. They are asked where the excess time of the best design so far has more
+        than one peak, or where there is no design yet.
+        """
+        count = len(self.members)
+        variables = self.start if best.design is None else best.design.variables
+        if len(held) == count or (held and len(self._peaks(self._excess_h(variables))) < 2):
+            return []
+        some = np.arange(0, count, count // _SAMPLES)
+        reached = np.array([_reached_h(self._sized([int(i)])) for i in some])
+        peaks = sorted(self._peaks(reached), key=lambda peak: -reached[peak])
+        return [int(some[i]) for i in peaks if reached[i] >= self.required_h]
+
+    def _peaks(self, excess_h: FloatArray) -> list[int]:
+        """Places of the peaks that are parted from higher ones by a valley."""
+        found: list[int] = []
+        for place in np.argsort(-excess_h, kind="stable"):
+            ways = [self._between(int(place), peak, len(excess_h)) for peak in found]
+            if all(
+                excess_h[way].min() < excess_h[place] - _VALLEY_H for both in ways for way in both
+            ):
+                found.append(int(place))
+        return found
+
+    def _between(self, one: int, other: int, count: int) -> list[IntArray]:
+        """Places from one to another, and the other way round through the year's end."""
+        first, last = sorted((one, other))
+        inside = np.arange(first, last + 1)
+        if not self.season:
+            return [inside]
+        return [inside, np.arange(last, first + count + 1) % count]
 
     def _longer(self, best: SizingResult, held: list[int]) -> tuple[SizingResult, list[int]]:
         """Grow a run by single members, at either end or a little beside it, while that goes."""
-        count = len(self.members)
-        while len(held) < count:
-            first, last = self._ends(held)
+        while len(held) < len(self.members):
             for shift in _SHIFTS:
-                run = np.arange(first + shift, last + shift + 2)
-                if not self.season and not (run[0] >= 0 and run[-1] < count):
-                    continue
-                found = self._sized([int(i) for i in run % count])
-                if self._enough(found):
-                    best, held = found, sorted(int(i) for i in run % count)
+                run = self._run(held, shift, shift + 1)
+                found = self._sized(run) if run else None
+                if found is not None and self._enough(found):
+                    best, held = found, sorted(run)
                     break
             else:
                 break
@@ -227,8 +305,11 @@ class _Growth:
     def _largest(self, nested: list[int], held: int) -> tuple[int, SizingResult | None]:
         """Largest number of members that one design covers, above those held already."""
         low, high, best = held, len(nested) + 1, None
+        step = 1 if held > 1 else len(nested)
         while high - low > 1:
-            middle = (low + high) // 2
+            # A run that has grown before will hardly grow by much.
+            middle = min((low + high) // 2, low + step)
+            step *= 2
             found = self._sized(nested[:middle])
             if self._enough(found):
                 low, best = middle, found
@@ -255,9 +336,9 @@ class _Growth:
         return found
 
     def _enough(self, found: SizingResult) -> bool:
-        return found.objective_value is not None and found.objective_value >= self.required_h
+        return found.objective_value is not None and _reached_h(found) >= self.required_h
 
-    def _result(self, best: SizingResult, held: list[int], centre: int) -> WidestRange:
+    def _result(self, best: SizingResult, held: list[int]) -> WidestRange:
         first, last = self._ends(held)
         order = np.arange(first, last + 1) % len(self.members)
         members = self.members[order]
@@ -291,3 +372,8 @@ class _Growth:
                 *violations(self.aircraft, missed, short, self.required_h),
             ),
         )
+
+
+def _reached_h(sizing: SizingResult) -> float:
+    """Largest worst excess time, minus infinity where there is no design."""
+    return -np.inf if sizing.objective_value is None else sizing.objective_value

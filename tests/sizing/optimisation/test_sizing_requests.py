@@ -335,6 +335,16 @@ def test_no_run_one_day_longer_is_kept_up(
         assert sized.objective_value is None or sized.objective_value < 2.0
 
 
+def test_season_near_the_equator_spans_both_of_its_peaks() -> None:
+    # The sun stands in the zenith twice a year, in spring and in August. Days sized each on its
+    # own have 3.27 h, 3.22 h, and between them at least 3.07 h: a run of both is kept up together.
+    bound = "design_space.wingspan_m.maximum=5"
+    plane = builders.aircraft("sky-sailor", bound, "airframe.wingspan_m=3", "modules.area_m2=0.4")
+    place = mission(latitude_deg=6.0, air={})
+    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=3.0)
+    assert found.extent == 139
+
+
 def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
     plane = builders.aircraft("sky-sailor", *small)
