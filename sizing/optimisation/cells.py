@@ -266,8 +266,9 @@ class _Cells:
         previous: Solution | None,
         efforts: Sequence[Effort] = ("quick",),
     ) -> Solution | None:
+        starts = [self.own] if previous is None else [self.own, previous.design]
         return self.solver.solve(
-            instance, search.filled(), [self.own], efforts=efforts, previous=previous
+            instance, search.filled(), starts, efforts=efforts, previous=previous
         )
 
     # --- the simulator -------------------------------------------------------------------------

@@ -37,7 +37,7 @@ from typing import Any, Literal, NamedTuple
 import casadi as ca
 import numpy as np
 
-from sizing.aircraft import Aircraft, ParametricAirframe, Range
+from sizing.aircraft import Aircraft, DesignSpace, ParametricAirframe, Range
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
@@ -94,7 +94,6 @@ WORST_EXCESS = "worst_excess_time_h"
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
 # equality rounding decides whether the battery is needed for an instant.
 ALWAYS_LIT_MARGIN = 1e-5
-_MAXIMUM_EXCESS_H = 1e4
 
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
@@ -364,7 +363,7 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
             Variable(f"dawn_state_of_charge[{i}]", "1", 0.0, 1.0, 1.0, Role.dawn_state, 0.2)
             for i in range(blocks)
         ),
-        Variable(WORST_EXCESS, "h", 0.0, _MAXIMUM_EXCESS_H, 1.0, Role.worst_excess),
+        Variable(WORST_EXCESS, "h", 0.0, math.inf, 1.0, Role.worst_excess),
         *(Variable(name, "1", 0.0, np.inf, 1.0, Role.slack) for name in slacks),
     )
     weights = ca.MX.sym("weights", len(variables))
@@ -386,7 +385,8 @@ def _chosen_variables(aircraft: Aircraft) -> tuple[Variable, ...]:
     space = aircraft.design_space
     assert isinstance(aircraft.airframe, ParametricAirframe)
     lightest = space.battery_mass_kg.minimum
-    heaviest = space.maximum_total_mass_kg or 40.0 * space.battery_mass_kg.maximum
+    # No bound that nobody has set: mass and payload end where the mass budget or the sun ends them.
+    heaviest = space.maximum_total_mass_kg or math.inf
     ranges = {
         "wingspan_m": space.wingspan_m,
         "battery_mass_kg": space.battery_mass_kg,
@@ -402,16 +402,27 @@ def _chosen_variables(aircraft: Aircraft) -> tuple[Variable, ...]:
     )
     return (
         *found,
-        # No aircraft carries more than it weighs; power is bounded by its energy. The scales make
-        # all variables of order one.
-        Variable("payload_mass_kg", "kg", 0.0, heaviest, 1.0, Role.payload),
-        Variable("payload_power_w", "W", 0.0, 1e6, 10.0, Role.payload),
+        Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
+        Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
         *(
             Variable(key, "1", 1e-3, 1e3, role=Role.technology)
             for key, one in catalogue().items()
             if one.kind == "technology" and one.relaxable and parameter_value(aircraft, None, key)
         ),
     )
+
+
+def _payload_scale_kg(space: DesignSpace) -> float:
+    """Payload mass that counts as one: of the order of the cost's other terms, and the penalty's.
+
+    1 kg for batteries of up to 25 kg, as the shipped designs have; in proportion for larger ones.
+    """
+    return max(1.0, space.battery_mass_kg.maximum / 25.0)
+
+
+def _payload_scale_w(space: DesignSpace) -> float:
+    """Payload power that counts as one: 10 W for modules of up to 8 m2, else in proportion."""
+    return max(10.0, 10.0 * space.module_area_m2.maximum / 8.0)
 
 
 def _design_function(

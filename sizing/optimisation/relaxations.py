@@ -204,6 +204,8 @@ class _Relaxations:
         """Upper bound that the nearest design has reached; that of the wingspan is always tried."""
         name = key.removeprefix("design_space.").removesuffix(".maximum").removeprefix("maximum_")
         present = self.program.variables[self.program.index[name]].maximum
+        if math.isinf(present):
+            return None
         reached = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
         if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
             return None

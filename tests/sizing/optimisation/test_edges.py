@@ -8,8 +8,9 @@ import builders
 import numpy as np
 import pytest
 
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus
@@ -88,3 +89,46 @@ def test_next_to_the_largest_excess_time_there_is_an_optimum(
     # The design of largest excess time meets the requirement as well.
     assert result.design.total_mass_kg <= best.design.total_mass_kg * (1.0 + 1e-6)
     assert result.design.variables.wingspan_m <= best.design.variables.wingspan_m * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("objective", [Objective.min_mass, Objective.max_payload_mass])
+def test_mass_is_not_bounded_unless_the_design_space_says_so(objective: Objective) -> None:
+    """Under a midnight sun a battery of 0.1 kg flies an aircraft of 50 kg."""
+    plane = builders.aircraft(
+        "atlantiksolar-design",
+        "design_space.battery_mass_kg={minimum: 0.05, maximum: 0.1}",
+        "design_space.wingspan_m.maximum=12",
+        "design_space.module_area_m2.maximum=12",
+        "battery.mass_kg=0.1",
+        "airframe.avionics_mass_kg=6",
+    )
+    polar_summer = builders.mission(latitude_deg=85.0, dates={"on": "06-21"})
+    result = size_aircraft(plane, polar_summer, objective)
+    assert result.status is SizingStatus.optimal
+    assert not any("total_mass_kg" in text for text in result.active_constraints)
+    assert result.design is not None
+    assert result.design.total_mass_kg > 8.0
+
+
+@pytest.mark.parametrize(
+    ("objective", "size_of"),
+    [(Objective.max_payload_mass, 100.0), (Objective.max_payload_power, 1000.0)],
+)
+def test_map_of_large_payloads_leaves_no_cell_open(objective: Objective, size_of: float) -> None:
+    plane = builders.aircraft(
+        "atlantiksolar-design",
+        "design_space.wingspan_m.maximum=80",
+        "design_space.battery_mass_kg.maximum=1500",
+        "design_space.module_area_m2.maximum=800",
+    )
+    latitudes, days = np.linspace(-42.0, 42.0, 4).repeat(4), np.tile([15, 87, 195, 303], 4)
+    cells = size_cells(plane, builders.mission(), Scenarios(latitudes, days), objective)
+    assert set(cells.status) <= {SizingStatus.cross_checked, SizingStatus.infeasible}
+    assert np.nanmax(cells.objective_value) > size_of
+    largest = int(np.nanargmax(cells.objective_value))
+    dates = {15: "01-15", 87: "03-28", 195: "07-14", 303: "10-30"}
+    alone = builders.mission(
+        latitude_deg=float(latitudes[largest]), dates={"on": dates[int(days[largest])]}
+    )
+    result = size_aircraft(plane, alone, objective)
+    assert cells.objective_value[largest] == pytest.approx(result.objective_value, rel=1e-4)
