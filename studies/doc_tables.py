@@ -18,6 +18,9 @@ from sizing.results.tables import Table
 from studies.models.comparison import compare
 from studies.models.transfer import transfer_table, transferred_errors
 from studies.validation import altitude_tables, clear_sky_comparison, found_designs
+from studies.validation.flights.published_flights import facts_table
+from studies.validation.flights.season import seasons
+from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
 from studies.validation.structure_comparison import structure_tables
@@ -27,8 +30,8 @@ def _markdown(*tables: Table) -> str:
     return "\n".join(table.to_markdown() for table in tables)
 
 
-def _clear_sky() -> str:
-    return _markdown(clear_sky_comparison.clear_sky_table(clear_sky_comparison.compare()))
+def _clear_sky(sites: Sequence[clear_sky_comparison.Site] = clear_sky_comparison.SITES) -> str:
+    return _markdown(clear_sky_comparison.clear_sky_table(clear_sky_comparison.compare(sites)))
 
 
 def _light() -> str:
@@ -44,7 +47,11 @@ def _comparison(aircraft: str, mission: str, required_h: float) -> str:
 
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", lambda: _markdown(published().table())),
+    "flights": ("validation.md", lambda: _markdown(facts_table())),
+    "single-inputs": ("validation.md", lambda: _markdown(explain().page())),
+    "season": ("validation.md", lambda: _markdown(seasons().table())),
     "clear-sky": ("validation.md", _clear_sky),
+    "clear-sky-rafz": ("solar.md", partial(_clear_sky, (clear_sky_comparison.RAFZ,))),
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
     "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
     "structure": ("structure.md", lambda: _markdown(*structure_tables())),

@@ -56,7 +56,8 @@ def published(
         result = of_season.seasons()
     else:
         result = numbers.published()
-    forms = {csv_file: result.table().to_csv, markdown_file: result.table().to_markdown}
+    page = result.page() if isinstance(result, single_inputs.Explanations) else result.table()
+    forms = {csv_file: result.table().to_csv, markdown_file: page.to_markdown}
     write_files_atomically(
         {name: form().encode() for name, form in forms.items() if name is not None}
     )

@@ -221,7 +221,7 @@ FLIGHT_81H = Flight(
         Fact("load", "35 to 46 W on average in calm air, such as at night", NEWS_81H),
         Fact("level flight", "35.8 W of propulsion, 6.0 W of avionics", PAPERS),
         _AS2_BATTERY,
-        Fact("wind, temperature", "not published; 31.3 C assumed", ""),
+        Fact("wind, temperature", "not found; 31.3 C used", ""),
     ),
     quantities=(
         Quantity("excess time", "h", 6.8, 0.6, _excess_time_h),
@@ -286,9 +286,9 @@ FLIGHT_27H = Flight(
         Fact("distance", "874.4 km, 9.0 m/s on average", SKY_SAILOR_PAGE),
         Fact("load", "16 W in level flight", SKY_SAILOR_PAGE),
         Fact("wind", "rather windy at night; no thermals or height used", ETH_LIFE),
-        Fact("battery", "1 kg, 40 % of the mass; 1.06 kg, 240 Wh/kg (Noth)", ETH_LIFE),
+        Fact("battery", "1 kg, 40 % of the mass; 1.06 kg of 240 Wh/kg", f"{ETH_LIFE}; Noth (2008)"),
         Fact("charge", "full in the afternoon, and at the landing", ETH_LIFE),
-        Fact("temperature", "not published; 20 C assumed", ""),
+        Fact("temperature", "not found; 20 C assumed", ""),
     ),
     quantities=(
         Quantity("minimum state of charge", "%", 5.8, 6.0, _minimum_charge_of_flight, True),
@@ -307,7 +307,7 @@ FLIGHT_48H = Flight(
         Fact("modules", "225 W from 76 cells", SOLONG_EERE),
         Fact("battery", "220 Wh/kg, 44 % of 28.2 lb; over 95 % a cycle", SOLONG_ENGINEER),
         Fact("thermals", "earlier flights of over 24 h used them (Noth)", "FAZ, June 2008"),
-        Fact("wind, temperature", "not published; 30 C assumed", ""),
+        Fact("wind, temperature", "not found; 30 C assumed", ""),
     ),
     quantities=(Quantity("time flown", "h", 48.27, 0.5, _flown_h, True),),
 )

@@ -2,14 +2,15 @@
 
 For each miss one input at a time is changed until the simulator gives the published number. Beside
 the value that this takes stands the range in which the input is known to lie
-(:mod:`studies.validation.flights.inputs`), and the distance of the needed value from the one used in
-standard uncertainties. Nothing is changed in what the software computes elsewhere.
+(:mod:`studies.validation.flights.inputs`), and the distance of the needed value from the one used
+in standard uncertainties. Nothing is changed in what the software computes elsewhere.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _SCAN = 6
-_HALVINGS = 11
+_HALVINGS = 7
 _ENOUGH = 1e-6
 
 
@@ -147,6 +148,29 @@ class Explanations(Result):
         )
         return Table("single inputs that would explain the differences from flights", columns, rows)
 
+    def page(self) -> Table:
+        """Every input of every miss as a page shows it: ranges and units as text."""
+        columns = (
+            Column("difference"),
+            Column("input"),
+            Column("used", form=".4g"),
+            Column("needed", form=".4g", missing="none"),
+            Column("range", "known range"),
+            Column("sigmas", form="+.1f"),
+            Column("within"),
+            Column("others", "other numbers with it"),
+            Column("source", "source of the range"),
+        )
+        rows = tuple(
+            (
+                f"{row.title}; {row.note}" if i == 0 else "",
+                *(*_short(n), _others(row, n), n.spread.source),
+            )
+            for row in self.rows
+            for i, n in enumerate(row.needed)
+        )
+        return Table("single inputs that would explain the differences from flights", columns, rows)
+
     def to_dict(self) -> list[dict[str, Any]]:
         """All misses, JSON-ready."""
         return [
@@ -213,6 +237,7 @@ def _others(row: Explanation, n: Needed) -> str:
     return "; ".join(texts)
 
 
+@cache
 def explain(misses: tuple[Miss, ...] = MISSES) -> Explanations:
     """Find for every miss what each single input would have to be.
 
@@ -284,7 +309,7 @@ def nearest_root(
     """Place near to a start at which a function changes its sign.
 
     The function is scanned outwards in even steps, as many to either end, and the first change
-    refined by bisection, so that it may have jumps, or be flat. Changes closer together than a step
+    refined, so that the function may have jumps, or be flat. Changes closer together than a step
     may be missed.
 
     Parameters
@@ -300,17 +325,27 @@ def nearest_root(
     float or None
         None where the sign is the same everywhere.
     """
-    positive = function(start) > 0.0
-    sides = [np.linspace(start, end, _SCAN + 1) for end in ends if end != start]
-    steps = ((side[i], side[i + 1]) for i in range(_SCAN) for side in sides)
-    found = next(((a, b) for a, b in steps if (function(b) > 0.0) != positive), None)
-    if found is None:
-        return None
-    inner, outer = map(float, found)
+    at_start = function(start)
+    sides = [np.linspace(start, end, _SCAN + 1).tolist() for end in ends if end != start]
+    nearest = {i: (start, at_start) for i in range(len(sides))}
+    for step in range(1, _SCAN + 1):
+        for i, side in enumerate(sides):
+            inner, outer = nearest[i], (side[step], function(side[step]))
+            if (outer[1] > 0.0) != (at_start > 0.0):
+                return _refined(function, inner, outer)
+            nearest[i] = outer
+    return None
+
+
+def _refined(
+    function: Callable[[float], float], inner: tuple[float, float], outer: tuple[float, float]
+) -> float:
+    """Change of sign between two places, each with its value: bisection, then a straight line."""
     for _ in range(_HALVINGS):
-        middle = 0.5 * (inner + outer)
-        if (function(middle) > 0.0) == positive:
-            inner = middle
+        middle = 0.5 * (inner[0] + outer[0])
+        value = function(middle)
+        if (value > 0.0) == (inner[1] > 0.0):
+            inner = (middle, value)
         else:
-            outer = middle
-    return outer
+            outer = (middle, value)
+    return inner[0] + (outer[0] - inner[0]) * inner[1] / (inner[1] - outer[1])
