@@ -1,9 +1,9 @@
 """The clear sky against pvlib's models, on the ground and high up (needs the extra ``pvlib``).
 
-On the ground one definition holds for every page: the sun is that of the project, with the declination of the
-day's noon and without refraction, for all skies, so that the skies alone are compared. pvlib gets
-the sun's zenith angle, Kasten and Young's air mass, the site's altitude and the pressure of the
-standard atmosphere there.
+On the ground one definition holds for every page: the sun is that of the project, with the
+declination of the day's noon and without refraction, for all skies, so that the skies alone are
+compared. pvlib gets the sun's zenith angle, Kasten and Young's air mass, the site's altitude and
+the pressure of the standard atmosphere there.
 
 * Ineichen: Linke turbidity from pvlib's monthly climatology, interpolated to the day.
 * Simplified Solis: pvlib's defaults, an aerosol depth of 0.1 at 700 nm and 1 cm of water.

@@ -41,7 +41,6 @@ def _both_c(celsius: float) -> str:
 CONDITIONS = (
     Condition("as in validation: clear, calm, 31.3 °C"),
     Condition("correction report", solar=SolarModel("CAM", "report")),
-    Condition("correction loiter", solar=SolarModel("CAM", "loiter")),
     *(Condition(f"clearness {c:g}", (f"clearness={c}",)) for c in (0.9, 0.8, 0.7)),
     *(
         Condition(f"{100 * k:g} % more propulsion power", (f"turbulence.all_day={k}",))

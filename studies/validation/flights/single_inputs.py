@@ -327,7 +327,7 @@ def nearest_root(
     """
     at_start = function(start)
     sides = [np.linspace(start, end, _SCAN + 1).tolist() for end in ends if end != start]
-    nearest = {i: (start, at_start) for i in range(len(sides))}
+    nearest = dict.fromkeys(range(len(sides)), (start, at_start))
     for step in range(1, _SCAN + 1):
         for i, side in enumerate(sides):
             inner, outer = nearest[i], (side[step], function(side[step]))
