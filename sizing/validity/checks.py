@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GAS_CONSTANT_AIR
+from missions.air import GAS_CONSTANT_AIR, standard_air
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -81,11 +81,13 @@ def _measured_checks(
     airframe: MeasuredAirframe, air: FlightConditions, design: Design
 ) -> Iterator[Check]:
     flight = airframe.level_flight
-    # At constant lift coefficient V is proportional to (m/rho)^0.5, so Re to (m rho)^0.5/mu.
+    # At constant lift coefficient V goes with (m/rho)^0.5, so Re with (m rho)^0.5/mu; a file gives
+    # the density of the measurement alone, the viscosity is that of the standard sea level.
     mass_density = (design.total_mass_kg * air.density_kg_per_m3) / (
         flight.mass_kg * flight.density_kg_per_m3
     )
-    yield Check.of("reynolds_ratio", "measured", mass_density**0.5)
+    viscosity = air.dynamic_viscosity / float(standard_air(0.0).dynamic_viscosity_pa_s)
+    yield Check.of("reynolds_ratio", "measured", mass_density**0.5 / viscosity)
     if flight.maximum_electric_power_w is not None:
         climbing_w = flight.maximum_electric_power_w + design.constant_power_w
         rate = climbing_w / design.battery_energy_wh

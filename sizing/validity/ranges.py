@@ -68,7 +68,7 @@ class Extrapolation:
         digits = 3
         while (value := _number(self.value, digits)) in (low, high) and digits < _MOST_DIGITS:
             digits += 1
-        among = f" (worst of {self.count} in {self.of} {self.what})" if self.of else ""
+        among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
         return f"{self.label} {value}{unit}{self.at}{among}: {self.holder} holds {held}{unit}"
 
     @property
@@ -182,6 +182,14 @@ class Check(NamedTuple):
             below = value < low - _TOLERANCE * np.abs(low)
             above = value > high + _TOLERANCE * np.abs(high)
         return np.asarray((below | above) & np.isfinite(value))
+
+    @property
+    def distance(self) -> FloatArray:
+        """How far outside, relative to the end of the range; 0 inside."""
+        with np.errstate(invalid="ignore"):
+            below = (self.minimum - self.value) / (np.abs(self.minimum) + (self.minimum == 0.0))
+            above = (self.value - self.maximum) / (np.abs(self.maximum) + (self.maximum == 0.0))
+        return np.where(self.outside, np.fmax(below, above), 0.0)
 
     def over(self, shape: tuple[int, ...]) -> Check:
         """Same check for every design of a batch, whose axes come first."""

@@ -70,18 +70,29 @@ def told(
     """
     found = []
     for check in checks:
-        places = [tuple(place) for place in np.argwhere(check.outside).tolist()]
-        if not places:
+        outside, distance = check.outside, check.distance
+        if not np.any(outside):
             continue
-        worst = max((check.found(place) for place in places), key=lambda one: one.distance)
+        place = np.unravel_index(np.argmax(distance), distance.shape)
+        worst = check.found(tuple(map(int, place)))
         if of:
-            count = len(places) if check.outside.shape else of
+            count = int(np.sum(outside)) if outside.shape else of
             worst = replace(worst, count=count, of=of, what=what)
-        elif scenarios is not None and check.outside.shape and len(places) < len(scenarios):
-            names = tuple(scenarios.label(place[0]) for place in places)
+        elif scenarios is not None and outside.shape and not np.all(outside):
+            names = tuple(scenarios.label(int(place)) for place in np.flatnonzero(outside))
             worst = replace(worst, scenarios=names)
         found.append(worst)
     return _in_order(found)
+
+
+def worst_of(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
+    """Each quantity of a model once, with its worst value, of all that is told of one design."""
+    worst: dict[tuple[str, str], Extrapolation] = {}
+    for one in found:
+        known = worst.setdefault((one.quantity, one.model), one)
+        if one.distance > known.distance:
+            worst[one.quantity, one.model] = one
+    return _in_order(worst.values())
 
 
 def _in_order(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
@@ -139,14 +150,17 @@ def cell_texts(checks: Iterable[Check], count: int) -> list[str]:
         if not np.any(check.outside):
             continue
         every = check if check.outside.shape else check.over((count,))
-        worst: dict[int, Extrapolation] = {}
-        for place in np.argwhere(every.outside).tolist():
-            one, known = every.found(tuple(place)), worst.get(place[0])
-            if known is None or one.distance > known.distance:
-                worst[place[0]] = one
-        for number, one in worst.items():
-            lines[number].append(_line(one))
+        distance = every.distance.reshape(count, -1)
+        shape = every.outside.shape[1:]
+        for number in np.flatnonzero(np.any(distance > 0.0, axis=1)):
+            scenario = np.unravel_index(np.argmax(distance[number]), shape)
+            lines[number].append(_line(every.found((int(number), *map(int, scenario)))))
     return ["; ".join(line) for line in lines]
+
+
+def as_text(found: Iterable[Extrapolation]) -> str:
+    """Line of what is told of a single design; see :func:`cell_texts`."""
+    return "; ".join(map(_line, found))
 
 
 def _line(one: Extrapolation) -> str:
