@@ -14,7 +14,8 @@ from pathlib import Path
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.results.tables import Table
+from sizing.results.tables import Column, Table
+from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.transfer import transfer_table, transferred_errors
 from studies.validation import altitude_tables, clear_sky_comparison, found_designs
@@ -45,6 +46,16 @@ def _comparison(aircraft: str, mission: str, required_h: float) -> str:
     return f"{_markdown(*found.tables())}\n{found.headline()}\n"
 
 
+def _ranges() -> str:
+    """Catalogue of the ranges in which the models hold."""
+    columns = (Column("quantity"), Column("model"), Column("holds"), Column("where from"))
+    rows = [
+        (row.label, f"`{row.model}`", row.held or "as the file gives it", row.source)
+        for row in ranges().values()
+    ]
+    return _markdown(Table("", columns, tuple(rows)))
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", lambda: _markdown(published().table())),
     "flights": ("validation.md", lambda: _markdown(facts_table())),
@@ -60,6 +71,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
         lambda: _markdown(transfer_table(transferred_errors(*reference()))),
     ),
     "light": ("altitude.md", _light),
+    "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),

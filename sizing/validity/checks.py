@@ -19,6 +19,7 @@ from sizing.performance import Performance
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Check, ranges
+from solar.clearsky import THIN_AIR_FROM_M
 from solar.names import ATTITUDE_MODELS
 from solar.sun import declination
 from solar.types import FloatArray
@@ -73,8 +74,12 @@ def altitude_check(mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
     Check
         Nothing for a sky of the user's own, whose range is not known.
     """
-    if ("altitude_m", mission.clear_sky) in ranges():
-        yield Check.of("altitude_m", mission.clear_sky, altitude_m)
+    if mission.clear_sky != "ashrae":
+        return
+    altitude = np.asarray(altitude_m, float)
+    thin = altitude >= THIN_AIR_FROM_M
+    yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
+    yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
 
 
 def _measured_checks(
@@ -121,7 +126,8 @@ def _cap_depth_ratio(
     aircraft: Aircraft, mission: Mission, design: Design, structure: RibWingStructure
 ) -> Any:
     """Thickness of both caps over the depth of the spar, mean over the span [-]."""
-    parts = structure_parts(aircraft, mission, design)
+    with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
+        parts = structure_parts(aircraft, mission, design)
     assert parts is not None
     chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
     volume_m3 = parts.spar_caps / (structure.calibration * structure.cap_density_kg_per_m3)

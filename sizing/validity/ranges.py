@@ -62,14 +62,13 @@ class Extrapolation:
     def text(self) -> str:
         """In a line: quantity, value, and the range in which the model holds."""
         unit = "" if self.unit == "1" else f" {self.unit}"
-        low, high = (None if end is None else _number(end) for end in (self.minimum, self.maximum))
-        held = f"up to {high}" if low is None else f"from {low}" if high is None else ""
-        held = held or f"{low} to {high}"
+        ends = [_number(end) for end in (self.minimum, self.maximum) if end is not None]
         digits = 3
-        while (value := _number(self.value, digits)) in (low, high) and digits < _MOST_DIGITS:
+        while (value := _number(self.value, digits)) in ends and digits < _MOST_DIGITS:
             digits += 1
+        held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
-        return f"{self.label} {value}{unit}{self.at}{among}: {self.holder} holds {held}{unit}"
+        return f"{self.label} {value}{unit}{self.at}{among}: {self.holder} holds {held}"
 
     @property
     def distance(self) -> float:
@@ -101,6 +100,33 @@ class Range(NamedTuple):
     minimum: float | None
     maximum: float | None
     source: str
+
+    @property
+    def held(self) -> str:
+        """Range in words; empty where aircraft or mission give it."""
+        return range_text(self.minimum, self.maximum, self.unit)
+
+
+def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
+    """Range in words, such as ``3 to 8 m``.
+
+    Parameters
+    ----------
+    minimum, maximum : float or None
+        Ends; None for one that there is not.
+    unit : str
+        Unit of the ends, ``1`` for none.
+
+    Returns
+    -------
+    str
+        Empty without any end.
+    """
+    low, high = (None if end is None else _number(end) for end in (minimum, maximum))
+    if low is None and high is None:
+        return ""
+    text = f"up to {high}" if low is None else f"from {low}" if high is None else f"{low} to {high}"
+    return text if unit == "1" else f"{text} {unit}"
 
 
 @cache
