@@ -156,8 +156,9 @@ class _Growth:
         held: list[int] = []
         if self._enough(best):
             best, held = self._grown(best, centre)
-        for easiest in self._other_centres(best, held):
-            found = self._sized([easiest])
+        for easiest, found in self._other_centres(best, held):
+            if not held and _reached_h(found) > _reached_h(best):
+                best = found  # the nearest, if no other is enough either
             if easiest in held or not self._enough(found):
                 continue
             found, others = self._grown(found, easiest)
@@ -207,21 +208,20 @@ class _Growth:
             return []
         return [int(i) for i in run % count]
 
-    def _other_centres(self, best: SizingResult, held: list[int]) -> list[int]:
-        """Members around which there may be a longer run, the easiest first.
+    def _other_centres(self, best: SizingResult, held: list[int]) -> list[tuple[int, SizingResult]]:
+        """Members around which there may be a longer run, sized for themselves, the easiest first.
 
-        A few members, each sized for itself, tell: no design does better on a range than that of
-        any of its members. They are asked where the excess time of the best design so far has more
-        than one peak, or where there is no design yet.
+        They are looked for where the excess time of the best design so far has more than one peak,
+        or where there is no design yet: a few members, each sized for itself, tell.
         """
         count = len(self.members)
         variables = self.start if best.design is None else best.design.variables
         if len(held) == count or (held and len(self._peaks(self._excess_h(variables))) < 2):
             return []
-        some = np.arange(0, count, count // _SAMPLES)
-        reached = np.array([_reached_h(self._sized([int(i)])) for i in some])
-        peaks = sorted(self._peaks(reached), key=lambda peak: -reached[peak])
-        return [int(some[i]) for i in peaks if reached[i] >= self.required_h]
+        some = [int(i) for i in np.arange(0, count, count // _SAMPLES)]
+        sized = [self._sized([i]) for i in some]
+        peaks = self._peaks(np.array([_reached_h(one) for one in sized]))
+        return [(some[i], sized[i]) for i in peaks]
 
     def _peaks(self, excess_h: FloatArray) -> list[int]:
         """Places of the peaks that are parted from higher ones by a valley."""

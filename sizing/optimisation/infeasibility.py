@@ -22,9 +22,11 @@ from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.parameters import with_parameter
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 _GRID_POINTS = 9
 _GRID_STEP_H = 0.5
+_FEW_POINTS = 3
 _PROMISING = 3
 
 
@@ -142,10 +144,22 @@ def _percent(value: float) -> str:
     return f"{100.0 * value:.0f} %" if value > 0.1 else f"{100.0 * value:.2g} %"
 
 
+class Promising(NamedTuple):
+    """A design of a coarse grid, its worst excess time on coarse steps [h], and what it misses.
+
+    ``missed`` is the sum of what limits and requirements on the design itself are missed by,
+    relative.
+    """
+
+    design: DesignVariables
+    excess_time_h: float
+    missed: float
+
+
 def promising_designs(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, day: SolarDay
-) -> list[DesignVariables]:
-    """Designs of a coarse grid over the design space with the largest excess time, best first.
+) -> list[Promising]:
+    """Designs of a coarse grid over the design space that come nearest to a feasible one.
 
     Parameters
     ----------
@@ -156,22 +170,57 @@ def promising_designs(
 
     Returns
     -------
-    list of DesignVariables
-        Empty where no design of the grid has room for its modules.
+    list of Promising
+        Those that fly perpetually and miss least, of equals those of the largest excess time; after
+        them the others by their excess time. Empty where no design of the grid has room for its
+        modules.
     """
+    variables = _grid(aircraft)
+    airframe = aircraft.airframe
+    coverage = getattr(airframe, "maximum_module_coverage", 1.0)
+    fits = variables.module_area_m2 <= coverage * variables.wingspan_m**2 / variables.aspect_ratio
+    if not np.any(fits):
+        return []
+    variables = variables.mapped(lambda v: np.asarray(v)[fits])
+    coarse = solar_day(aircraft, mission, solar, scenarios=day.scenarios, step_h=_GRID_STEP_H)
+    found = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
+    excess_h = np.min(found.cycle.excess_time_h, axis=-1)
+    missed = _missed_of(aircraft, found)
+    best = np.lexsort((-excess_h, np.where(excess_h > 0.0, missed, np.inf)))[:_PROMISING]
+    return [
+        Promising(
+            variables.mapped(itemgetter(int(i))).mapped(float), float(excess_h[i]), float(missed[i])
+        )
+        for i in best
+    ]
+
+
+def _missed_of(aircraft: Aircraft, found: Performance) -> FloatArray:
+    """Sum of what closed designs miss their requirements by, relative."""
+    mass_kg = np.asarray(found.design.total_mass_kg)
+    heaviest_kg = aircraft.design_space.maximum_total_mass_kg or np.inf
+    conditions = FlightConditions.of(found.mission)
+    with np.errstate(invalid="ignore"):
+        missed = np.maximum(mass_kg / heaviest_kg - 1.0, 0.0)
+        for row in design_requirements(aircraft, found.design, conditions)[1:]:  # mass is closed
+            missed = missed + np.maximum(-np.asarray(row.value), 0.0)
+    return np.where(np.isfinite(missed), missed, np.inf)
+
+
+def _grid(aircraft: Aircraft) -> DesignVariables:
+    """Designs on a grid, evenly spaced in their logarithm; a few values of what else is free."""
     space, airframe = aircraft.design_space, aircraft.airframe
     axes = [
         np.geomspace(r.minimum, r.maximum, _GRID_POINTS)
         for r in (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
     ]
-    span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
-    coverage = getattr(airframe, "maximum_module_coverage", 1.0)
-    fits = area <= coverage * span**2 / airframe.aspect_ratio
-    if not np.any(fits):
-        return []
-    aspect = np.full(int(fits.sum()), airframe.aspect_ratio)
-    variables = DesignVariables(span[fits], aspect, battery[fits], area[fits])
-    coarse = solar_day(aircraft, mission, solar, scenarios=day.scenarios, step_h=_GRID_STEP_H)
-    found = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
-    best = np.argsort(-np.min(found.cycle.excess_time_h, axis=-1), kind="stable")[:_PROMISING]
-    return [variables.mapped(itemgetter(int(i))).mapped(float) for i in best]
+    shape, lift = space.aspect_ratio, space.lift_coefficient
+    axes.append(
+        np.array([airframe.aspect_ratio])
+        if shape is None
+        else np.geomspace(shape.minimum, shape.maximum, _FEW_POINTS)
+    )
+    if lift is not None:
+        axes.append(np.geomspace(lift.minimum, lift.maximum, _FEW_POINTS))
+    span, battery, area, aspect, *rest = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
+    return DesignVariables(span, aspect, battery, area, *rest)

@@ -23,6 +23,7 @@ from sizing.energy.cycle import Status
 from sizing.limits import meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import (
+    Promising,
     Verdict,
     least_mission,
     promising_designs,
@@ -566,8 +567,11 @@ class _Sizing:
     def _failure(self, nearest: Performance) -> SizingResult:
         if not self.explain:
             return self._given_up(nearest)
-        grid = promising_designs(self.aircraft, self.solver.mission, self.solver.solar, self.day)
+        grid = [one.design for one in self._promising(self.solver)]
         return self._explained(grid or [variables_of(self.aircraft)])
+
+    def _promising(self, solver: ProgramSolver) -> list[Promising]:
+        return promising_designs(self.aircraft, solver.mission, solver.solar, self.day)
 
     def _explained(self, starts: list[DesignVariables]) -> SizingResult:
         """Why there is no design; where nothing is found to be missing, the search starts again."""
@@ -579,7 +583,7 @@ class _Sizing:
         own = self.solver
         mission = least_mission(own.mission, self.objective)
         solver = ProgramSolver(own.problems, mission, own.solar, own.day)
-        largest = _sized(solver, Objective.max_excess_time, 0.0, explain=True)
+        largest = self._largest_excess(solver)
         own.add(solver)
         verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
         if verdict is not None:
@@ -596,6 +600,18 @@ class _Sizing:
         self.largest = Accepted(largest.optimum, self._simulated(largest.optimum))
         nearest = largest.simulated.design.variables.mapped(float)
         return self._restarted([nearest, *starts], largest.simulated)
+
+    def _largest_excess(self, solver: ProgramSolver) -> SizingResult:
+        """Sizing for the largest excess time; too short a one is held against a grid of designs."""
+        largest = _sized(solver, Objective.max_excess_time, 0.0, explain=True)
+        reached_h = largest.objective_value
+        if reached_h is None or reached_h >= self.required_h:
+            return largest
+        for one in self._promising(solver)[:1]:
+            if one.missed == 0.0 and one.excess_time_h > reached_h:
+                again = _sized(solver, Objective.max_excess_time, 0.0, one.design, explain=False)
+                return max(largest, again, key=_merit)
+        return largest
 
     def _aim_below(self, largest: SizingResult) -> None:
         """Goal that the design of largest excess time meets, in its scenarios.
@@ -629,6 +645,11 @@ class _Sizing:
         assert nearest.performance is not None
         if not missed or self.search.accepts(nearest):
             return self._restarted([least.design, *starts], nearest.performance)
+        flying = [one.design for one in self._promising(self.solver) if one.excess_time_h > 0.0]
+        solution = self._solve(flying) if flying and not self.restarts else None
+        if solution is not None:
+            self.restarts += 1
+            return self._settled(solution)
         verdict = Verdict(
             SizingStatus.infeasible,
             tuple(violations(self.aircraft, missed, nearest.performance, self.required_h)),
