@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions import dates
-from missions.mission import Launch, Mission
+from missions.mission import Launch, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
 from sizing.energy.battery import Store
@@ -15,6 +15,14 @@ from sizing.energy.cycle import FULL
 from sizing.energy.march import empty_after_h, full_after_h, march
 from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
+from sizing.validity.checks import (
+    charge_rate_check,
+    correction_check,
+    design_checks,
+    path_check,
+)
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import told
 from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
@@ -37,6 +45,8 @@ class CalendarRun:
         First instant of full charge on each local day that has one (clock as above).
     empty_clock_h : float or None
         When the battery ran empty; the run ends there.
+    extrapolations : tuple of Extrapolation
+        What lies outside the range of a model.
     """
 
     launch: Launch
@@ -50,6 +60,7 @@ class CalendarRun:
     state_of_charge: FloatArray
     full_charge_clock_h: tuple[float, ...]
     empty_clock_h: float | None
+    extrapolations: tuple[Extrapolation, ...] = ()
 
     @property
     def minimum_state_of_charge(self) -> float:
@@ -118,7 +129,28 @@ def calendar_run(
         state_of_charge=stored / float(store.battery_energy_wh),
         full_charge_clock_h=full,
         empty_clock_h=empty,
+        extrapolations=_extrapolations(aircraft, mission, solar, design, day, power),
     )
+
+
+def _extrapolations(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    design: Design,
+    day_of_year: FloatArray,
+    solar_power_w: FloatArray,
+) -> tuple[Extrapolation, ...]:
+    """What the flight takes from outside the range of a model."""
+    days = (np.unique(np.floor(day_of_year).astype(int)) - 1) % dates.DAYS_PER_YEAR + 1
+    scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), days)
+    checks = [
+        *design_checks(aircraft, mission, design),
+        *path_check(mission, solar, design),
+        *correction_check(scenarios, solar, mission),
+        *charge_rate_check(aircraft, mission, design, np.max(solar_power_w)),
+    ]
+    return told(checks, scenarios)
 
 
 def _battery(

@@ -16,9 +16,12 @@ from sizing.altitude.ceiling import (
     PerpetualCeiling,
     highest_perpetual_altitude,
 )
+from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarModel
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import together
 from solar.names import CorrectionName, ModelName
 
 if TYPE_CHECKING:
@@ -45,6 +48,16 @@ class Ceiling(Result):
     solar: SolarModel
     found: PerpetualCeiling
 
+    @property
+    def extrapolations(self) -> tuple[Extrapolation, ...]:
+        """What the altitudes up to the ceiling, and the best one, take from outside a model."""
+        found = self.found
+        top_m = -math.inf if found.highest is None else found.highest.altitude_m
+        claimed = [flight for flight in found.flights if flight.altitude_m <= top_m]
+        ends = (found.best, *(() if found.highest is None else (found.highest,)))
+        claimed += [flight for flight in ends if flight not in claimed]
+        return together([flight.extrapolations for flight in claimed], "altitudes")
+
     def headline(self) -> str:
         """Ceiling and best altitude in one line."""
         found, required = self.found, self.found.required_excess_time_h
@@ -62,7 +75,10 @@ class Ceiling(Result):
         note = (
             f"{self.solar.model}, correction: {self.solar.correction}; energy of the day, electric"
         )
-        return Summary((Line(self.headline(), "strong"), self.table(), Line(note, "faint")))
+        outside = extrapolation_blocks(self.extrapolations)
+        return Summary(
+            (Line(self.headline(), "strong"), self.table(), *outside, Line(note, "faint"))
+        )
 
     def table(self) -> Table:
         """Both ends, some altitudes between them, and the ceiling."""
@@ -96,14 +112,15 @@ class Ceiling(Result):
             "at_search_limit": found.at_search_limit,
             "best_altitude_m": found.best.altitude_m,
             "best_excess_time_h": finite(found.best.excess_time_h),
-            "altitudes": [finite_values(vars(flight)) for flight in found.flights],
+            "extrapolations": extrapolation_records(self.extrapolations),
+            "altitudes": [finite_values(_numbers(flight)) for flight in found.flights],
         }
 
     def to_frame(self) -> pd.DataFrame:
         """All altitudes, one row each."""
         import pandas as pd
 
-        return pd.DataFrame([vars(flight) for flight in self.found.flights])
+        return pd.DataFrame([_numbers(flight) for flight in self.found.flights])
 
 
 def perpetual_ceiling(
@@ -147,6 +164,10 @@ def perpetual_ceiling(
     return Ceiling(aircraft, mission, solar, found)
 
 
+def _numbers(flight: AltitudeFlight) -> dict[str, Any]:
+    return {name: value for name, value in vars(flight).items() if name != "extrapolations"}
+
+
 def _shown(found: PerpetualCeiling) -> list[AltitudeFlight]:
     ends, between = (found.flights[0], found.flights[-1]), found.flights[1:-1]
     altitudes = [flight.altitude_m for flight in between]
@@ -160,14 +181,14 @@ def _shown(found: PerpetualCeiling) -> list[AltitudeFlight]:
 
 def plot_ceiling(result: Ceiling) -> Figure:
     """Excess time, power and daily energies over altitude, the ceiling marked."""
-    from studies.output.plots import CHARGE, LOAD, SUN, caption, new_figure
+    from studies.output.plots import CHARGE, LOAD, SUN, caption, captioned, new_figure
 
     found, mark = result.found, "#555555"
     name = f"{result.aircraft.name}, {result.mission.name}"
     figure, panels = new_figure(
         1,
         3,
-        title=f"{name}, worst scenario ({caption(result.solar)})",
+        title=captioned(f"{name}, worst scenario ({caption(result.solar)})", result.extrapolations),
         size_in=(9.0, 4.8),
         sharey=True,
     )

@@ -14,10 +14,14 @@ from pathlib import Path
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.results.tables import Table
+from sizing.results.tables import Column, Table
+from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.transfer import transfer_table, transferred_errors
 from studies.validation import altitude_tables, clear_sky_comparison, found_designs
+from studies.validation.flights.published_flights import facts_table
+from studies.validation.flights.season import seasons
+from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
 from studies.validation.structure_comparison import structure_tables
@@ -27,8 +31,8 @@ def _markdown(*tables: Table) -> str:
     return "\n".join(table.to_markdown() for table in tables)
 
 
-def _clear_sky() -> str:
-    return _markdown(clear_sky_comparison.clear_sky_table(clear_sky_comparison.compare()))
+def _clear_sky(sites: Sequence[clear_sky_comparison.Site] = clear_sky_comparison.SITES) -> str:
+    return _markdown(clear_sky_comparison.clear_sky_table(clear_sky_comparison.compare(sites)))
 
 
 def _light() -> str:
@@ -42,9 +46,23 @@ def _comparison(aircraft: str, mission: str, required_h: float) -> str:
     return f"{_markdown(*found.tables())}\n{found.headline()}\n"
 
 
+def _ranges() -> str:
+    """Catalogue of the ranges in which the models hold."""
+    columns = (Column("quantity"), Column("model"), Column("holds"), Column("where from"))
+    rows = [
+        (row.label, f"`{row.model}`", row.held or "as the file gives it", row.source)
+        for row in ranges().values()
+    ]
+    return _markdown(Table("", columns, tuple(rows)))
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", lambda: _markdown(published().table())),
+    "flights": ("validation.md", lambda: _markdown(facts_table())),
+    "single-inputs": ("validation.md", lambda: _markdown(explain().page())),
+    "season": ("validation.md", lambda: _markdown(seasons().table())),
     "clear-sky": ("validation.md", _clear_sky),
+    "clear-sky-rafz": ("solar.md", partial(_clear_sky, (clear_sky_comparison.RAFZ,))),
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
     "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
     "structure": ("structure.md", lambda: _markdown(*structure_tables())),
@@ -53,6 +71,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
         lambda: _markdown(transfer_table(transferred_errors(*reference()))),
     ),
     "light": ("altitude.md", _light),
+    "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 from command_line import Outcome, Run
+from computed_once import computed_once
 from hypothesis import settings
 
 # The same examples every time, so that a change is judged and not the dice; without a deadline,
@@ -16,6 +19,28 @@ from hypothesis import settings
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
 settings.register_profile("explore", max_examples=500, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _full_model_computed_once() -> Iterator[None]:
+    """The Full Model's day on a path, 10 ms: comparisons and seasons ask for the same hundreds.
+
+    Tests of the model itself call it where it is defined.
+    """
+    with pytest.MonkeyPatch.context() as context:
+        from sizing import sunlight
+
+        context.setattr(sunlight, "mean_power_on_path", computed_once(sunlight.mean_power_on_path))
+        yield
+
+
+@pytest.fixture
+def registries() -> Iterator[None]:
+    """Skies and shading models that a test registers are forgotten after it."""
+    from solar import clearsky, shading
+
+    with patch.dict(clearsky.CLEAR_SKIES), patch.dict(shading.LOSS_MODELS):
+        yield
 
 
 @pytest.fixture

@@ -20,6 +20,8 @@ from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import extrapolations
 from solar.types import FloatArray
 
 DEFAULT_HIGHEST_M = 20000.0
@@ -37,7 +39,8 @@ class AltitudeFlight:
     """Flight at one altitude in the scenario with the least excess time there.
 
     Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and for an aircraft that cannot
-    carry itself all but altitude, air density and excess time (-24 h) is NaN.
+    carry itself all but altitude, air density and excess time (-24 h) is NaN. ``extrapolations``
+    tell what lies outside the range of a model.
     """
 
     altitude_m: float
@@ -50,6 +53,7 @@ class AltitudeFlight:
     density_kg_per_m3: float
     module_temperature_c: float
     worst_scenario: int
+    extrapolations: tuple[Extrapolation, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -192,6 +196,7 @@ def flight_at_altitude(
         density_kg_per_m3=density_kg_per_m3,
         module_temperature_c=there.module_temperature_c(),
         worst_scenario=worst,
+        extrapolations=extrapolations(aircraft, result),
     )
 
 

@@ -16,9 +16,12 @@ from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance
 from sizing.replay import CalendarRun, calendar_run
+from sizing.results.notes import extrapolation_records
 from sizing.results.records import check_subjects, finite
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import extrapolations, worst_of
 from solar._version import __version__
 from solar.names import CorrectionName, ModelName
 
@@ -79,6 +82,14 @@ class Analysis(Result):
         flights = self.climb.constant.endurances()
         return [None if u else flight for u, flight in zip(unlimited, flights, strict=True)]
 
+    @cached_property
+    def extrapolations(self) -> tuple[Extrapolation, ...]:
+        """What lies outside the range of a model, each quantity once."""
+        climbs = self.climb
+        highest_m = None if climbs is None else climbs.climb.maximum_altitude_m
+        found = extrapolations(self.aircraft, self.performance, highest_altitude_m=highest_m)
+        return worst_of([*found, *(() if self.flight is None else self.flight.extrapolations)])
+
     def headline(self) -> str:
         """Aircraft, place and excess time in one line."""
         from sizing.results.analysis_summary import headline
@@ -108,6 +119,7 @@ class Analysis(Result):
             "propulsion_power_w": finite(design.propulsion_power_w),
             "airspeed_m_per_s": None if airspeed is None else finite(airspeed),
             "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
+            "extrapolations": extrapolation_records(self.extrapolations),
             "version": __version__,
             "scenarios": records,
         }

@@ -7,6 +7,7 @@ from typing import Any
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
 from sizing.results.analysis import Analysis, flight_record, scenario_record
+from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 
@@ -36,12 +37,7 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(scenario_table(record["scenarios"]))
     if analysis.flight is not None:
         blocks.append(flight_table(flight_record(analysis.flight)))
-    if record["airspeed_above_wind"] is False:
-        text = (
-            f"Warning: the airspeed of {record['airspeed_m_per_s']:.1f} m/s does not exceed the "
-            f"mission's wind of {analysis.mission.wind_m_per_s:g} m/s."
-        )
-        blocks.append(Line(text, "warning"))
+    blocks += extrapolation_blocks(analysis.extrapolations)
     blocks.append(Line(uncertainty_line(record), "faint"))
     return Summary(tuple(blocks))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,9 +29,13 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.performance import Performance, performance_of_designs
 from sizing.results.analysis import uncertainty_record
+from sizing.results.notes import extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.checks import stall_margin_within_polar
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import extrapolations
 from solar._version import __version__
 from solar.names import CorrectionName, ModelName
 
@@ -142,6 +147,12 @@ class SizingStudy(Result):
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
         return data
 
+    @cached_property
+    def extrapolations(self) -> tuple[Extrapolation, ...]:
+        """What the optimum takes from outside the range of a model; nothing without one."""
+        found = self.result.simulated
+        return () if found is None else extrapolations(self.aircraft, found)
+
     def headline(self) -> str:
         """Aircraft, mission, verdict and objective in one line."""
         from sizing.results.sizing_summary import headline
@@ -162,6 +173,7 @@ class SizingStudy(Result):
         if self.low is not None and self.high is not None and self.result.simulated is not None:
             worst = self.result.simulated.worst_scenario()
             record["uncertainty"] = uncertainty_record(self.low, self.high, worst)
+        record["extrapolations"] = extrapolation_records(self.extrapolations)
         if self.coverage is not None:
             record["range"] = _range_record(self.coverage)
         if self.status is SizingStatus.infeasible:
@@ -372,8 +384,18 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
     if result.design is not None:
         conditions = FlightConditions.of(mission).with_payload_of(result.design.variables)
         flown = DesignInFlight(aircraft, result.design, conditions)
-        record["quantities"] = {name: float(of(flown)) for name, of in QUANTITIES.items()}
+        record["quantities"] = _quantities(flown)
     return record | _design_record(result.design) | _simulated_record(result.simulated)
+
+
+def _quantities(it: DesignInFlight) -> dict[str, float]:
+    """Quantities of a design; outside of the airfoil's polar the stall is the fenced one."""
+    values: dict[str, float] = {name: float(of(it)) for name, of in QUANTITIES.items()}
+    margin = float(stall_margin_within_polar(it))
+    if margin != values["stall_margin"]:
+        values["stall_margin"] = margin
+        values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
+    return values
 
 
 def _nearest_record(perf: Performance) -> dict[str, Any]:

@@ -12,14 +12,12 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.analysis_summary import uncertainty_line
+from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
-from solar.names import ATTITUDE_MODELS
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
-# Solar power on the report's morning: 7 % less airspeed changes FM by 0.4 %.
-_AIRSPEED_TOLERANCE = 0.05
 
 
 def headline(study: SizingStudy) -> str:
@@ -117,8 +115,8 @@ def _mass_table(record: dict[str, Any]) -> Table:
 
 
 def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
-    """How far the answer may be trusted: the model's error, margins, and the path's airspeed."""
-    blocks: list[Any] = []
+    """How far the answer may be trusted: ranges of the models, their error, margins."""
+    blocks = extrapolation_blocks(study.extrapolations)
     if record["uncertainty"] is not None:
         blocks.append(Line(uncertainty_line(record), "faint"))
         low = record["uncertainty"]["excess_time_low_h"]
@@ -133,14 +131,6 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     if study.without_margins is not None:
         reached = hours(record["as_assumed"]["excess_time_h"], UNLIMITED)
         blocks.append(f"without the mission's uncertainty margins the excess time is {reached}")
-    flown = getattr(study.mission.flight_path, "airspeed_m_per_s", None)
-    on_path = study.solar.model in ATTITUDE_MODELS or study.solar.correction == "loiter"
-    airspeed = record["airspeed_m_per_s"]
-    if on_path and flown is not None and abs(airspeed / flown - 1.0) > _AIRSPEED_TOLERANCE:
-        blocks.append(
-            f"solar power is that of the mission's flight path at {flown:g} m/s, not at the "
-            f"design's {airspeed:.1f} m/s: set flight_path.airspeed_m_per_s"
-        )
     return blocks
 
 

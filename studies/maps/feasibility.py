@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -12,9 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.performance import performance
 from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.checks import (
+    charge_rate_check,
+    charge_rate_is_open,
+    correction_check,
+    design_checks,
+    path_check,
+)
+from sizing.validity.ranges import Check, Extrapolation
+from sizing.validity.told import told
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
@@ -52,6 +62,7 @@ _DESCRIBED = {
     "day_length": ("h", "time from sunrise to sunset"),
 }
 _ENDURANCE = {"endurance": ("h", "longest flight over all launch times; infinite where perpetual")}
+_CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
 _STATUS = {"status": ("1", "how the repeated day ends")}
 
 
@@ -159,12 +170,33 @@ def prepare(
     grid = Grid.of(latitudes, days)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
+    described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
     blanks["status"] = np.int8(MapStatus.failed)
     configuration = MapConfiguration(aircraft, mission, solar, endurance)
     job = Job(_map_chunk, configuration, grid.chunks(cell_s), blanks)
     title = f"Feasibility of {aircraft.name}"
-    return MapStudy(job, grid, title, described | _STATUS, MapStatus)
+    return MapStudy(
+        *(job, grid, title, described | _STATUS, MapStatus),
+        extrapolated=lambda columns: _extrapolations(configuration, grid, columns),
+    )
+
+
+def _extrapolations(
+    asked: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
+) -> tuple[Extrapolation, ...]:
+    """What the map takes from outside the range of a model: one design in all cells."""
+    known = columns["status"] != MapStatus.failed
+    latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
+    design = design_of(asked.aircraft, asked.mission)
+    checks = [
+        *design_checks(asked.aircraft, asked.mission, design),
+        *path_check(asked.mission, asked.solar, design),
+        *correction_check(Scenarios(latitude[known], day[known]), asked.solar, asked.mission),
+    ]
+    if "charge_rate" in columns:
+        checks.append(Check.of("charge_rate_per_h", "battery", columns["charge_rate"][known]))
+    return told(checks, of=int(known.sum()), what="cells")
 
 
 def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -237,7 +269,13 @@ def _cells(
         "day_length": found.day.sunset_h - found.day.sunrise_h,
         "status": cycle.status.astype(np.int8),
     }
-    return columns | ({"endurance": found.endurance_h()} if endurance else {})
+    if endurance:
+        columns["endurance"] = found.endurance_h()
+    for check in charge_rate_check(
+        aircraft, mission, found.design, found.solar_power_w.max(axis=-1)
+    ):
+        columns["charge_rate"] = check.value
+    return columns
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -15,9 +15,15 @@ from missions.dates import DAYS_PER_YEAR
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.sunlight import SolarModel
+from sizing.validity.ranges import Extrapolation
 from solar.names import ATTITUDE_MODELS
 from studies.engine.run import Cell, Job, Outcome, pieces
-from studies.output.columns import attributes, failed_cells, variables
+from studies.output.columns import (
+    attributes,
+    extrapolation_attribute,
+    failed_cells,
+    variables,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,6 +136,8 @@ class MapStudy:
         What ``status`` may be.
     attributes : mapping
         Attributes of the result that other maps do not have.
+    extrapolated : callable or None
+        What lies outside the range of a model, of the columns laid out.
     """
 
     job: Job
@@ -138,6 +146,7 @@ class MapStudy:
     described: Mapping[str, tuple[str, str]]
     flags: type[IntEnum]
     attributes: Mapping[str, Any] = field(default_factory=dict)
+    extrapolated: Callable[[Mapping[str, NDArray[Any]]], Sequence[Extrapolation]] | None = None
 
     def dataset(self, outcome: Outcome) -> xr.Dataset:
         """Result on the dimensions ``latitude`` and ``day``, with CF attributes."""
@@ -145,12 +154,14 @@ class MapStudy:
 
         asked = self.job.configuration
         columns = self.grid.laid_out(self.job, outcome)
+        outside = () if self.extrapolated is None else self.extrapolated(columns)
         return xr.Dataset(
             variables(("latitude", "day"), columns, self.described, self.flags),
             coords=self.grid.coordinates(),
             attrs=attributes(self.title, asked.aircraft, asked.mission, asked.solar)
             | dict(self.attributes)
-            | failed_cells(self.job.cells, outcome.failures, ("latitude", "day")),
+            | failed_cells(self.job.cells, outcome.failures, ("latitude", "day"))
+            | extrapolation_attribute(outside),
         )
 
 

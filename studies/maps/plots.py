@@ -22,8 +22,13 @@ from studies.output.cells import (
     finite_range,
     hatch_cells,
 )
-from studies.output.columns import HATCHES, SIZED, status_names
-from studies.output.plots import dataset_caption, new_figure, objective_caption
+from studies.output.columns import (
+    HATCHES,
+    SIZED,
+    extrapolations_of,
+    status_names,
+)
+from studies.output.plots import captioned, dataset_caption, new_figure, objective_caption
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,6 +94,7 @@ def plot_resized_map(data: xr.Dataset) -> Figure:
 def _begun(data: xr.Dataset, *, before: str = "", after: str = "") -> tuple[Figure, Axes]:
     """Figure with a title around the solar model."""
     title = f"{data.attrs['title']}{before} ({dataset_caption(data)}){after}"
+    title = captioned(title, extrapolations_of(data))
     figure, (axes,) = new_figure(title=title, size_in=(8.5, 5.2), grid="")
     return figure, axes
 

@@ -16,7 +16,15 @@ from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
-from studies.output.columns import BLANKS, DESCRIBED, SizingStatus, resize_objective, size_cells
+from studies.output.columns import (
+    BLANKS,
+    DESCRIBED,
+    SIZED,
+    SizingStatus,
+    resize_objective,
+    size_cells,
+    told_of_cells,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -154,6 +162,7 @@ def prepare(
             "objective": asked.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
+        lambda columns: told_of_cells(columns, SIZED, "cells"),
     )
 
 

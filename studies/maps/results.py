@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from missions.mission import latitude_label
+from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from studies.maps.feasibility import MapStatus, season_length
-from studies.output.columns import SIZED, SizingStatus
+from studies.output.columns import SIZED, SizingStatus, extrapolations_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +25,7 @@ def seasons_record(data: xr.Dataset) -> dict[str, Any]:
     return _places(data) | {
         "perpetual_days": season_length(data).to_numpy().tolist(),
         "failed_days": failed.to_numpy().tolist(),
+        "extrapolations": extrapolation_records(extrapolations_of(data)),
     }
 
 
@@ -48,6 +50,7 @@ def designs_record(data: xr.Dataset) -> dict[str, Any]:
         for word, end in (("least", "min"), ("largest", "max")):
             values = getattr(data[name], end)("day").to_numpy().tolist()
             record[f"{word}_{name}_{unit}"] = [finite(value) for value in values]
+    record["extrapolations"] = extrapolation_records(extrapolations_of(data))
     return record
 
 
@@ -104,7 +107,8 @@ def _table(
         for i, (latitude, row) in enumerate(zip(latitudes, rows, strict=True))
     ]
     heads = (Column("latitude"), *columns, *([] if failed is None else [Column("failed")]))
-    return Table(title, heads, tuple(every), (_model(data),))
+    notes = (_model(data), *extrapolation_lines(extrapolations_of(data)))
+    return Table(title, heads, tuple(every), notes)
 
 
 def _range(least: float, largest: float) -> str:

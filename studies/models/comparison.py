@@ -17,14 +17,23 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import DesignVariables
+from sizing.design import DesignVariables, design_of
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance, performance_of_designs
+from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarDay, SolarModel, Sunlight
+from sizing.validity.checks import (
+    charge_rate_check,
+    correction_check,
+    design_checks,
+    path_check,
+)
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import extrapolations, together, told, worst_of
 from solar._version import __version__
 from solar.names import RESIZE_NAMES, CorrectionName, ModelName
 from studies.maps.season import Flags, Season, perpetual_flags, season_of
@@ -125,6 +134,8 @@ class Comparison(Result):
         In the order of the models and corrections.
     notes : tuple of str
         What the reader should know.
+    extrapolations : tuple of Extrapolation
+        What lies outside the range of a model, of the aircraft and the designs.
     """
 
     aircraft: Aircraft
@@ -134,6 +145,7 @@ class Comparison(Result):
     reference: Case
     cases: tuple[Case, ...]
     notes: tuple[str, ...] = ()
+    extrapolations: tuple[Extrapolation, ...] = ()
 
     @property
     def has_designs(self) -> bool:
@@ -183,7 +195,8 @@ class Comparison(Result):
         title = f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, judged by "
         title += model_label(reference)
         notes = (Line(f"- {line}", "faint") for line in lines)
-        return Summary((Line(title, "strong"), *self.tables(), self.headline(), *notes))
+        outside = extrapolation_blocks(self.extrapolations)
+        return Summary((Line(title, "strong"), *self.tables(), self.headline(), *outside, *notes))
 
     def tables(self) -> tuple[Table, ...]:
         """What the models predict, and what they would have built if they were asked."""
@@ -245,6 +258,7 @@ class Comparison(Result):
             },
             "cases": [self._case_record(case) for case in self.cases],
             "notes": list(self.notes),
+            "extrapolations": extrapolation_records(self.extrapolations),
             "version": __version__,
         }
 
@@ -389,7 +403,27 @@ def compare(
         reference=cases[reference],
         cases=tuple(cases[solar] for solar in wanted),
         notes=_notes(aircraft, mission, reference, sized=sized),
+        extrapolations=together(
+            [_extrapolations(aircraft, mission, sun, cases[one]) for one in wanted], "cases"
+        ),
     )
+
+
+def _extrapolations(
+    aircraft: Aircraft, mission: Mission, sun: Sunlight, case: Case
+) -> tuple[Extrapolation, ...]:
+    """What a case takes from outside the range of a model: the aircraft as it is, its design."""
+    day, design, solar = sun.day(case.solar), design_of(aircraft, mission), case.solar
+    peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * design.variables.module_area_m2
+    checks = [
+        *design_checks(aircraft, mission, design),
+        *path_check(mission, solar, design),
+        *correction_check(day.scenarios, solar, mission),
+        *charge_rate_check(aircraft, mission, design, peak_w),
+    ]
+    built = None if case.built is None else case.built.sizing.simulated
+    found = () if built is None else extrapolations(aircraft, built)
+    return worst_of([*told(checks, day.scenarios), *found])
 
 
 def _flown(

@@ -12,7 +12,7 @@ from sizing.optimisation.objectives import Objective
 from studies.maps.season import Season
 from studies.models.comparison import Case, Comparison
 from studies.models.solar_models import model_label
-from studies.output.plots import BLUE, GREEN, VERMILLION, new_figure
+from studies.output.plots import BLUE, GREEN, VERMILLION, captioned, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,9 @@ def plot_comparison(comparison: Comparison) -> Figure:
     figure, panels = new_figure(
         1,
         columns,
-        title=f"{comparison.aircraft.name} on {comparison.mission.name}",
+        title=captioned(
+            f"{comparison.aircraft.name} on {comparison.mission.name}", comparison.extrapolations
+        ),
         size_in=(2.9 * columns, 1.9 + 0.27 * len(comparison.cases)),
         grid="x",
         sharey=True,

@@ -5,6 +5,7 @@ Maps and trade studies share what is here.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from functools import lru_cache
@@ -14,12 +15,22 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.design import parametric_design
 from sizing.optimisation import cells as cell_sizing
 from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus
-from sizing.sunlight import SolarModel
+from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.checks import (
+    charge_rate_check,
+    charge_rate_is_open,
+    correction_check,
+    design_checks,
+    path_check,
+)
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import cell_texts, from_text, together
 from solar._version import __version__
 from solar.names import RESIZE_NAMES
 
@@ -33,6 +44,8 @@ __all__ = [
     "SIZED",
     "SizingStatus",
     "attributes",
+    "extrapolation_attribute",
+    "extrapolations_of",
     "failed_cells",
     "failed_count",
     "resize_objective",
@@ -40,6 +53,7 @@ __all__ = [
     "sizing_row",
     "status_names",
     "to_netcdf_bytes",
+    "told_of_cells",
     "variables",
 ]
 
@@ -69,6 +83,7 @@ BLANKS: dict[str, Any] = {
     "shortfall": _NAN,
     "violated_requirement": np.str_(""),
     "message": np.str_(""),
+    "extrapolations": np.str_(""),
 }
 
 # Variable -> unit, long name.
@@ -91,6 +106,7 @@ DESCRIBED: dict[str, tuple[str, str]] = {
     ),
     "violated_requirement": ("1", "requirement that no design meets"),
     "message": ("1", "why there is no design"),
+    "extrapolations": ("1", "what lies outside the range of a model"),
     "status": ("1", "how it ends"),
 }
 
@@ -173,6 +189,7 @@ def size_cells(
         problems.aircraft, mission, scenarios, objective, solar, problems=problems
     )
     columns = _columns(found)
+    columns["extrapolations"] = _extrapolations(aircraft, mission, scenarios, solar, found)
     for index in np.flatnonzero(scenarios.in_polar_night()):
         for name, blank in BLANKS.items():
             columns[name][index] = _POLAR_NIGHT.get(name, blank)
@@ -204,6 +221,29 @@ def _columns(found: CellSizings) -> dict[str, Any]:
         "violated_requirement": found.requirement.tolist(),
         "message": [_message(SizingStatus(one)) for one in found.status],
     }
+
+
+def _extrapolations(
+    aircraft: Aircraft,
+    mission: Mission,
+    scenarios: Scenarios,
+    solar: SolarModel,
+    found: CellSizings,
+) -> list[str]:
+    """What the design of every cell takes from outside the range of a model."""
+    sized = np.isin(found.status, SIZED)
+    design = parametric_design(aircraft, mission, found.variables, found.total_mass_kg)
+    checks = [
+        *design_checks(aircraft, mission, design),
+        *path_check(mission, solar, design),
+        *correction_check(scenarios, solar, mission),
+    ]
+    if charge_rate_is_open(aircraft):
+        day = solar_day(aircraft, mission, solar, scenarios=scenarios)
+        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * found.variables.module_area_m2
+        checks += charge_rate_check(aircraft, mission, design, peak_w)
+    texts = cell_texts(checks, len(scenarios))
+    return [text if there else "" for text, there in zip(texts, sized, strict=True)]
 
 
 def _message(status: SizingStatus) -> str:
@@ -319,6 +359,42 @@ def failed_cells(
         for i, text in sorted(failures.items())
     ]
     return {"failed_cells": "\n".join(lines)}
+
+
+def extrapolation_attribute(found: Sequence[Extrapolation]) -> dict[str, str]:
+    """Attribute that tells what lies outside the range of a model; none where nothing does."""
+    if not found:
+        return {}
+    return {"extrapolations": json.dumps([one.to_dict() for one in found])}
+
+
+def extrapolations_of(data: xr.Dataset) -> tuple[Extrapolation, ...]:
+    """What lies outside the range of a model in a map or a trade study, each quantity once."""
+    records = json.loads(data.attrs.get("extrapolations", "[]"))
+    return tuple(map(Extrapolation.from_dict, records))
+
+
+def told_of_cells(
+    columns: Mapping[str, Any], described: Sequence[int], what: str
+) -> tuple[Extrapolation, ...]:
+    """What the cells or points of a study tell, each quantity once with its worst value.
+
+    Parameters
+    ----------
+    columns : mapping of ndarray
+        With the status and the text of every cell.
+    described : sequence of int
+        Statuses of the cells that have a result.
+    what : str
+        What they are, in the plural.
+
+    Returns
+    -------
+    tuple of Extrapolation
+    """
+    known = np.isin(columns["status"], described)
+    texts = np.asarray(columns["extrapolations"])[known]
+    return together([from_text(str(text)) for text in texts.ravel()], what)
 
 
 def status_names(data: xr.Dataset) -> dict[int, str]:

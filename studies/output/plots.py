@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,9 @@ from missions.dates import date_label, day_of_year
 from missions.files.writing import write_bytes_atomically
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import label
+from sizing.results.notes import extrapolation_caption
 from sizing.sunlight import SolarModel
+from sizing.validity.ranges import Extrapolation
 from solar.names import ModelName
 from studies.output.formats import IMAGE_FORMATS, image_format
 
@@ -143,6 +145,25 @@ def caption(solar: SolarModel) -> str:
     return f"{solar.model}, {corrected}"
 
 
+def captioned(title: str, found: Sequence[Extrapolation]) -> str:
+    """Title of a figure, with a line of what lies outside the range of a model.
+
+    Parameters
+    ----------
+    title : str
+        What is drawn.
+    found : sequence of Extrapolation
+        What the result tells.
+
+    Returns
+    -------
+    str
+        The title alone where nothing is outside.
+    """
+    line = extrapolation_caption(found)
+    return f"{title}\n{line}" if line else title
+
+
 def dataset_caption(data: xr.Dataset) -> str:
     """Model and correction that a map or a trade study was computed with."""
     return caption(SolarModel(data.attrs["solar_model"], data.attrs["correction"]))
@@ -202,8 +223,10 @@ def plot_cycle(analysis: Analysis, scenario: int | None = None) -> Figure:
     panels = 2 if analysis.climb is None else 3
     figure, every = new_figure(
         panels,
-        title=f"{analysis.aircraft.name}, {perf.day.scenarios.label(index)} "
-        f"({caption(perf.solar)})",
+        title=captioned(
+            f"{analysis.aircraft.name}, {perf.day.scenarios.label(index)} ({caption(perf.solar)})",
+            analysis.extrapolations,
+        ),
         size_in=(8.0, 2.8 * panels),
         sharex=True,
     )
@@ -337,6 +360,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun) -> Figure:
     """
     title = f"{analysis.aircraft.name}, {analysis.mission.name} "
     title += f"({caption(analysis.performance.solar)})"
+    title = captioned(title, analysis.extrapolations)
     figure, (power_axes, charge_axes) = new_figure(2, title=title, size_in=(9.0, 5.6), sharex=True)
     power_axes.plot(flight.clock_h, flight.solar_power_w, color=SUN, label="solar power")
     power_axes.plot(flight.clock_h, flight.load_w, color=LOAD, label="load")
@@ -385,6 +409,7 @@ def plot_sensitivities(
     solar: SolarModel,
     *,
     bars: int = 15,
+    extrapolations: Sequence[Extrapolation] = (),
 ) -> Figure:
     """Change of the objective by one per cent more of each parameter.
 
@@ -400,6 +425,8 @@ def plot_sensitivities(
         Model and correction, for the title.
     bars : int
         Parameters that are shown at most.
+    extrapolations : sequence of Extrapolation
+        What lies outside the range of a model.
 
     Returns
     -------
@@ -407,7 +434,9 @@ def plot_sensitivities(
     """
     shown = [s for s in sensitivities if s.value != 0.0][:bars][::-1]
     figure, (axes,) = new_figure(
-        title=f"{name} ({caption(solar)})", size_in=(9.0, 0.9 + 0.32 * len(shown)), grid="x"
+        title=captioned(f"{name} ({caption(solar)})", extrapolations),
+        size_in=(9.0, 0.9 + 0.32 * len(shown)),
+        grid="x",
     )
     labels = [_with_value(s) for s in shown]
     sign = 1.0 if objective.maximised else -1.0

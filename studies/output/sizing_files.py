@@ -72,7 +72,10 @@ def sizing_files(study: SizingStudy) -> dict[str, bytes]:
     analysis = analyse(
         sized, study.sized_mission(), model=solar.model, correction=solar.correction, replay=False
     )
-    masses = plots.plot_masses(result.design.masses._asdict(), f"{sized.name}: mass budget")
+    masses = plots.plot_masses(
+        result.design.masses._asdict(),
+        plots.captioned(f"{sized.name}: mass budget", study.extrapolations),
+    )
     contents = {
         "scenarios.csv": csv_bytes(study.scenarios()),
         "masses.csv": csv_bytes(study.masses()),
@@ -83,6 +86,8 @@ def sizing_files(study: SizingStudy) -> dict[str, bytes]:
         import pandas as pd
 
         contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(sensitivity_records(worth)))
-        tornado = plots.plot_sensitivities(worth, result.objective, sized.name, solar)
+        tornado = plots.plot_sensitivities(
+            worth, result.objective, sized.name, solar, extrapolations=study.extrapolations
+        )
         contents["sensitivities.png"] = plots.to_bytes(tornado, "png")
     return contents

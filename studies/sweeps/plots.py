@@ -22,13 +22,20 @@ from studies.output.cells import (
     finite_range,
     hatch_cells,
 )
-from studies.output.columns import HATCHES, SIZED, failed_count, status_names
+from studies.output.columns import (
+    HATCHES,
+    SIZED,
+    extrapolations_of,
+    failed_count,
+    status_names,
+)
 from studies.output.plots import (
     CHARGE,
     DARK_GREY,
     GREY,
     LOAD,
     SUN,
+    captioned,
     dataset_caption,
     new_figure,
     objective_caption,
@@ -87,12 +94,13 @@ def _label(data: xr.Dataset, name: str) -> str:
     return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 
-def _title(data: xr.Dataset) -> str:
+def _title(data: xr.Dataset, note: str = "") -> str:
     objective = data.attrs["objective"]
     sized = f", sized for the {objective_caption(objective)}" if objective else ""
     failed = failed_count(data)
-    note = f"; {failed} of {data['status'].size} points failed" if failed else ""
-    return f"{data.attrs['title']}{sized} ({dataset_caption(data)}){note}"
+    lost = f"; {failed} of {data['status'].size} points failed" if failed else ""
+    title = f"{data.attrs['title']}{sized} ({dataset_caption(data)}){lost}{note}"
+    return captioned(title, extrapolations_of(data))
 
 
 def _variables(data: xr.Dataset) -> tuple[str, str]:
@@ -236,7 +244,7 @@ def parallel_figure(data: xr.Dataset) -> Figure:
     lost = int((~_drawable(data)).sum())
     note = f"; {lost} points without a result left out" if lost else ""
     figure, (axes,) = new_figure(
-        title=_title(data) + note, size_in=(2.0 + 1.7 * len(columns), 5.0), grid=""
+        title=_title(data, note), size_in=(2.0 + 1.7 * len(columns), 5.0), grid=""
     )
     low, high = (getattr(table[columns], end)() for end in ("min", "max"))
     span = (high - low).where(high > low, 1.0)
@@ -422,7 +430,7 @@ def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
     front = table[table["pareto_front"]].sort_values(x)
     count = data["status"].size - len(table)
     note = f"; {count} points without a design left out" if count else ""
-    figure, (axes,) = new_figure(title=_title(data) + note, size_in=(7.0, 5.0))
+    figure, (axes,) = new_figure(title=_title(data, note), size_in=(7.0, 5.0))
     axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
     axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
     better = {name: "more" if name in _MORE_IS_BETTER else "less" for name in (x, y)}

@@ -23,6 +23,8 @@ from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.checks import flight_checks
+from sizing.validity.told import as_text, cell_texts, extrapolations
 from solar.names import ATTITUDE_MODELS
 from solar.schema import Record
 from studies.engine.run import Cell
@@ -77,6 +79,7 @@ BLANKS: dict[str, Any] = {
     "worst_latitude": _NAN,
     "worst_day": _NAN,
     "message": np.str_(""),
+    "extrapolations": np.str_(""),
 }
 
 DESCRIBED = sizing_columns.DESCRIBED | {
@@ -218,7 +221,8 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
             continue
         if measured:
             found = performance(aircraft, mission, configuration.solar)
-            rows[numbers[0]] = _judged(found, mission, (), {})
+            outside = {"extrapolations": as_text(extrapolations(aircraft, found))}
+            rows[numbers[0]] = _judged(found, mission, (), {}) | outside
             for number in numbers[1:]:  # the same point twice
                 rows[number] = rows[numbers[0]]
             continue
@@ -228,8 +232,11 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         lit = solar_day(aircraft, mission, configuration.solar)
         found = performance_of_designs(aircraft, mission, variables, configuration.solar, day=lit)
         missed = _missed(aircraft, mission, found)
+        texts = cell_texts(flight_checks(aircraft, found), len(numbers))
         for place, number in enumerate(numbers):
-            rows[number] = _judged(found, mission, (place,), missed)
+            row = _judged(found, mission, (place,), missed)
+            flown = row["status"] is not PointStatus.infeasible
+            rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
     return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
 
 
@@ -401,5 +408,8 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
             configuration.solar,
             problems=problems,
         )
-        rows.append({"payload_mass": mission.payload.mass_kg} | sizing_columns.sizing_row(result))
+        row = {"payload_mass": mission.payload.mass_kg} | sizing_columns.sizing_row(result)
+        if result.simulated is not None:
+            row["extrapolations"] = as_text(extrapolations(aircraft, result.simulated))
+        rows.append(row)
     return {name: [row.get(name, blank) for row in rows] for name, blank in SIZED_BLANKS.items()}

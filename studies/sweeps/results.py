@@ -7,7 +7,9 @@ from typing import Any
 
 import xarray as xr
 
+from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.tables import Column, Summary, Table
+from studies.output.columns import extrapolations_of
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.study import to_table
 
@@ -31,6 +33,7 @@ def points_record(data: xr.Dataset) -> dict[str, Any]:
         "sample": data.attrs["sample"],
         "objective": data.attrs["objective"] or None,
         "status": _counts(data),
+        "extrapolations": extrapolation_records(extrapolations_of(data)),
         "points": rows,
     }
 
@@ -57,10 +60,10 @@ def points_summary(data: xr.Dataset) -> Summary:
     columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
     cells = rows.head(_ROWS)[names].astype(object).itertuples(index=False, name=None)
     table = Table("", columns, tuple(tuple(map(_words, row)) for row in cells))
-    if len(rows) <= _ROWS:
-        return Summary((heading, table))
-    more = f"... {len(rows) - _ROWS} more points: --out FILE or --json has them all"
-    return Summary((heading, table, more))
+    blocks: list[Any] = [heading, table]
+    if len(rows) > _ROWS:
+        blocks.append(f"... {len(rows) - _ROWS} more points: --out FILE or --json has them all")
+    return Summary((*blocks, *extrapolation_blocks(extrapolations_of(data))))
 
 
 def _column(data: xr.Dataset, name: str, form: str) -> Column:

@@ -30,9 +30,11 @@ from studies.output.columns import (
     SIZED,
     SizingStatus,
     attributes,
+    extrapolation_attribute,
     failed_cells,
     resize_objective,
     status_names,
+    told_of_cells,
     variables,
 )
 from studies.sweeps.axes import (
@@ -457,10 +459,13 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     shaped = {n: values.reshape(shape) for n, values in columns.items() if n not in coords}
     described = DESCRIBED if objective is None else SIZED_DESCRIBED
     flags = PointStatus if objective is None else SizingStatus
+    with_result = range(PointStatus.never_lit + 1) if objective is None else SIZED
     return xr.Dataset(
         variables(dims, shaped, described, flags),
         coords=coords,
-        attrs=_attributes(study) | failed_cells(study.job.cells, outcome.failures, names),
+        attrs=_attributes(study)
+        | failed_cells(study.job.cells, outcome.failures, names)
+        | extrapolation_attribute(told_of_cells(columns, with_result, "points")),
     )
 
 

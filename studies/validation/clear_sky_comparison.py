@@ -1,4 +1,15 @@
-"""The clear sky against pvlib's models, on the ground and high up (needs the extra ``pvlib``)."""
+"""The clear sky against pvlib's models, on the ground and high up (needs the extra ``pvlib``).
+
+On the ground one definition holds for every page: the sun is that of the project, with the
+declination of the day's noon and without refraction, for all skies, so that the skies alone are
+compared. pvlib gets the sun's zenith angle, Kasten and Young's air mass, the site's altitude and
+the pressure of the standard atmosphere there.
+
+* Ineichen: Linke turbidity from pvlib's monthly climatology, interpolated to the day.
+* Simplified Solis: pvlib's defaults, an aerosol depth of 0.1 at 700 nm and 1 cm of water.
+
+With pvlib's own sun (SPA at every instant, refracted) the energies at Rafz differ by up to 0.8 %.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +36,11 @@ class Site:
     altitude_m: float
 
 
+RAFZ = Site("Rafz", 47.6, 8.53, 536.0)
 SITES = (
     Site("Singapore", 1.35, 103.82, 15.0),
     Site("Tucson", 32.22, -110.97, 750.0),
-    Site("Rafz", 47.6, 8.53, 536.0),
+    RAFZ,
     Site("Stockholm", 59.33, 18.07, 28.0),
     Site("Cape Town", -33.92, 18.42, 42.0),
 )
@@ -39,28 +51,33 @@ _TIME_H = np.arange(0.0, 24.0 + _STEP_H / 2, _STEP_H)
 
 @dataclass(frozen=True)
 class Insolation:
-    """Daily horizontal energy of three clear skies [Wh/m2]."""
+    """Daily horizontal energy of three clear skies [Wh/m2], and Ineichen's Linke turbidity [-]."""
 
     site: Site
     day_of_year: int
+    linke_turbidity: float
     ours_wh: float
     ineichen_wh: float
     solis_wh: float
 
 
-def compare() -> list[Insolation]:
-    """Daily energies at five sites in four seasons.
+def compare(sites: Sequence[Site] = SITES) -> list[Insolation]:
+    """Daily energies at sites in four seasons, by the module's definition.
 
-    The sun's path is the same for all three models, so that the skies alone are compared. Ineichen
-    takes its monthly Linke turbidity from pvlib's climatology; simplified Solis pvlib's defaults
-    (aerosol depth 0.1 at 700 nm, 1 cm of water).
+    Parameters
+    ----------
+    sites : sequence of Site
+
+    Returns
+    -------
+    list of Insolation
 
     Raises
     ------
     ModuleNotFoundError
         If pvlib is not installed.
     """
-    return [_insolation(site, day) for site in SITES for day in DAYS]
+    return [_insolation(site, day) for site in sites for day in DAYS]
 
 
 def _insolation(site: Site, day: int) -> Insolation:
@@ -68,30 +85,34 @@ def _insolation(site: Site, day: int) -> Insolation:
     ours = global_horizontal(
         clear_sky(day + 0.5, site.latitude_deg, cosine, site.altitude_m), cosine
     )
-    ineichen, solis = _pvlib_skies(site, day, np.degrees(np.arccos(cosine)))
-    return Insolation(site, day, *(_daily_wh(sky) for sky in (ours, ineichen, solis)))
+    turbidity, ineichen, solis = _pvlib_skies(site, day, np.degrees(np.arccos(cosine)))
+    return Insolation(site, day, turbidity, *(_daily_wh(sky) for sky in (ours, ineichen, solis)))
 
 
-def _pvlib_skies(site: Site, day: int, zenith_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _pvlib_skies(
+    site: Site, day: int, zenith_deg: FloatArray
+) -> tuple[float, FloatArray, FloatArray]:
+    """Linke turbidity [-], and irradiance by Ineichen and by simplified Solis [W/m2]."""
     import pandas as pd
     import pvlib
 
     noon = pd.DatetimeIndex(
         [pd.Timestamp("2015-01-01 12:00", tz="UTC") + pd.Timedelta(days=day - 1)]
     )
-    turbidity = pvlib.clearsky.lookup_linke_turbidity(noon, site.latitude_deg, site.longitude_deg)
+    monthly = pvlib.clearsky.lookup_linke_turbidity(noon, site.latitude_deg, site.longitude_deg)
+    turbidity = float(monthly.iloc[0])
     pressure = pvlib.atmosphere.alt2pres(site.altitude_m)
     relative = pvlib.atmosphere.get_relative_airmass(zenith_deg)
     absolute = pvlib.atmosphere.get_absolute_airmass(relative, pressure)
     extra = pvlib.irradiance.get_extra_radiation(day)
     with np.errstate(divide="ignore"):  # pvlib divides by zero at the horizon itself
-        ineichen = pvlib.clearsky.ineichen(
-            zenith_deg, absolute, float(turbidity.iloc[0]), site.altitude_m, extra
-        )["ghi"]
+        ineichen = pvlib.clearsky.ineichen(zenith_deg, absolute, turbidity, site.altitude_m, extra)[
+            "ghi"
+        ]
         solis = pvlib.clearsky.simplified_solis(
             90.0 - zenith_deg, pressure=pressure, dni_extra=extra
         )["ghi"]
-    return np.nan_to_num(np.asarray(ineichen)), np.nan_to_num(np.asarray(solis))
+    return turbidity, np.nan_to_num(np.asarray(ineichen)), np.nan_to_num(np.asarray(solis))
 
 
 def _daily_wh(ghi: FloatArray) -> float:
@@ -107,6 +128,7 @@ def clear_sky_table(rows: list[Insolation]) -> Table:
             Column(name, unit="Wh/m²", form=".0f")
             for name in ("this clear sky", "Ineichen, climatology", "simplified Solis")
         ),
+        Column("linke_turbidity", "Linke turbidity", form=".1f"),
         Column("vs Ineichen", form="{:+.1f} %"),
         Column("vs Solis", form="{:+.1f} %"),
     )
@@ -114,7 +136,7 @@ def clear_sky_table(rows: list[Insolation]) -> Table:
         (
             r.site.name,
             date_label(r.day_of_year),
-            *(r.ours_wh, r.ineichen_wh, r.solis_wh),
+            *(r.ours_wh, r.ineichen_wh, r.solis_wh, r.linke_turbidity),
             100.0 * (r.ours_wh / r.ineichen_wh - 1.0),
             100.0 * (r.ours_wh / r.solis_wh - 1.0),
         )

@@ -190,6 +190,7 @@ def test_every_block_is_run_or_says_why_not() -> None:
             assert words[0] == "solar-uav" or words[:2] == ["python", "-m"], f"{block}: {words}"
 
 
+@pytest.mark.usefixtures("registries")
 @pytest.mark.parametrize("page", pages_with(is_python))
 def test_python_of_the_page_runs(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

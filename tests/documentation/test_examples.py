@@ -46,7 +46,10 @@ Script = Callable[..., str]
 
 @pytest.fixture
 def run_script(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    registries: None,
 ) -> Script:
     """Run a file as a script, in this process, from an empty folder; return what it prints."""
     monkeypatch.chdir(tmp_path)

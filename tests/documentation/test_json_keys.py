@@ -34,6 +34,12 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         {"range"},
     ),
     "ceiling": ("cli.md", [[AS2, "--step", "4000"]], set()),
+    "published": (
+        "cli.md",
+        [["--explain"], ["--season"]],
+        # Of the plain call, which takes long, and of all calls elsewhere.
+        {"allowed", "difference", "met", "known_miss", "aircraft", "mission"},
+    ),
     "sweep": ("cli.md", [[DESIGN, "--vary", "wingspan_m=4,5"]], set()),
     "map": (
         "cli.md",
@@ -51,7 +57,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
 }
 COMMON = {"aircraft", "mission", "mission_is_default"}
 # Whose keys are quantities, items or places, described as a whole.
-OPEN = {"masses_kg", "quantities", "points", "status", "latitudes"}
+OPEN = {"others", "masses_kg", "quantities", "points", "status", "latitudes", "extrapolations"}
 
 
 def keys(record: Any, inside: str = "") -> Iterator[str]:
@@ -84,6 +90,13 @@ def first_columns(text: str) -> str:
     """First cells of the tables of keys."""
     tables = re.findall(r"^\| key.*\n\|[-:|\s]+\n((?:\|.*\n)+)", text, re.M)
     return "\n".join(row.split("|")[1] for table in tables for row in table.splitlines())
+
+
+def test_keys_of_what_lies_outside_a_range_are_those_of_its_page(run: Run) -> None:
+    record = run("analyse", AS2, "--set", "mission.wind_m_per_s=50", "--json").json()
+    (one,) = record["extrapolations"]
+    page = (DOCS / "validity.md").read_text(encoding="utf-8")
+    assert set(one) == names(first_columns(page))
 
 
 @pytest.mark.parametrize("command", CASES)

@@ -22,22 +22,50 @@ from studies.cli.options import (
 
 
 @click.command()
+@click.option(
+    "--explain",
+    is_flag=True,
+    help="Show which single input would explain each difference from a flight, and how likely.",
+)
+@click.option("--season", is_flag=True, help="Show what changes the season of perpetual flight.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.option("--csv", "csv_file", type=click.Path(), help="Write the table as CSV.")
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
-def published(as_json: bool, markdown_file: str | None) -> None:
+def published(
+    explain: bool,
+    season: bool,
+    as_json: bool,
+    csv_file: str | None,
+    markdown_file: str | None,
+) -> None:
     """Compare published numbers with computed ones; exit code 1 if one is missed."""
-    from missions.files.writing import write_text_atomically
+    from missions.files.writing import write_files_atomically
+    from studies.cli.checks import check_outputs
     from studies.output.terminal import show
-    from studies.validation.published import published as compute_published
+    from studies.validation import published as numbers
+    from studies.validation.flights import season as of_season
+    from studies.validation.flights import single_inputs
 
-    result = compute_published()
-    if markdown_file is not None:
-        write_text_atomically(markdown_file, result.table().to_markdown())
+    if explain and season:
+        raise click.UsageError("give --explain or --season, not both")
+    check_outputs(csv=csv_file, markdown=markdown_file)
+    result: numbers.Published | single_inputs.Explanations | of_season.Seasons
+    if explain:
+        result = single_inputs.explain()
+    elif season:
+        result = of_season.seasons()
+    else:
+        result = numbers.published()
+    page = result.page() if isinstance(result, single_inputs.Explanations) else result.table()
+    forms = {csv_file: result.table().to_csv, markdown_file: page.to_markdown}
+    write_files_atomically(
+        {name: form().encode() for name, form in forms.items() if name is not None}
+    )
     if as_json:
         print_json(result.to_dict())
     else:
         show(result)
-    if not result.met:
+    if isinstance(result, numbers.Published) and not result.met:
         sys.exit(EXIT_FAILED)
 
 

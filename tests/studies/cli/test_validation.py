@@ -79,3 +79,22 @@ def test_loiter_correction_covers_both_models_and_says_how_wind_spreads(
     winds = {row["wind_m_per_s"] for row in rows}
     text = (tmp_path / "t.md").read_text(encoding="utf-8")
     assert text.count("\n|") + 1 == len(rows) / len(winds) + 2
+
+
+def test_season_as_table_and_as_file(run: Run, tmp_path: Path) -> None:
+    outcome = run("published", "--season", "--csv", "s.csv", "--markdown", "s.md")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(tmp_path) == {"s.csv", "s.md"}
+    table = pd.read_csv(tmp_path / "s.csv")
+    assert table["perpetual_days"].max() <= 365
+    assert (tmp_path / "s.md").read_text(encoding="utf-8").count("\n") == len(table) + 2
+
+
+def test_explanation_and_season_are_two_tables(run: Run, tmp_path: Path) -> None:
+    outcome = run("published", "--season", "--explain")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "give --explain or --season, not both" in outcome.err
+    outcome = run("published", "--season", "--csv", "a", "--markdown", "a")
+    assert outcome.code == 2
+    assert "name the same file" in outcome.err
+    assert files(tmp_path) == set()

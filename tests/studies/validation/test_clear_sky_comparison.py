@@ -1,10 +1,14 @@
-"""Our clear sky beside simplified Solis, up to 25 km."""
+"""Our clear sky beside pvlib's: simplified Solis up to 25 km, and both by day on the ground."""
 
 from __future__ import annotations
 
+import numpy as np
+import pandas as pd
+import pvlib
 import pytest
 
 from solar.clearsky import extraterrestrial_irradiance
+from studies.validation import clear_sky_comparison as study
 from studies.validation.clear_sky_comparison import ALTITUDES_M, light_table, light_up_to
 
 
@@ -43,3 +47,31 @@ def test_table_has_a_row_for_each_altitude() -> None:
     rows = light_up_to((0.0, 12000.0))
     assert [row[0] for row in light_table(rows).rows] == [0.0, 12.0]
     assert ALTITUDES_M[-1] == 25000.0
+
+
+@pytest.fixture(scope="module")
+def rafz() -> list[study.Insolation]:
+    return study.compare([study.RAFZ])
+
+
+def test_own_sun_of_pvlib_changes_little(rafz: list[study.Insolation]) -> None:
+    site = pvlib.location.Location(47.6, 8.53, altitude=536.0)
+    for row in rafz:
+        midnight = pd.Timestamp("2015-01-01", tz="UTC") + pd.Timedelta(days=row.day_of_year - 1)
+        times = pd.date_range(midnight, periods=289, freq="5min")
+        for model, ours_wh in (("ineichen", row.ineichen_wh), ("simplified_solis", row.solis_wh)):
+            ghi = site.get_clearsky(times, model=model).ghi.to_numpy()
+            theirs_wh = np.trapezoid(np.nan_to_num(ghi), dx=1.0 / 12.0)
+            # What the pages say: refraction and the declination within the day, up to 0.8 %.
+            assert theirs_wh == pytest.approx(ours_wh, rel=0.008)
+
+
+def test_turbidity_is_that_of_the_climatology(rafz: list[study.Insolation]) -> None:
+    # Ineichen & Perez (2002): 2 is very clean cold air, 3 moderate, 4 moist warm, 5 hazy.
+    assert all(3.0 < row.linke_turbidity < 5.0 for row in rafz)
+    assert rafz[1].linke_turbidity > rafz[3].linke_turbidity
+
+
+def test_table_has_a_row_for_each_site_and_season(rafz: list[study.Insolation]) -> None:
+    table = study.clear_sky_table(rafz)
+    assert [row[0] for row in table.rows] == ["Rafz"] * len(study.DAYS)

@@ -1,6 +1,8 @@
-"""What AtlantikSolar AS-2 did in 2015, as published, from the files that ship with the package."""
+"""What solar aircraft did, as published, from the files that ship with the package."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from missions.dates import day_of_year
 from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
+from studies.validation.flights import published_flights as study
 
 
 def test_cycle_of_the_81_hour_flight() -> None:
@@ -59,8 +62,60 @@ def test_28_hour_flight() -> None:
 def test_81_hour_flight_stays_up() -> None:
     run = calendar_run(AS2, shipped_mission("rafz-81h"))
     assert run.empty_clock_h is None
-    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(81.0, abs=1e-9)
+    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(81.4, abs=1e-9)
     # Full on each of its four days, as the flight was.
     assert len(run.full_charge_clock_h) == 4
     # Published 39 %, with the tolerance of the repeated day.
     assert run.minimum_state_of_charge == pytest.approx(0.39, abs=0.03)
+
+
+def test_load_of_a_trial_is_the_one_asked_for() -> None:
+    trial = study.FLIGHT_27H.trial()
+    assert trial.load_w == pytest.approx(16.0, abs=0.02)  # published, all consumers
+    changed = trial.with_load(20.0)
+    assert changed.load_w == pytest.approx(20.0, rel=1e-12)
+    assert changed.aircraft.power == trial.aircraft.power
+
+
+def test_battery_is_nearly_full_before_it_is_full() -> None:
+    full_h = study.FLIGHT_28H.quantity("full charge on the first day (CEST)").compute
+    trial = study.FLIGHT_28H.trial()
+    instants = [full_h(replace(trial, full_charge=c)) for c in (0.98, 0.99, 0.999, 1.0)]
+    assert instants == sorted(instants)
+    assert instants[-1] == pytest.approx(trial.replay().full_charge_clock_h[0], abs=1e-3)
+    # The last per cent at the measured 0.8 and 0.6 A of 25 V: 7.32 Wh take 0.37 to 0.49 h.
+    assert 0.37 <= instants[-1] - instants[1] <= 0.52
+
+
+def test_full_charge_that_is_not_reached_is_the_end_of_the_day() -> None:
+    full_h = study.FLIGHT_81H_CLOCK.quantity("full charge on the second day (CEST)").compute
+    dim = study.FLIGHT_81H_CLOCK.trial().with_mission(clearness=0.2)
+    assert full_h(dim) == full_h(replace(dim, full_charge=0.99)) == 24.0
+
+
+def test_27_hour_flight() -> None:
+    run = study.FLIGHT_27H.trial().replay()
+    assert run.empty_clock_h is None
+    # Flown: full on the first afternoon, and at the landing on the second.
+    assert 24.0 > run.full_charge_clock_h[0] > 12.55
+    assert run.state_of_charge[-1] == pytest.approx(1.0)
+    # By hand: 16 W, from 18:00 to 6:00 solar time and half of it in the hours beside, drawn at 95 %
+    # from 254 Wh. Half an hour of the night is 3 points.
+    night = 1.0 - 16.0 * 11.0 / 0.95 / 254.4
+    assert run.minimum_state_of_charge == pytest.approx(night, abs=0.03)
+
+
+def test_solong_draws_more_than_its_modules_bring_in_a_day() -> None:
+    trial = study.FLIGHT_48H.trial()
+    day = performance(trial.aircraft, trial.mission)
+    brought_wh = float(day.cycle.energy_budget.solar_wh[0])
+    # Published: 225 W, at 1000 W/m2. Of 8 kWh/m2 on a clear day in June some 10 % are lost.
+    assert brought_wh == pytest.approx(0.225 * 8000.0 * 0.9, rel=0.1)
+    assert brought_wh < 0.8 * 24.0 * trial.load_w
+
+
+def test_every_fact_has_a_source() -> None:
+    for flight in study.WITH_SEASON:
+        for fact in flight.facts:
+            assert fact.source or fact.text.startswith("not found"), fact
+    assert len(study.facts_table().rows) == sum(len(f.facts) for f in study.WITH_SEASON)

@@ -1,0 +1,307 @@
+"""Quantities of a design and its flight, each beside the range of the model that it enters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.air import GAS_CONSTANT_AIR, standard_air
+from missions.mission import Mission, Scenarios
+from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import Design, FlightConditions, structure_parts
+from sizing.energy.battery import RuleChargeLimit, TableChargeLimit
+from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.performance import Performance
+from sizing.structures.rib_wing import RibWingStructure
+from sizing.sunlight import SolarModel
+from sizing.validity.ranges import Check, ranges
+from solar.clearsky import THIN_AIR_FROM_M
+from solar.names import ATTITUDE_MODELS
+from solar.sun import declination
+from solar.types import FloatArray
+
+_RATIO_OF_SPECIFIC_HEATS = 1.4
+# Solar power on the report's morning: 7 % less airspeed changes FM by 0.4 %.
+_AIRSPEED_TOLERANCE = 0.05
+
+
+def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Iterator[Check]:
+    """Quantities of a design in flight, whatever the scenario.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Technology of the design; altitude, wind and payload.
+    design : Design
+        Closed design of floats, or of arrays.
+
+    Yields
+    ------
+    Check
+    """
+    conditions = FlightConditions.of(mission).with_payload_of(design.variables)
+    loading = np.asarray(design.total_mass_kg) / design.wing_area_m2
+    yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
+    load_w = design.nominal_load_w(mission)
+    yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
+    yield from altitude_check(mission, mission.altitude_m)
+    if design.airspeed_m_per_s is not None:
+        ends = (mission.wind_m_per_s, None)
+        yield Check.of("airspeed_m_per_s", "wind", design.airspeed_m_per_s, ends)
+    airframe = aircraft.airframe
+    if isinstance(airframe, MeasuredAirframe):
+        yield from _measured_checks(airframe, conditions, design)
+    else:
+        yield from _parametric_checks(DesignInFlight(aircraft, design, conditions), mission)
+
+
+def altitude_check(mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
+    """Altitude beside the range of the clear sky.
+
+    Parameters
+    ----------
+    mission : Mission
+        Whose clear sky it is.
+    altitude_m : array_like
+        Altitude above mean sea level [m].
+
+    Yields
+    ------
+    Check
+        Nothing for a sky of the user's own, whose range is not known.
+    """
+    if mission.clear_sky != "ashrae":
+        return
+    altitude = np.asarray(altitude_m, float)
+    thin = altitude >= THIN_AIR_FROM_M
+    yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
+    yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
+
+
+def _measured_checks(
+    airframe: MeasuredAirframe, air: FlightConditions, design: Design
+) -> Iterator[Check]:
+    flight = airframe.level_flight
+    # At constant lift coefficient V goes with (m/rho)^0.5, so Re with (m rho)^0.5/mu; a file gives
+    # the density of the measurement alone, the viscosity is that of the standard sea level.
+    mass_density = (design.total_mass_kg * air.density_kg_per_m3) / (
+        flight.mass_kg * flight.density_kg_per_m3
+    )
+    viscosity = air.dynamic_viscosity / float(standard_air(0.0).dynamic_viscosity_pa_s)
+    yield Check.of("reynolds_ratio", "measured", mass_density**0.5 / viscosity)
+    if flight.maximum_electric_power_w is not None:
+        climbing_w = flight.maximum_electric_power_w + design.constant_power_w
+        rate = climbing_w / design.battery_energy_wh
+        yield Check.of("climb_discharge_rate_per_h", "battery", rate)
+
+
+def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
+    design, structure = it.design, it.airframe.structure
+    shape = {
+        "wingspan_m": design.variables.wingspan_m,
+        "aspect_ratio": design.variables.aspect_ratio,
+        "total_mass_kg": design.total_mass_kg,
+    }
+    for quantity, value in shape.items():
+        if (quantity, structure.model) in ranges():
+            yield Check.of(quantity, structure.model, value)
+    if isinstance(structure, RibWingStructure):
+        share = _cap_depth_ratio(it.aircraft, mission, design, structure)
+        yield Check.of("spar_cap_depth_ratio", structure.model, share)
+    yield from _aerodynamic_checks(it)
+    with np.errstate(invalid="ignore"):
+        temperature_k = float(mission.air_state().temperature_k)
+        sound_m_per_s = (_RATIO_OF_SPECIFIC_HEATS * GAS_CONSTANT_AIR * temperature_k) ** 0.5
+        yield Check.of("mach_number", "aerodynamics", design.airspeed_m_per_s / sound_m_per_s)
+        yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
+        rate = QUANTITIES["climb_discharge_rate_per_h"](it)
+        yield Check.of("climb_discharge_rate_per_h", "battery", rate)
+
+
+def _cap_depth_ratio(
+    aircraft: Aircraft, mission: Mission, design: Design, structure: RibWingStructure
+) -> Any:
+    """Thickness of both caps over the depth of the spar, mean over the span [-]."""
+    with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
+        parts = structure_parts(aircraft, mission, design)
+    assert parts is not None
+    chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
+    volume_m3 = parts.spar_caps / (structure.calibration * structure.cap_density_kg_per_m3)
+    width_m = structure.cap_width_fraction * chord_m
+    depth_m = structure.spar_depth_fraction * structure.thickness_ratio * chord_m
+    return volume_m3 / design.variables.wingspan_m / (width_m * depth_m)
+
+
+def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:
+    polar = it.airframe.aerodynamics
+    reynolds, speed = it.reynolds_number, it.design.airspeed_m_per_s
+    if not isinstance(polar, WingPolar):
+        yield Check.of("reynolds_number", "parabolic", reynolds, airspeed_m_per_s=speed)
+        yield Check.of("stall_margin", "parabolic", it.stall_margin)
+        return
+    ends = polar.polar.reynolds_range
+    yield Check.of("reynolds_number", "wing_polar", reynolds, ends, airspeed_m_per_s=speed)
+    section = (polar.polar.least_lift, polar.polar.maximum_lift(np.asarray(reynolds, float)))
+    wing = tuple(np.asarray(lift) / polar.section_lift_ratio for lift in section)
+    yield Check.of("lift_coefficient", "wing_polar", it.lift_coefficient, (wing[0], wing[1]))
+    margin = stall_margin_within_polar(it)
+    yield Check.of("stall_margin", "wing_polar", margin, (polar.stall_margin, None))
+
+
+def stall_margin_within_polar(it: DesignInFlight) -> Any:
+    """Airspeed over stall speed, without lift that no table of the airfoil knows [-].
+
+    As :attr:`sizing.limits.DesignInFlight.stall_margin`, which takes the stall from the design
+    point of the aerodynamics, within the Reynolds numbers of the polar. Flown outside of them the
+    stall is that of the polar as it is fenced there: at one weight the Reynolds number of the stall
+    is that of the flight over the margin ``m``, so that ``m^2 C_L = C_L,max(Re/m)``.
+    """
+    polar = it.airframe.aerodynamics
+    assumed = np.asarray(it.stall_margin, float)
+    if not isinstance(polar, WingPolar):
+        return assumed
+    reynolds = np.asarray(it.reynolds_number, float)
+    low, high = polar.polar.reynolds_range
+    known = (reynolds >= low) & (reynolds <= high)
+    if np.all(known | ~np.isfinite(reynolds)):
+        return assumed
+    lift = np.asarray(it.lift_coefficient, float) * polar.section_lift_ratio
+    margin = np.broadcast_to(assumed, np.broadcast_shapes(assumed.shape, reynolds.shape))
+    for _ in range(60):
+        # The geometric mean settles however steeply the fence falls.
+        next_one = (polar.polar.maximum_lift(reynolds / margin) / lift) ** 0.5
+        margin = (margin * next_one) ** 0.5
+    return np.where(known, assumed, margin)
+
+
+def correction_check(scenarios: Scenarios, solar: SolarModel, mission: Mission) -> Iterator[Check]:
+    """Sun at noon beside that of the flight that the corrections and RMS errors come from.
+
+    Parameters
+    ----------
+    scenarios : Scenarios
+        Latitudes and days of the year.
+    solar : SolarModel
+        Model and correction.
+    mission : Mission
+        Whose uncertainty margins may use the error of that flight.
+
+    Yields
+    ------
+    Check
+        Of the scenarios in which the sun rises; nothing where no constant of the flight is used.
+    """
+    if solar.correction == "none" and mission.uncertainty_margins.solar_model_sigmas == 0.0:
+        return
+    sun_deg = np.degrees(declination(scenarios.noon_day))
+    noon_deg = 90.0 - np.abs(scenarios.latitude_deg - sun_deg)
+    yield Check.of("noon_elevation_deg", "correction", np.where(noon_deg > 0.0, noon_deg, np.nan))
+
+
+def path_check(mission: Mission, solar: SolarModel, design: Design) -> Iterator[Check]:
+    """Airspeed of the design beside that of the flight path, for solar power along the path.
+
+    Parameters
+    ----------
+    mission : Mission
+        With or without a flight path.
+    solar : SolarModel
+        Model and correction.
+    design : Design
+        Of floats, or of arrays.
+
+    Yields
+    ------
+    Check
+        Nothing for a horizontal model, or where one of the airspeeds is unknown.
+    """
+    on_path = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
+    flown = getattr(mission.flight_path, "airspeed_m_per_s", None)
+    if not on_path or flown is None or design.airspeed_m_per_s is None:
+        return
+    ends = (flown * (1.0 - _AIRSPEED_TOLERANCE), flown * (1.0 + _AIRSPEED_TOLERANCE))
+    yield Check.of("airspeed_m_per_s", "flight_path", design.airspeed_m_per_s, ends)
+
+
+def charge_rate_is_open(aircraft: Aircraft) -> bool:
+    """Whether nothing keeps the charge rate within the range of the battery model."""
+    limit = aircraft.battery.charge_limit
+    if isinstance(limit, TableChargeLimit):
+        return False  # measured
+    highest = ranges()["charge_rate_per_h", "battery"].maximum
+    assert highest is not None
+    return not isinstance(limit, RuleChargeLimit) or limit.c_rate_per_h > highest
+
+
+def charge_rate_check(
+    aircraft: Aircraft, mission: Mission, design: Design, peak_power_w: ArrayLike
+) -> Iterator[Check]:
+    """Fastest charge that the day's sun offers the battery.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Battery and turbulence.
+    design : Design
+        Of floats, or of arrays.
+    peak_power_w : array_like
+        Largest solar power of the day [W]: of the design's shape, or with a last axis of scenarios.
+
+    Yields
+    ------
+    Check
+        What is left of the largest power, at the charge efficiency, as far as a charge limit lets
+        it pass, over the battery's energy; nothing for a measured limit.
+    """
+    if not charge_rate_is_open(aircraft):
+        return
+    peak_w = np.asarray(peak_power_w, float)
+    load_w, energy_wh = (
+        _with_axes_of(value, peak_w)
+        for value in (design.nominal_load_w(mission), design.battery_energy_wh)
+    )
+    with np.errstate(invalid="ignore"):
+        rate = aircraft.battery.charge_efficiency * np.maximum(peak_w - load_w, 0.0) / energy_wh
+    limit = aircraft.battery.charge_limit
+    if isinstance(limit, RuleChargeLimit):
+        rate = np.minimum(rate, limit.c_rate_per_h)
+    yield Check.of("charge_rate_per_h", "battery", rate)
+
+
+def _with_axes_of(value: Any, array: FloatArray) -> FloatArray:
+    """Values with as many axes as an array, new ones last."""
+    values = np.asarray(value, float)
+    return values.reshape(values.shape + (1,) * max(array.ndim - values.ndim, 0))
+
+
+def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
+    """All quantities of one or many designs in their scenarios.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Technology of the designs.
+    perf : Performance
+        Of a single design, or of a batch.
+
+    Returns
+    -------
+    list of Check
+        Of the shape of the batch, some with a last axis of scenarios.
+    """
+    mission, design, solar = perf.mission, perf.design, perf.solar
+    peak = np.max(perf.day.specific_power_w_per_m2, axis=-1)
+    area_m2 = np.asarray(design.variables.module_area_m2, float)[..., np.newaxis]
+    return [
+        *design_checks(aircraft, mission, design),
+        *path_check(mission, solar, design),
+        *(
+            one.over(area_m2.shape[:-1])
+            for one in correction_check(perf.day.scenarios, solar, mission)
+        ),
+        *charge_rate_check(aircraft, mission, design, peak * area_m2),
+    ]

@@ -1,0 +1,271 @@
+"""Ranges in which the models hold, and a quantity beside its range."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from importlib import resources
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solar.types import BoolArray, FloatArray
+
+# Limits that an optimiser keeps are kept to its tolerance.
+_TOLERANCE = 1e-6
+_MOST_DIGITS = 8
+
+
+@dataclass(frozen=True)
+class Extrapolation:
+    """A quantity of a result that lies outside the range in which a model holds.
+
+    Attributes
+    ----------
+    quantity, label, unit : str
+        Key, words and unit (``1`` for none) of the quantity.
+    value : float
+        That of the result; the farthest outside where there are several.
+    minimum, maximum : float or None
+        Range of the model; None for an end that it does not have.
+    model, holder, source : str
+        Whose range it is, as files name it and in words, and where the range comes from.
+    at : str
+        Circumstance that belongs to the value, such as an airspeed.
+    scenarios : tuple of str
+        Scenarios concerned; none for all of them.
+    count, of, what : int, int, str
+        Of how many cells of a map, points of a trade study or altitudes it is told; 0 of a single
+        result.
+    """
+
+    quantity: str
+    label: str
+    unit: str
+    value: float
+    minimum: float | None
+    maximum: float | None
+    model: str
+    holder: str
+    source: str
+    at: str = ""
+    scenarios: tuple[str, ...] = ()
+    count: int = 0
+    of: int = 0
+    what: str = ""
+
+    @property
+    def text(self) -> str:
+        """In a line: quantity, value, and the range in which the model holds."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        ends = [_number(end) for end in (self.minimum, self.maximum) if end is not None]
+        digits = 3
+        while (value := _number(self.value, digits)) in ends and digits < _MOST_DIGITS:
+            digits += 1
+        held = range_text(self.minimum, self.maximum, self.unit)
+        among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
+        return f"{self.label} {value}{unit}{self.at}{among}: {self.holder} holds {held}"
+
+    @property
+    def distance(self) -> float:
+        """How far outside, relative to the end of the range."""
+        low, high = self.minimum, self.maximum
+        below = 0.0 if low is None else (low - self.value) / (abs(low) or 1.0)
+        above = 0.0 if high is None else (self.value - high) / (abs(high) or 1.0)
+        return max(below, above)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it, JSON-ready."""
+        return asdict(self) | {"scenarios": list(self.scenarios), "text": self.text}
+
+    @classmethod
+    def from_dict(cls, record: Mapping[str, Any]) -> Extrapolation:
+        """What :meth:`to_dict` wrote."""
+        values = {name: record[name] for name in cls.__dataclass_fields__}
+        return cls(**values | {"scenarios": tuple(record["scenarios"])})
+
+
+class Range(NamedTuple):
+    """Row of the catalogue; an end is none where the range has none, or is not a constant."""
+
+    quantity: str
+    model: str
+    label: str
+    unit: str
+    holder: str
+    minimum: float | None
+    maximum: float | None
+    source: str
+
+    @property
+    def held(self) -> str:
+        """Range in words; empty where aircraft or mission give it."""
+        return range_text(self.minimum, self.maximum, self.unit)
+
+
+def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
+    """Range in words, such as ``3 to 8 m``.
+
+    Parameters
+    ----------
+    minimum, maximum : float or None
+        Ends; None for one that there is not.
+    unit : str
+        Unit of the ends, ``1`` for none.
+
+    Returns
+    -------
+    str
+        Empty without any end.
+    """
+    low, high = (None if end is None else _number(end) for end in (minimum, maximum))
+    if low is None and high is None:
+        return ""
+    text = f"up to {high}" if low is None else f"from {low}" if high is None else f"{low} to {high}"
+    return text if unit == "1" else f"{text} {unit}"
+
+
+@cache
+def ranges() -> Mapping[tuple[str, str], Range]:
+    """Ranges of all models, by quantity and model."""
+    text = (resources.files("sizing") / "data" / "validity.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return MappingProxyType({(row["key"], row["model"]): _from_row(row) for row in rows})
+
+
+def _from_row(row: Mapping[str, str]) -> Range:
+    low, high = (None if row[end] in ("", "own") else float(row[end]) for end in ("low", "high"))
+    return Range(
+        quantity=row["key"],
+        model=row["model"],
+        label=row["label"],
+        unit=row["unit"],
+        holder=row["holder"],
+        minimum=low,
+        maximum=high,
+        source=row["source"],
+    )
+
+
+class Check(NamedTuple):
+    """A quantity of one or many designs beside the range of a model.
+
+    Values and ends are numbers or arrays of the designs; those of scenarios have these on their
+    last axis. ``at`` has the airspeed that belongs to them, if any.
+    """
+
+    range: Range
+    value: FloatArray
+    minimum: FloatArray
+    maximum: FloatArray
+    airspeed_m_per_s: FloatArray | None = None
+
+    @classmethod
+    def of(
+        cls,
+        quantity: str,
+        model: str,
+        value: Any,
+        ends: tuple[Any, Any] | None = None,
+        airspeed_m_per_s: Any = None,
+    ) -> Check:
+        """Check against the range of the catalogue, or one that aircraft or mission give.
+
+        Parameters
+        ----------
+        quantity, model : str
+            Row of the catalogue.
+        value : array_like
+            Value of the quantity, in its unit.
+        ends : (array_like or None, array_like or None), optional
+            Ends of the range instead of the catalogue's.
+        airspeed_m_per_s : array_like, optional
+            Airspeed that belongs to the value [m/s].
+
+        Returns
+        -------
+        Check
+        """
+        row = ranges()[quantity, model]
+        low, high = (row.minimum, row.maximum) if ends is None else ends
+        return cls(
+            row,
+            np.asarray(value, float),
+            np.asarray(-np.inf if low is None else low, float),
+            np.asarray(np.inf if high is None else high, float),
+            None if airspeed_m_per_s is None else np.asarray(airspeed_m_per_s, float),
+        )
+
+    @property
+    def outside(self) -> BoolArray:
+        """Where the value is outside; never where there is none."""
+        low, high, value = self.minimum, self.maximum, self.value
+        with np.errstate(invalid="ignore"):
+            below = value < low - _TOLERANCE * np.abs(low)
+            above = value > high + _TOLERANCE * np.abs(high)
+        return np.asarray((below | above) & np.isfinite(value))
+
+    @property
+    def distance(self) -> FloatArray:
+        """How far outside, relative to the end of the range; 0 inside."""
+        with np.errstate(invalid="ignore"):
+            below = (self.minimum - self.value) / (np.abs(self.minimum) + (self.minimum == 0.0))
+            above = (self.value - self.maximum) / (np.abs(self.maximum) + (self.maximum == 0.0))
+        return np.where(self.outside, np.fmax(below, above), 0.0)
+
+    def over(self, shape: tuple[int, ...]) -> Check:
+        """Same check for every design of a batch, whose axes come first."""
+        return self._replace(value=np.broadcast_to(self.value, shape + self.value.shape))
+
+    def found(self, place: tuple[int, ...]) -> Extrapolation:
+        """What is to be told of one place of the arrays."""
+        shape = self.outside.shape
+        value, low, high = (
+            float(np.broadcast_to(v, shape)[place])
+            for v in (self.value, self.minimum, self.maximum)
+        )
+        at = ""
+        if self.airspeed_m_per_s is not None:
+            speed = float(np.broadcast_to(self.airspeed_m_per_s, shape)[place])
+            at = f" at {speed:.1f} m/s"
+        return replace(extrapolation(self.range, value, low, high), at=at)
+
+
+def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapolation:
+    """What is to be told of a value.
+
+    Parameters
+    ----------
+    row : Range
+        Quantity and model.
+    value, low, high : float
+        Value, and the ends of the range; infinite where it has none.
+
+    Returns
+    -------
+    Extrapolation
+    """
+    return Extrapolation(
+        quantity=row.quantity,
+        label=row.label,
+        unit=row.unit,
+        value=value,
+        minimum=None if math.isinf(low) else low,
+        maximum=None if math.isinf(high) else high,
+        model=row.model,
+        holder=row.holder,
+        source=row.source,
+    )
+
+
+def _number(value: float, digits: int = 3) -> str:
+    """Number as people read it, of so many digits and no fewer than its integer part."""
+    size = abs(value)
+    whole = len(str(int(size))) if size >= 1.0 else 1
+    if size >= 10000.0:
+        return f"{round(value, min(digits - whole, 0)):,.0f}"
+    return f"{value:.{max(digits, whole)}g}"

@@ -1,0 +1,184 @@
+"""What is told of a single design, of many results, and of the cells of maps and trade studies."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.mission import Scenarios
+from sizing.aircraft import Aircraft
+from sizing.performance import Performance
+from sizing.validity.checks import altitude_check, flight_checks
+from sizing.validity.ranges import Check, Extrapolation, extrapolation, ranges
+
+
+def extrapolations(
+    aircraft: Aircraft, perf: Performance, *, highest_altitude_m: ArrayLike | None = None
+) -> tuple[Extrapolation, ...]:
+    """What a single design takes from outside the range of a model, each quantity once.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Technology of the design.
+    perf : Performance
+        Of a single design in its scenarios.
+    highest_altitude_m : array_like, optional
+        Highest altitude of every scenario of a flight with climbs [m].
+
+    Returns
+    -------
+    tuple of Extrapolation
+        In the order of the catalogue.
+    """
+    checks = flight_checks(aircraft, perf)
+    if highest_altitude_m is not None:
+        checks = [one for one in checks if one.range.quantity != "altitude_m"]
+        checks += altitude_check(perf.mission, highest_altitude_m)
+    return told(checks, perf.day.scenarios)
+
+
+def told(
+    checks: Iterable[Check],
+    scenarios: Scenarios | None = None,
+    *,
+    of: int = 0,
+    what: str = "",
+) -> tuple[Extrapolation, ...]:
+    """What is outside, each quantity of a model once with its worst value.
+
+    Parameters
+    ----------
+    checks : iterable of Check
+        Without a shape, or of the scenarios or cells.
+    scenarios : Scenarios, optional
+        To name those concerned, where they are not all.
+    of : int
+        Number of cells, to count those concerned.
+    what : str
+        What the cells are, in the plural.
+
+    Returns
+    -------
+    tuple of Extrapolation
+        In the order of the catalogue.
+    """
+    found = []
+    for check in checks:
+        outside, distance = check.outside, check.distance
+        if not np.any(outside):
+            continue
+        place = np.unravel_index(np.argmax(distance), distance.shape)
+        worst = check.found(tuple(map(int, place)))
+        if of:
+            count = int(np.sum(outside)) if outside.shape else of
+            worst = replace(worst, count=count, of=of, what=what)
+        elif scenarios is not None and outside.shape and not np.all(outside):
+            names = tuple(scenarios.label(int(place)) for place in np.flatnonzero(outside))
+            worst = replace(worst, scenarios=names)
+        found.append(worst)
+    return _in_order(found)
+
+
+def worst_of(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
+    """Each quantity of a model once, with its worst value, of all that is told of one design."""
+    worst: dict[tuple[str, str], Extrapolation] = {}
+    for one in found:
+        known = worst.setdefault((one.quantity, one.model), one)
+        if one.distance > known.distance:
+            worst[one.quantity, one.model] = one
+    return _in_order(worst.values())
+
+
+def _in_order(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
+    order = list(ranges())
+    return tuple(sorted(found, key=lambda one: order.index((one.quantity, one.model))))
+
+
+def together(several: Sequence[Sequence[Extrapolation]], what: str) -> tuple[Extrapolation, ...]:
+    """What many results tell, each quantity once with its worst value and how many tell it.
+
+    Parameters
+    ----------
+    several : sequence of sequence of Extrapolation
+        Of each result; those that tell nothing count.
+    what : str
+        What the results are, in the plural.
+
+    Returns
+    -------
+    tuple of Extrapolation
+        In the order of the catalogue.
+    """
+    groups: dict[tuple[str, str], list[Extrapolation]] = {}
+    for one in (one for result in several for one in result):
+        groups.setdefault((one.quantity, one.model), []).append(one)
+    return _in_order(
+        replace(
+            max(group, key=lambda one: one.distance), count=len(group), of=len(several), what=what
+        )
+        for group in groups.values()
+    )
+
+
+# ---- Cells, as a column of text
+
+
+def cell_texts(checks: Iterable[Check], count: int) -> list[str]:
+    """What each design of a batch takes from outside, as lines that :func:`from_text` reads.
+
+    Parameters
+    ----------
+    checks : iterable of Check
+        Without a shape, or of the designs, with or without an axis of scenarios behind.
+    count : int
+        Number of designs.
+
+    Returns
+    -------
+    list of str
+        ``model: quantity value not low to high``, joined by semicolons, with the value of the worst
+        scenario; empty where all is inside.
+    """
+    lines: list[list[str]] = [[] for _ in range(count)]
+    for check in checks:
+        if not np.any(check.outside):
+            continue
+        every = check if check.outside.shape else check.over((count,))
+        distance = every.distance.reshape(count, -1)
+        shape = every.outside.shape[1:]
+        for number in np.flatnonzero(np.any(distance > 0.0, axis=1)):
+            scenario = np.unravel_index(np.argmax(distance[number]), shape)
+            lines[number].append(_line(every.found((int(number), *map(int, scenario)))))
+    return ["; ".join(line) for line in lines]
+
+
+def as_text(found: Iterable[Extrapolation]) -> str:
+    """Line of what is told of a single design; see :func:`cell_texts`."""
+    return "; ".join(map(_line, found))
+
+
+def _line(one: Extrapolation) -> str:
+    low = -math.inf if one.minimum is None else one.minimum
+    high = math.inf if one.maximum is None else one.maximum
+    return f"{one.model}: {one.quantity} {one.value:.6g} not {low:.6g} to {high:.6g}"
+
+
+_LINE = re.compile(r"(\w+): (\w+) (\S+) not (\S+) to (\S+)")
+
+
+def from_text(text: str) -> tuple[Extrapolation, ...]:
+    """What a line of :func:`cell_texts` tells."""
+    found = []
+    for part in text.split("; ") if text else ():
+        match = _LINE.fullmatch(part)
+        assert match is not None, part
+        model, quantity, *numbers = match.groups()
+        value, low, high = map(float, numbers)
+        found.append(extrapolation(ranges()[quantity, model], value, low, high))
+    return tuple(found)

@@ -1,0 +1,315 @@
+"""Nothing from outside the range of a model is silent, and nothing inside is told."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pytest
+from builders import AS2, DESIGN, SKY_SAILOR, mission, shipped_mission
+from scipy.optimize import brentq
+
+from missions.files.shipped import shipped_names
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.design import (
+    Design,
+    DesignVariables,
+    FlightConditions,
+    closed_design,
+    structure_parts,
+    variables_of,
+)
+from sizing.limits import DesignInFlight
+from sizing.performance import performance, performance_of_designs
+from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.checks import flight_checks, stall_margin_within_polar
+from sizing.validity.ranges import Extrapolation, ranges
+from sizing.validity.told import as_text, cell_texts, extrapolations, from_text, together, told
+from solar.types import FloatArray
+
+GRAVITY = 9.80665
+POLAR = {
+    "model": "wing_polar",
+    "airfoil": "sd7037",
+    "design_aspect_ratio": 18.5,
+    "design_reynolds": 158000.0,
+}
+
+
+def with_airframe(aircraft: Aircraft, **changes: object) -> Aircraft:
+    data = aircraft.model_dump()
+    data["airframe"] |= changes
+    return Aircraft.model_validate(data)
+
+
+POLAR_DESIGN = with_airframe(DESIGN, aerodynamics=POLAR)
+SPAR_DESIGN = with_airframe(DESIGN, structure={"model": "spar"})
+UNLIMITED_DESIGN = Aircraft.model_validate(
+    DESIGN.model_dump()
+    | {"battery": DESIGN.battery.model_dump() | {"charge_limit": {"kind": "none"}}}
+)
+
+
+def quantities(found: tuple[Extrapolation, ...]) -> set[str]:
+    return {f"{one.quantity} of {one.model}" for one in found}
+
+
+# ---- An independent account of what must be told
+
+
+def outside(value: float, low: float, high: float) -> bool | None:
+    """Whether a value is outside a range; None so near to an end that rounding decides."""
+    near = min(abs(value - end) for end in (low, high) if math.isfinite(end))
+    return None if near < 1e-4 * abs(value) else not low <= value <= high
+
+
+def expected(craft: Aircraft, where: Mission, values: dict[str, float]) -> dict[str, bool | None]:
+    """Every range of a parametric design again, from its masses and sizes alone."""
+    airframe, air = craft.airframe, where.air_state()
+    assert airframe.kind == "parametric"
+    polar, structure = airframe.aerodynamics, airframe.structure.model
+    mass, span, ratio = values["mass"], values["span"], values["ratio"]
+    area, chord, density = span**2 / ratio, span / ratio, float(air.density_kg_per_m3)
+    lift = polar.flight_lift_coefficient
+    speed = math.sqrt(2.0 * mass * GRAVITY / (density * area * lift))
+    reynolds = density * speed * chord / float(air.dynamic_viscosity_pa_s)
+    sound = math.sqrt(1.4 * 287.05287 * float(air.temperature_k))
+    load, energy = values["power"] + values["constant"], values["energy"]
+    rated = 5.03 * values["power"] + values["constant"]
+    spans = {"rib_wing": (3.0, 8.0), "spar": (3.0, 8.0), "power_law": (1.0, 4.0)}
+    ratios = {"rib_wing": (8.0, 25.0), "spar": (8.0, 25.0), "power_law": (8.0, 30.0)}
+    told = {
+        f"wingspan_m of {structure}": outside(span, *spans[structure]),
+        f"aspect_ratio of {structure}": outside(ratio, *ratios[structure]),
+        f"total_mass_kg of {structure}": structure != "power_law" and outside(mass, -1.0, 5670.0),
+        "wing_loading_kg_per_m2 of aircraft": outside(mass / area, 1.0, 15.0),
+        "altitude_m of ashrae": where.altitude_m < 12000.0
+        and outside(where.altitude_m, -500.0, 7000.0),
+        "altitude_m of thin_air": where.altitude_m >= 12000.0
+        and outside(where.altitude_m, 12000.0, 25000.0),
+        "mach_number of aerodynamics": outside(speed / sound, -1.0, 0.3),
+        "propulsion_power_w of propulsion": outside(values["power"], 3.0, 1000.0),
+        "cruise_discharge_rate_per_h of battery": outside(load / energy, -1.0, 0.2),
+        "climb_discharge_rate_per_h of battery": outside(rated / energy, -1.0, 3.0),
+        "airspeed_m_per_s of wind": outside(speed, where.wind_m_per_s, math.inf),
+    }
+    if structure == "rib_wing":
+        caps_m3 = values["caps"] / airframe.structure.calibration / 1600.0
+        share = caps_m3 / (span * 0.06 * chord * 0.9 * 0.125 * chord)
+        told["spar_cap_depth_ratio of rib_wing"] = outside(share, -1.0, 0.1)
+    if polar.model == "parabolic":
+        told["reynolds_number of parabolic"] = outside(reynolds, 1e5, 5e5)
+        margin = math.sqrt(polar.maximum_lift_coefficient / lift)
+        told["stall_margin of parabolic"] = outside(margin, 1.1, math.inf)
+    else:
+        told["reynolds_number of wing_polar"] = outside(reynolds, 60000.0, 600000.0)
+        section = polar.polar.maximum_lift(reynolds) / 1.05
+        told["lift_coefficient of wing_polar"] = outside(
+            lift, polar.polar.least_lift / 1.05, section
+        )
+        margin = math.sqrt(polar.maximum_lift_coefficient / lift)
+        if not 60000.0 <= reynolds <= 600000.0:
+            margin = fenced_margin(craft, reynolds, lift)
+        told["stall_margin of wing_polar"] = outside(margin, 1.1, math.inf)
+    if craft.battery.charge_limit.kind == "none":
+        rate = 0.95 * max(values["peak"] - load, 0.0) / energy
+        told["charge_rate_per_h of battery"] = outside(rate, -1.0, 0.5)
+    return told
+
+
+def fenced_margin(aircraft: Aircraft, reynolds: float, lift: float) -> float:
+    """Margin at which the section of the fenced polar stalls, by bracketing."""
+    polar = aircraft.airframe.aerodynamics.polar
+    return float(
+        brentq(lambda m: float(polar.maximum_lift(reynolds / m)) - 1.05 * lift * m * m, 1e-3, 5.0)
+    )
+
+
+def drawn(count: int) -> DesignVariables:
+    """Designs all over the space: spans 0.3 to 80 m, aspect ratios 5 to 48, loads and batteries."""
+    dice = np.random.default_rng(7)
+
+    def between(low: float, high: float) -> FloatArray:
+        return np.asarray(low * (high / low) ** dice.random(count))
+
+    span, ratio = between(0.3, 80.0), between(5.0, 48.0)
+    area = span**2 / ratio
+    return DesignVariables(span, ratio, area * between(0.05, 8.0), area * between(0.01, 0.85))
+
+
+@pytest.mark.parametrize(
+    "aircraft",
+    [DESIGN, POLAR_DESIGN, SPAR_DESIGN, SKY_SAILOR, UNLIMITED_DESIGN],
+    ids=["parabolic", "polar", "spar", "power law", "unlimited charge"],
+)
+@pytest.mark.parametrize("altitude_m", [0.0, 6900.0, 7100.0, 24000.0, 26000.0])
+def test_all_over_the_design_space_exactly_what_is_outside_is_told(
+    aircraft: Aircraft, altitude_m: float
+) -> None:
+    variables = drawn(60)
+    where = mission(altitude_m=altitude_m, wind_m_per_s=9.0)
+    found = performance_of_designs(aircraft, where, variables, day=solar_day(aircraft, where))
+    texts = cell_texts(flight_checks(aircraft, found), 60)
+    peak = float(found.day.specific_power_w_per_m2.max())
+    compared = 0
+    for number, text in enumerate(texts):
+        design = found.design
+        if not np.isfinite(design.total_mass_kg[number]):
+            continue
+        values = {
+            "span": float(variables.wingspan_m[number]),
+            "ratio": float(variables.aspect_ratio[number]),
+            "mass": float(design.total_mass_kg[number]),
+            "power": float(design.propulsion_power_w[number]),
+            "energy": float(design.battery_energy_wh[number]),
+            "constant": float(np.broadcast_to(design.constant_power_w, 60)[number]),
+            "peak": peak * float(variables.module_area_m2[number]),
+            "caps": caps_kg(aircraft, where, design, number),
+        }
+        if aircraft is SKY_SAILOR:  # rated at the power of level flight
+            values["caps"] = 0.0
+        wanted = expected(aircraft, where, values)
+        if aircraft is SKY_SAILOR:
+            rate = (values["power"] + values["constant"]) / values["energy"]
+            wanted["climb_discharge_rate_per_h of battery"] = outside(rate, -1.0, 3.0)
+        given = quantities(from_text(text))
+        for name, is_outside in wanted.items():
+            if is_outside is not None:
+                assert (name in given) is bool(is_outside), (name, values, text)
+                compared += 1
+        assert given <= wanted.keys()
+    assert compared > 200
+
+
+def caps_kg(aircraft: Aircraft, where: Mission, design: Design, number: int) -> float:
+    with np.errstate(invalid="ignore"):  # of a design that cannot carry itself
+        parts = structure_parts(aircraft, where, design)
+    return 0.0 if parts is None else float(parts.spar_caps[number])
+
+
+# ---- Single results
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "where"),
+    list(itertools.product([AS2, DESIGN, SKY_SAILOR], shipped_names("mission"))),
+)
+def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft: Aircraft, where: str) -> None:
+    assert extrapolations(aircraft, performance(aircraft, shipped_mission(where))) == ()
+
+
+def test_the_text_names_value_and_range_once() -> None:
+    small = variables_of(DESIGN)._replace(wingspan_m=2.5, battery_mass_kg=0.3, module_area_m2=0.1)
+    found = performance_of_designs(POLAR_DESIGN, mission(altitude_m=16000.0), small)
+    every = extrapolations(POLAR_DESIGN, found)
+    (one,) = (one for one in every if one.quantity == "reynolds_number")
+    speed = float(found.design.airspeed_m_per_s)
+    assert one.text.endswith(f" at {speed:.1f} m/s: polar holds 60,000 to 600,000")
+    assert len({(e.quantity, e.model) for e in every}) == len(every)
+
+
+def test_a_value_next_to_the_end_is_told_with_digits_that_tell_it_apart() -> None:
+    barely = with_airframe(DESIGN, wingspan_m=8.0004)
+    (one,) = extrapolations(barely, performance(barely, mission()))
+    assert one.text == "wingspan 8.0004 m: rib wing holds 3 to 8 m"
+
+
+def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
+    where = mission(altitude_m=16000.0)
+    data = POLAR_DESIGN.model_dump()
+    data["airframe"]["aerodynamics"] |= {"lift_coefficient": 0.9}
+    aircraft = Aircraft.model_validate(data)
+    base = variables_of(aircraft)._replace(wingspan_m=2.5, battery_mass_kg=0.3, module_area_m2=0.1)
+    design = closed_design(aircraft, where, base)
+    it = DesignInFlight(aircraft, design, FlightConditions.of(where))
+    assert float(it.reynolds_number) < 60000.0
+    fenced = float(stall_margin_within_polar(it))
+    assert fenced == pytest.approx(
+        fenced_margin(aircraft, float(it.reynolds_number), 0.9), rel=1e-6
+    )
+    assert fenced < float(it.stall_margin)
+
+
+def test_an_airspeed_below_the_wind_is_told_with_the_wind() -> None:
+    found = extrapolations(AS2, performance(AS2, mission(wind_m_per_s=50.0)))
+    assert [one.quantity for one in found] == ["airspeed_m_per_s"]
+    assert "flight against the wind holds from 50 m/s" in found[0].text
+
+
+def test_a_measured_aircraft_far_from_its_measurement_is_told() -> None:
+    high = extrapolations(AS2, performance(AS2, mission(altitude_m=11500.0)))
+    assert quantities(high) == {"reynolds_ratio of measured", "altitude_m of ashrae"}
+    laden = extrapolations(AS2, performance(AS2, mission(payload={"mass_kg": 10.0})))
+    assert "reynolds_ratio of measured" in quantities(laden)
+
+
+def test_a_correction_is_told_where_the_sun_stands_elsewhere_with_the_scenarios() -> None:
+    where = mission(latitude_deg={"from_deg": 20.0, "to_deg": 47.6, "count": 2})
+    plain, corrected = (
+        extrapolations(AS2, performance(AS2, where, SolarModel("CAM", c)))
+        for c in ("none", "report")
+    )
+    assert plain == ()
+    (one,) = corrected
+    assert (one.quantity, one.scenarios) == ("noon_elevation_deg", ("20 N, 15 Jul",))
+    # The sun of 15 July is 21.5 deg north of the equator.
+    assert one.value == pytest.approx(90.0 - 1.5, abs=0.1)
+
+
+def test_a_margin_of_the_model_uses_the_same_flight() -> None:
+    where = mission(latitude_deg=70.0, uncertainty_margins={"solar_model_sigmas": 1.0})
+    assert quantities(extrapolations(AS2, performance(AS2, where))) == {
+        "noon_elevation_deg of correction"
+    }
+
+
+def test_a_path_flown_at_another_airspeed_is_told() -> None:
+    path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 12.0}
+    found = performance(AS2, mission(flight_path=path), SolarModel("VM"))
+    assert quantities(extrapolations(AS2, found)) == {"airspeed_m_per_s of flight_path"}
+    assert extrapolations(AS2, performance(AS2, mission(flight_path=path))) == ()
+
+
+# ---- Many results
+
+
+def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count() -> None:
+    each = [
+        extrapolations(one, performance(one, mission()))
+        for one in (with_airframe(DESIGN, wingspan_m=span) for span in (5.65, 9.0, 10.0))
+    ]
+    (one,) = together(each, "designs")
+    assert (one.quantity, one.value, one.count, one.of) == ("wingspan_m", 10.0, 2, 3)
+    assert "(worst; 2 of 3 designs)" in one.text
+    assert together([(), ()], "designs") == ()
+
+
+def test_text_and_record_keep_what_is_told() -> None:
+    wide = with_airframe(DESIGN, wingspan_m=10.0)
+    found = extrapolations(wide, performance(wide, mission(wind_m_per_s=20.0)))
+    assert len(found) == 2
+    for again, one in zip(from_text(as_text(found)), found, strict=True):
+        assert again.value == pytest.approx(one.value, rel=1e-5)
+        assert again == dataclasses.replace(one, value=again.value)
+    assert tuple(Extrapolation.from_dict(one.to_dict()) for one in found) == found
+
+
+def test_cells_are_counted_and_the_farthest_is_told() -> None:
+    from sizing.validity.checks import correction_check
+
+    cells = Scenarios(np.array([47.6, 20.0, 60.0]), np.array([182, 182, 355]))
+    checks = list(correction_check(cells, SolarModel("FM", "report"), mission()))
+    (one,) = told(checks, of=3, what="cells")
+    assert (one.count, one.of) == (2, 3)
+    # 60 N in December: 90 - 60 - 23.4 deg.
+    assert one.value == pytest.approx(6.6, abs=0.1)
+
+
+def test_every_range_of_the_catalogue_has_a_source_and_an_order() -> None:
+    for row in ranges().values():
+        assert len(row.source) > 10
+        if row.minimum is not None and row.maximum is not None:
+            assert row.minimum < row.maximum
