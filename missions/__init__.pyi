@@ -22,3 +22,6 @@ from .mission import Payload as Payload
 from .mission import Scenarios as Scenarios
 from .mission import Turbulence as Turbulence
 from .mission import UncertaintyMargins as UncertaintyMargins
+from .weather.files import load_weather as load_weather
+from .weather.record import Site as Site
+from .weather.record import Weather as Weather

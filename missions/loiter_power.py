@@ -38,13 +38,14 @@ def mean_power_on_path(
     cell: SolarCell,
     path: FlightPath,
     wind: Wind,
-    ambient_temperature_c: float,
-    module_temperature_c: float,
+    ambient_temperature_c: ArrayLike,
+    module_temperature_c: ArrayLike,
     altitude_m: float = 0.0,
     clearness: float = 1.0,
     shading: Shading | None = None,
     samples: int = ORBIT_SAMPLES,
     sky: ClearSky = clear_sky,
+    irradiance: Irradiance | None = None,
 ) -> FloatArray:
     """Specific power of VM or FM over a day, averaged over the path [W/m2].
 
@@ -62,8 +63,8 @@ def mean_power_on_path(
         Module surfaces and efficiencies.
     path, wind
         Flight path and the wind it is flown in.
-    ambient_temperature_c, module_temperature_c : float
-        Temperature of the air (FM) and constant temperature of the modules (VM) [C].
+    ambient_temperature_c, module_temperature_c : array_like
+        Temperature of the air (FM) and of the modules (VM), one for all times or one each [C].
     altitude_m, clearness : float
         Altitude [m] and factor on the clear-sky irradiance.
     shading : Shading, optional
@@ -72,6 +73,8 @@ def mean_power_on_path(
         Attitudes per turning direction.
     sky : ClearSky
         Clear-sky model.
+    irradiance : Irradiance, optional
+        Direct normal and diffuse horizontal light of each time [W/m2], in place of the clear sky.
 
     Returns
     -------
@@ -87,14 +90,26 @@ def mean_power_on_path(
         raise ValueError(f"model {model} does not depend on the flight path; choose VM or FM")
     time_h = np.asarray(time_solar_h, float)
     day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
+    ambient_c, module_c = (
+        np.broadcast_to(np.asarray(value, float), time_h.shape)
+        for value in (ambient_temperature_c, module_temperature_c)
+    )
     flown = orbit(path, wind, samples=samples)
     result = np.zeros(time_h.shape)
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
         seen = _sky(latitude_deg, day[block], time_h[block], altitude_m, clearness, flown, sky)
+        if irradiance is not None:
+            given = (part[block][seen.lit, np.newaxis] for part in irradiance)
+            seen = seen._replace(light=Irradiance(*given))
         if model == "VM":
             power = verification_model(
-                seen.light, seen.sun, seen.to_ned, geometry, cell, module_temperature_c
+                seen.light,
+                seen.sun,
+                seen.to_ned,
+                geometry,
+                cell,
+                module_c[block][seen.lit, np.newaxis],
             )
         else:
             power = full_model(
@@ -103,7 +118,7 @@ def mean_power_on_path(
                 seen.to_ned,
                 geometry,
                 cell,
-                ambient_temperature_c,
+                ambient_c[block][seen.lit, np.newaxis],
                 shading=shading,
             ).specific_power_w_per_m2
         result[block][seen.lit] = power @ flown.weights

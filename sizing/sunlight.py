@@ -8,14 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from missions.flight_path import FlightPath
 from missions.loiter_power import mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from solar.horizontal_models import horizontal_specific_power
+from solar.clearsky import Irradiance
+from solar.geometry import ModuleGeometry
+from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power
 from solar.names import (
     ATTITUDE_MODELS,
     CORRECTION_NAMES,
@@ -288,11 +292,101 @@ def power_on_calendar(
     latitude = mission.latitudes()[0]
     power = _specific_power(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
     if solar.correction == "loiter":
-        days, place = np.unique(np.floor(day_of_year).astype(int), return_inverse=True)
-        scenarios = Scenarios(np.full(len(days), latitude), (days - 1) % 365 + 1)
-        ratio = Sunlight(aircraft, mission, scenarios).loiter_ratio(solar.model)
-        power = power * ratio[place, 0]
+        power = power * _loiter_ratio_on(aircraft, mission, solar.model, day_of_year)
     return power * mission.pessimistic_power_factor(solar.model, solar.correction)
+
+
+class Lit(NamedTuple):
+    """Light and temperatures at instants along a record, all of shape ``(time,)``.
+
+    Attributes
+    ----------
+    day_of_year, time_solar_h : ndarray
+        Fractional day of year and local solar time [h].
+    cos_zenith : ndarray
+        Cosine of the sun's zenith angle [-].
+    irradiance : Irradiance
+        Direct normal and diffuse horizontal light at flight altitude [W/m2].
+    ambient_c, module_c : ndarray
+        Temperature of the air and, of the models with a constant one, of the modules [C].
+    """
+
+    day_of_year: FloatArray
+    time_solar_h: FloatArray
+    cos_zenith: FloatArray
+    irradiance: Irradiance
+    ambient_c: FloatArray
+    module_c: FloatArray
+
+
+def power_in_light(aircraft: Aircraft, mission: Mission, solar: SolarModel, lit: Lit) -> FloatArray:
+    """Specific power in given light, such as a weather record's, corrected.
+
+    The mission's own clearness plays no part; its margin of the model's error does.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`solar_day`; the mission has a single latitude.
+    lit : Lit
+        Light at each instant.
+
+    Returns
+    -------
+    ndarray, shape (time,)
+        Electric power per area of module [W/m2].
+
+    Raises
+    ------
+    ValueError
+        As :func:`solar_day`.
+    """
+    if solar.model in ATTITUDE_MODELS:
+        geometry, path = _attitude_inputs(aircraft, mission, solar.model)
+        power = mean_power_on_path(
+            solar.model,
+            mission.latitudes()[0],
+            lit.day_of_year,
+            lit.time_solar_h,
+            geometry=geometry,
+            cell=aircraft.modules,
+            path=path,
+            wind=mission.wind,
+            ambient_temperature_c=lit.ambient_c,
+            module_temperature_c=lit.module_c,
+            altitude_m=mission.altitude_m,
+            shading=aircraft.modules.shading,
+            irradiance=lit.irradiance,
+        )
+    else:
+        convert = HORIZONTAL_MODELS[solar.model]
+        up = lit.cos_zenith > 0.0
+        power = np.zeros(up.shape)
+        some = Irradiance(lit.irradiance.dni[up], lit.irradiance.dhi[up])
+        power[up] = convert(some, lit.cos_zenith[up], aircraft.modules, lit.module_c[up])
+    if solar.correction == "loiter":
+        power = power * _loiter_ratio_on(aircraft, mission, solar.model, lit.day_of_year)
+    return power * mission.pessimistic_power_factor(solar.model, solar.correction)
+
+
+def _loiter_ratio_on(
+    aircraft: Aircraft, mission: Mission, model: ModelName, day_of_year: FloatArray
+) -> FloatArray:
+    """Loiter ratio of each instant's day under the clear sky, at a mission's single latitude."""
+    days, place = np.unique(np.floor(day_of_year).astype(int), return_inverse=True)
+    scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), (days - 1) % 365 + 1)
+    return np.asarray(Sunlight(aircraft, mission, scenarios).loiter_ratio(model)[place, 0])
+
+
+def _attitude_inputs(
+    aircraft: Aircraft, mission: Mission, model: ModelName
+) -> tuple[ModuleGeometry, FlightPath]:
+    """What VM and FM need of aircraft and mission."""
+    if aircraft.modules.geometry is None:
+        raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
+    if mission.flight_path is None:
+        raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
+    return aircraft.modules.geometry, mission.flight_path
 
 
 def _specific_power(
@@ -317,18 +411,15 @@ def _specific_power(
             sky=mission.sky,
             model=model,
         )
-    if modules.geometry is None:
-        raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
-    if mission.flight_path is None:
-        raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
+    geometry, path = _attitude_inputs(aircraft, mission, model)
     return mean_power_on_path(
         model,
         float(latitude_deg),
         day_of_year,
         time_solar_h,
-        geometry=modules.geometry,
+        geometry=geometry,
         cell=modules,
-        path=mission.flight_path,
+        path=path,
         wind=mission.wind,
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),

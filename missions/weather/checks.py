@@ -1,0 +1,399 @@
+"""From the table of a file to a weather record: order, gaps, impossible values, missing parts.
+
+What cannot be true is an error that names its line. What every record has a little of is repaired,
+counted and told: rows that are missing or impossible are filled, light at night is taken out. The
+filled rows follow the clear sky, not the clock: what is carried over is the share of clear light.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.files.errors import InputError, Problem, file_error
+from missions.weather.layouts import END, RawTable
+from missions.weather.record import (
+    SECONDS_PER_DAY,
+    SECONDS_PER_HOUR,
+    TYPICAL_YEAR,
+    Site,
+    Weather,
+    day_of_year,
+)
+from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
+from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
+from solar.types import BoolArray, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    pass
+
+# Up to here a gap is bridged between its neighbours; a longer one takes the day next to it.
+SHORT_GAP_H = 3.0
+LONGEST_GAP_H = 120.0
+MAXIMUM_FILLED = 0.1  # share of a record that may be filled
+MAXIMUM_DAYS = 366 * 60
+LIGHT = ("ghi", "dni", "dhi")
+_NIGHT_NOISE = 20.0  # light in darkness up to here is the noise of an instrument [W/m2]
+_DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
+
+
+def checked_record(raw: RawTable, source: str) -> Weather:
+    """Make a table a record without gaps, with all three kinds of light.
+
+    Parameters
+    ----------
+    raw : RawTable
+        Table and site of a file.
+    source : str
+        File name, for messages.
+
+    Returns
+    -------
+    Weather
+        With its repairs.
+
+    Raises
+    ------
+    InputError
+        If rows are in the wrong order, values are missing or impossible beyond repair, or there is
+        no sun.
+    """
+    time_s, lines, typical = _times(raw, source)
+    interval_s = _interval_s(time_s, source)
+    start_s = time_s + raw.offset_s - raw.passed * interval_s
+    values = {
+        name: np.asarray(raw.table[name].to_numpy(float, na_value=np.nan), float)
+        for name in (*LIGHT, "temp_air", "wind_speed")
+        if name in raw.table
+    }
+    given = [name for name in LIGHT if name in values and np.isfinite(values[name]).any()]
+    if "ghi" not in given and len(given) < 2:
+        raise file_error(source, "has no light: ghi, or dni and dhi, are needed")
+    grid = _on_grid(start_s, interval_s, values, lines, source)
+    sun = _Sun.at(raw.site, grid.start_s + interval_s / 2.0)
+    repairs = list(grid.repairs)
+    light = {name: grid.values[name] for name in given}
+    repairs += _without_night_noise(light, sun)
+    repairs += _without_impossible(light, sun, source, grid.lines)
+    light = _completed(light, sun, repairs)
+    repairs += _filled(light, sun, interval_s, source, grid.start_s)
+    if sum(float(np.sum(part)) for part in light.values()) <= 0.0:
+        raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
+    weather = Weather(
+        source=source,
+        layout=raw.layout,
+        site=raw.site,
+        start_s=grid.start_s,
+        interval_s=interval_s,
+        ghi=light["ghi"],
+        dni=light["dni"],
+        dhi=light["dhi"],
+        temperature_c=_auxiliary(grid.values.get("temp_air"), -90.0, 70.0),
+        wind_m_per_s=_auxiliary(grid.values.get("wind_speed"), 0.0, 120.0),
+        typical=typical,
+    )
+    return replace(weather, repairs=tuple(repairs))
+
+
+def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
+    """Universal time of the rows [s], their lines, and whether it is a typical year."""
+    import pandas as pd
+
+    index: Any = pd.DatetimeIndex(raw.table.index)
+    if len(index) < 24:
+        raise file_error(source, f"has {len(index)} rows: a record has at least a day of them")
+    lines = np.arange(len(index)) + raw.first_line if raw.first_line else np.zeros(len(index), int)
+    utc = index.tz_convert("UTC") if index.tz is not None else index.tz_localize("UTC")
+    time_s = utc.tz_localize(None).to_numpy("datetime64[ns]").astype(np.int64) / 1e9
+    backwards = np.flatnonzero(np.diff(time_s) <= 0.0)
+    if not len(backwards):
+        return time_s, lines, False
+    typical = _typical_year(index, raw)
+    if typical is None:
+        at = int(backwards[0]) + 1
+        what = "is the same as before" if time_s[at] == time_s[at - 1] else "goes back in time"
+        more = f" (and {len(backwards) - 1} more rows)" if len(backwards) > 1 else ""
+        line = int(lines[at]) or None
+        raise InputError(
+            [Problem(source, line, None, "", f"{index[at]} {what}: rows must be in order{more}")]
+        )
+    return typical, lines, True
+
+
+def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
+    """Times in one common year [s], if months of several years follow each other; else None."""
+    import pandas as pd
+
+    local = index.tz_localize(None) if index.tz is not None else index
+    # An hour's end at midnight belongs to the month before.
+    begins = local - (pd.Timedelta(local[1] - local[0]) if raw.passed == END else pd.Timedelta(0))
+    month, day = np.asarray(begins.month), np.asarray(begins.day)
+    if np.any(np.diff(month) < 0) or len(set(month)) < 2:
+        return None
+    extra = (month == 2) & (day == 29)
+    if np.count_nonzero(extra) > 1:  # 29 February has no place in a year of 365 days
+        return None
+    stamp = begins.to_numpy("datetime64[s]")
+    # The end of 28 February in a leap year: pvlib's reader of TMY3 names the day after the next.
+    since_s = (stamp - stamp.astype("datetime64[M]")).astype(float) - SECONDS_PER_DAY * extra
+    first = np.array([f"{TYPICAL_YEAR}-{m:02d}" for m in month.tolist()], "datetime64[s]")
+    time_s = first.astype("datetime64[s]").astype(float) + since_s
+    if np.any(np.diff(time_s) <= 0.0):
+        return None
+    passed_s = float(np.median(np.diff(time_s))) if raw.passed == END else 0.0
+    return np.asarray(time_s + passed_s - raw.site.utc_offset_h * SECONDS_PER_HOUR)
+
+
+def _interval_s(time_s: FloatArray, source: str) -> float:
+    step = np.diff(time_s)
+    interval = float(np.median(step))
+    if not 60.0 <= interval <= 3.0 * SECONDS_PER_HOUR:
+        raise file_error(
+            source,
+            f"has a row every {interval / 60:g} minutes; allowed: from 1 minute to 3 hours",
+        )
+    return interval
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Values on a time axis without gaps, NaN where there is no row."""
+
+    start_s: FloatArray
+    values: dict[str, FloatArray]
+    lines: IntArray
+    repairs: tuple[str, ...]
+
+
+def _on_grid(
+    start_s: FloatArray,
+    interval_s: float,
+    values: dict[str, FloatArray],
+    lines: IntArray,
+    source: str,
+) -> _Grid:
+    """Place rows on an even axis; those between its places are errors."""
+    place = (start_s - start_s[0]) / interval_s
+    nearest = np.rint(place).astype(int)
+    off = np.flatnonzero(np.abs(place - nearest) > 0.02)
+    if len(off):
+        line = int(lines[off[0]]) or None
+        message = (
+            f"is not a whole number of {interval_s / 60:g} minutes after the first row"
+            f" (and {len(off) - 1} more rows)"
+        )
+        raise InputError([Problem(source, line, None, "time", message)])
+    count = int(nearest[-1]) + 1
+    if count * interval_s > MAXIMUM_DAYS * SECONDS_PER_DAY:
+        raise file_error(source, f"spans more than {MAXIMUM_DAYS // 366} years")
+    placed = {name: np.full(count, np.nan) for name in values}
+    for name, column in values.items():
+        placed[name][nearest] = column
+    of_line = np.zeros(count, int)
+    of_line[nearest] = lines
+    missing = count - len(nearest)
+    repairs = (f"{missing} of {count} rows are missing",) if missing else ()
+    return _Grid(start_s[0] + interval_s * np.arange(count), placed, of_line, repairs)
+
+
+@dataclass(frozen=True)
+class _Sun:
+    """Sun and clear sky in the middle of every interval."""
+
+    cosine: FloatArray
+    extraterrestrial: FloatArray
+    clear: dict[str, FloatArray]
+
+    @classmethod
+    def at(cls, site: Site, time_s: FloatArray) -> _Sun:
+        day = day_of_year(time_s)
+        solar_h = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg)
+        cosine = cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
+        sky = clear_sky(day, site.latitude_deg, cosine, max(site.altitude_m, -500.0))
+        clear = {"ghi": global_horizontal(sky, cosine), "dni": sky.dni, "dhi": sky.dhi}
+        return cls(cosine, extraterrestrial_irradiance(day), clear)
+
+
+def _without_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
+    """Set the light of the night, and small negative values, to zero."""
+    noisy = np.zeros(len(sun.cosine), bool)
+    for values in light.values():
+        dark = (sun.cosine < _DARK_COSINE) & (np.abs(values) <= _NIGHT_NOISE) & (values != 0.0)
+        low = (values < 0.0) & (values >= -_NIGHT_NOISE)
+        noisy |= (dark & (np.abs(values) > 1.0)) | (values < -1.0) & low
+        values[dark | low] = 0.0
+    count = int(np.count_nonzero(noisy))
+    return [f"noise at night or below zero in {count} rows set to zero"] if count else []
+
+
+def _without_impossible(
+    light: dict[str, FloatArray], sun: _Sun, source: str, lines: IntArray
+) -> list[str]:
+    """Take out values that are physically impossible; too many of them are an error.
+
+    Limits: Long, C. N. and Dutton, E. G. (2002), BSRN Global Network recommended QC tests, V2.0,
+    "physically possible".
+    """
+    up = np.maximum(sun.cosine, 0.0)
+    normal = sun.extraterrestrial
+    most = {
+        "ghi": 1.5 * normal * up**1.2 + 100.0,
+        "dhi": 0.95 * normal * up**1.2 + 50.0,
+        "dni": normal,
+    }
+    wrong = np.zeros(len(up), bool)
+    for name, values in light.items():
+        with np.errstate(invalid="ignore"):
+            bad = (values > most[name]) | (values < 0.0) | np.isinf(values)
+        wrong |= bad
+        values[bad] = np.nan
+    count = int(np.count_nonzero(wrong))
+    if count > 0.01 * len(up):
+        first = int(np.flatnonzero(wrong)[0])
+        message = (
+            f"{count} of {len(up)} rows have light that cannot be (first here): is the time zone "
+            "or the unit wrong? W/m2 are needed"
+        )
+        raise InputError([Problem(source, int(lines[first]) or None, None, "", message)])
+    return [f"{count} rows with impossible light taken out"] if count else []
+
+
+def _completed(
+    light: dict[str, FloatArray], sun: _Sun, repairs: list[str]
+) -> dict[str, FloatArray]:
+    """All three kinds of light, by closure or, from global light alone, by a decomposition.
+
+    Closure: ``GHI = DNI cos z + DHI``. Decomposition: Erbs, D. G., Klein, S. A. and Duffie, J. A.
+    (1982), Estimation of the diffuse radiation fraction, Solar Energy 28(4), 293-302.
+    """
+    up = np.maximum(sun.cosine, 0.0)
+    if set(light) == {"ghi"}:
+        fraction = _diffuse_fraction(light["ghi"], up * sun.extraterrestrial)
+        light = {**light, "dhi": fraction * light["ghi"]}
+        repairs.append("direct and diffuse light by the decomposition of Erbs et al. (1982)")
+    low = up < 0.0175  # a beam divided by so small a sine is noise
+    beam = np.minimum(
+        np.maximum(light.get("ghi", 0.0) - light.get("dhi", 0.0), 0.0) / np.maximum(up, 0.0175),
+        sun.extraterrestrial,
+    )
+    parts = dict(light)
+    if "dni" not in parts:
+        parts["dni"] = np.where(low, 0.0, beam)
+    elif {"ghi", "dhi"} <= set(parts):
+        parts["dni"] = np.where(np.isnan(parts["dni"]), np.where(low, 0.0, beam), parts["dni"])
+    closed = np.maximum(parts.get("ghi", np.nan) - parts["dni"] * up, 0.0)
+    parts["dhi"] = _first_known(parts.get("dhi"), np.asarray(closed))
+    parts["ghi"] = _first_known(parts.get("ghi"), np.asarray(parts["dni"] * up + parts["dhi"]))
+    return {name: np.asarray(parts[name], float) for name in LIGHT}
+
+
+def _first_known(values: FloatArray | None, otherwise: FloatArray) -> FloatArray:
+    """Values where they are known, and what stands for them elsewhere."""
+    return otherwise if values is None else np.where(np.isnan(values), otherwise, values)
+
+
+def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
+    """Share of diffuse in global light by the clearness index (Erbs et al., equation 1)."""
+    lit = horizontal > 1.0
+    kt = np.clip(ghi / np.where(lit, horizontal, 1.0), 0.0, 1.0)
+    middle = 0.9511 - 0.1604 * kt + 4.388 * kt**2 - 16.638 * kt**3 + 12.336 * kt**4
+    fraction = np.where(kt <= 0.22, 1.0 - 0.09 * kt, np.where(kt <= 0.8, middle, 0.165))
+    return np.where(lit, fraction, 1.0)
+
+
+def _filled(
+    light: dict[str, FloatArray],
+    sun: _Sun,
+    interval_s: float,
+    source: str,
+    start_s: FloatArray,
+) -> list[str]:
+    """Fill what is missing with shares of the clear sky, in place."""
+    for values in light.values():
+        values[np.isnan(values) & (sun.cosine < 0.0)] = 0.0  # a night without rows is no gap
+    empty = np.any([np.isnan(values) for values in light.values()], axis=0)
+    count = int(np.count_nonzero(empty))
+    if not count:
+        return []
+    gaps = _runs(empty)
+    longest_h = max((stop - begin) for begin, stop in gaps) * interval_s / SECONDS_PER_HOUR
+    if longest_h > LONGEST_GAP_H:
+        begin, stop = max(gaps, key=lambda gap: gap[1] - gap[0])
+        when = np.datetime64(int(start_s[begin]), "s")
+        raise file_error(
+            source,
+            f"has a gap of {longest_h / 24:.1f} days from {when} UTC; allowed: at most "
+            f"{LONGEST_GAP_H / 24:g} days, which are filled",
+        )
+    if count > MAXIMUM_FILLED * len(empty):
+        raise file_error(
+            source,
+            f"lacks light in {count} of {len(empty)} rows; allowed: at most "
+            f"{MAXIMUM_FILLED:.0%}, which are filled",
+        )
+    per_day = round(SECONDS_PER_DAY / interval_s)
+    copied = 0
+    for begin, stop in gaps:
+        short = (stop - begin) * interval_s <= SHORT_GAP_H * SECONDS_PER_HOUR
+        copied += 0 if short else stop - begin
+        for name, values in light.items():
+            share = _clear_share(values, sun.clear[name])
+            fill = (
+                _bridged(share, begin, stop)
+                if short
+                else _from_next_day(share, begin, stop, per_day)
+            )
+            values[begin:stop] = fill * sun.clear[name][begin:stop]
+    told = [f"{count - copied} rows filled between their neighbours"] if count > copied else []
+    if copied:
+        told.append(f"{copied} rows of long gaps filled from the nearest days")
+    return told
+
+
+def _clear_share(values: FloatArray, clear: FloatArray) -> FloatArray:
+    """Light as a share of the clear sky's, NaN where there is none."""
+    lit = clear > 10.0
+    return np.where(lit, values / np.where(lit, clear, 1.0), np.nan)
+
+
+def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
+    """Shares between the nearest known ones before and after a gap."""
+    known = np.flatnonzero(np.isfinite(share))
+    if not len(known):
+        return np.ones(stop - begin)
+    return np.interp(np.arange(begin, stop), known, share[known])
+
+
+def _from_next_day(share: FloatArray, begin: int, stop: int, per_day: int) -> FloatArray:
+    """Shares at the same hour of the nearest day that has them."""
+    rows = np.arange(begin, stop)
+    found = np.full(len(rows), np.nan)
+    for away in range(1, 16):
+        for step in (-away, away):
+            there = rows + step * per_day
+            inside = (there >= 0) & (there < len(share)) & np.isnan(found)
+            found[inside] = share[there[inside]]
+        if np.isfinite(found).all():
+            break
+    rest = np.isnan(found)
+    found[rest] = _bridged(share, begin, stop)[rest]
+    return found
+
+
+def _runs(marks: BoolArray) -> list[tuple[int, int]]:
+    """Begin and end of every run of marks."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _auxiliary(values: FloatArray | None, lowest: float, highest: float) -> FloatArray | None:
+    """Temperature or wind without gaps; None where a fifth of it is missing or impossible."""
+    if values is None:
+        return None
+    with np.errstate(invalid="ignore"):
+        known = np.flatnonzero((values >= lowest) & (values <= highest))
+    if len(known) < 0.8 * len(values):
+        return None
+    return np.interp(np.arange(len(values)), known, values[known])

@@ -1,0 +1,193 @@
+"""Light at flight altitude over time, from the interval means of a weather record.
+
+Within an interval the light follows the clear sky's course: the record says what share of the
+clear sky's direct and of its diffuse light arrived, the clear sky says when. The mean of every
+interval is kept exactly. The same shares hold at flight altitude: clouds and haze of the record are
+taken to be above the aircraft, and what the thinner air above it adds is what it adds under a clear
+sky.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.weather.record import SECONDS_PER_DAY, SECONDS_PER_HOUR, Weather, day_of_year
+from solar.clearsky import Irradiance, clear_sky, extraterrestrial_irradiance
+from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
+from solar.types import FloatArray
+
+NODE_STEP_S = 300.0
+# Clear-sky means below this are too small to be divided by [W/m2].
+_LEAST_MEAN = 1.0
+
+
+@dataclass(frozen=True)
+class RecordedLight:
+    """Light, sun and air at even nodes along a record.
+
+    Attributes
+    ----------
+    time_s : ndarray
+        Universal time of the nodes, the middles of equal steps [s since 1970-01-01].
+    step_h : float
+        Length of the steps [h].
+    day_of_year, time_solar_h : ndarray
+        Fractional day of year (UTC) and local solar time, 0 to 24 [h].
+    cos_zenith : ndarray
+        Cosine of the sun's zenith angle [-].
+    recorded, clear : Irradiance
+        As the record has it, and under a clear sky [W/m2], both at flight altitude.
+    temperature_c : ndarray or None
+        Air temperature at flight altitude [C].
+    wind_m_per_s : ndarray or None
+        Wind at flight altitude [m/s].
+    """
+
+    time_s: FloatArray
+    step_h: float
+    day_of_year: FloatArray
+    time_solar_h: FloatArray
+    cos_zenith: FloatArray
+    recorded: Irradiance
+    clear: Irradiance
+    temperature_c: FloatArray | None
+    wind_m_per_s: FloatArray | None
+
+
+def light_at_altitude(
+    weather: Weather, altitude_m: float, *, step_s: float = NODE_STEP_S
+) -> RecordedLight:
+    """Light of a weather record at flight altitude.
+
+    Parameters
+    ----------
+    weather : Weather
+        Record at a site.
+    altitude_m : float
+        Flight altitude above mean sea level [m].
+    step_s : float
+        Largest distance of the nodes [s]. A record of shorter intervals is averaged over whole
+        numbers of them.
+
+    Returns
+    -------
+    RecordedLight
+        With a whole number of steps a day.
+
+    Raises
+    ------
+    ValueError
+        If the step is not between a second and the three hours of the longest interval.
+    """
+    if not 1.0 <= step_s <= 3.0 * SECONDS_PER_HOUR:
+        raise ValueError(f"step_s must be from 1 to 10800 (got {step_s:g})")
+    weather = _coarsened(weather, step_s)
+    parts = max(1, int(np.ceil(weather.interval_s / step_s - 1e-9)))
+    while (SECONDS_PER_DAY * parts / weather.interval_s) % 1.0 > 1e-9:
+        parts += 1
+    step = weather.interval_s / parts
+    time_s = (weather.start_s[:, np.newaxis] + step * (np.arange(parts) + 0.5)).reshape(-1)
+    day = day_of_year(time_s)
+    site = weather.site
+    solar_h = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg) % 24.0
+    cosine = cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
+    low = clear_sky(day, site.latitude_deg, cosine, site.altitude_m)
+    high = clear_sky(day, site.latitude_deg, cosine, altitude_m)
+    shape = (len(weather), parts)
+    direct = _shared(weather.dni, low.dni.reshape(shape), cosine.reshape(shape)).reshape(-1)
+    diffuse = _shared(weather.dhi, low.dhi.reshape(shape), cosine.reshape(shape)).reshape(-1)
+    most = extraterrestrial_irradiance(day)
+    recorded = Irradiance(
+        np.minimum(direct * _ratio(high.dni, low.dni), most),
+        diffuse * _ratio(high.dhi, low.dhi),
+    )
+    temperature, wind = weather.temperature_c, weather.wind_m_per_s
+    above_m = altitude_m - site.altitude_m
+    return RecordedLight(
+        time_s=time_s,
+        step_h=step / SECONDS_PER_HOUR,
+        day_of_year=day,
+        time_solar_h=solar_h,
+        cos_zenith=cosine,
+        recorded=recorded,
+        clear=high,
+        temperature_c=None
+        if temperature is None
+        else _at_nodes(temperature, parts) - LAPSE_K_PER_M * above_m,
+        wind_m_per_s=None if wind is None else _at_nodes(wind, parts) * wind_ratio(above_m),
+    )
+
+
+# Temperature falls with height as in the standard atmosphere (ISO 2533:1975).
+LAPSE_K_PER_M = 0.0065
+# Power law of the wind over open ground, exponent 1/7: Peterson, E. W. and Hennessey, J. P. (1978),
+# On the use of power laws for estimates of wind power potential, J. Appl. Meteorol. 17, 390-394.
+WIND_EXPONENT = 1.0 / 7.0
+WIND_MEASURED_AT_M = 10.0
+# Above the surface layer and the boundary layer's lower part the law says nothing.
+WIND_LAW_UP_TO_M = 300.0
+
+
+def wind_ratio(above_ground_m: float) -> float:
+    """Wind at a height over the wind 10 m above the ground, by the power law up to 300 m [-]."""
+    height = min(max(above_ground_m, WIND_MEASURED_AT_M), WIND_LAW_UP_TO_M)
+    return float((height / WIND_MEASURED_AT_M) ** WIND_EXPONENT)
+
+
+def _shared(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> FloatArray:
+    """Share interval means out over their steps along the clear sky's course.
+
+    Where the clear sky has next to nothing, the light is spread evenly over the steps with the sun
+    above the horizon; without any it is dropped, for no surface that lies level sees it.
+    """
+    clear_mean = clear.mean(axis=1)
+    lit = cosine > 0.0
+    count = lit.sum(axis=1)
+    even = np.where(lit, (lit.shape[1] / np.maximum(count, 1))[:, np.newaxis], 0.0)
+    usable = clear_mean > _LEAST_MEAN
+    shape = np.where(
+        usable[:, np.newaxis], clear / np.where(usable, clear_mean, 1.0)[:, np.newaxis], even
+    )
+    return mean[:, np.newaxis] * shape
+
+
+def _ratio(high: FloatArray, low: FloatArray) -> FloatArray:
+    """Clear light at flight altitude over that at the ground; 1 where there is next to none."""
+    usable = low > _LEAST_MEAN
+    return np.where(usable, high / np.where(usable, low, 1.0), 1.0)
+
+
+def _at_nodes(values: FloatArray, parts: int) -> FloatArray:
+    """Interval means at the middles of their steps, straight lines between the intervals."""
+    places = (np.arange(len(values) * parts) + 0.5) / parts - 0.5
+    return np.interp(places, np.arange(len(values)), values)
+
+
+def _coarsened(weather: Weather, step_s: float) -> Weather:
+    """Record averaged over whole numbers of its intervals, up to the step."""
+    from dataclasses import replace
+
+    many = int(step_s / weather.interval_s + 1e-9)
+    if many <= 1:
+        return weather
+    rows = len(weather) // many * many
+
+    def mean(values: FloatArray | None) -> FloatArray | None:
+        return None if values is None else values[:rows].reshape(-1, many).mean(axis=1)
+
+    ghi, dni, dhi = (
+        values[:rows].reshape(-1, many).mean(axis=1)
+        for values in (weather.ghi, weather.dni, weather.dhi)
+    )
+    return replace(
+        weather,
+        start_s=weather.start_s[:rows:many],
+        interval_s=weather.interval_s * many,
+        ghi=ghi,
+        dni=dni,
+        dhi=dhi,
+        temperature_c=mean(weather.temperature_c),
+        wind_m_per_s=mean(weather.wind_m_per_s),
+    )

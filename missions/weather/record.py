@@ -1,0 +1,128 @@
+"""A weather record: mean light, temperature and wind of equal intervals at a site.
+
+Times are universal time, seconds since 1970. Of records without a year of their own (typical
+meteorological years, put together from months of several years) they are those of 2001, a year of
+365 days.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solar.types import BoolArray, FloatArray, IntArray
+
+SECONDS_PER_HOUR = 3600.0
+SECONDS_PER_DAY = 86400.0
+TYPICAL_YEAR = 2001
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where a record was taken.
+
+    Attributes
+    ----------
+    name : str
+        Place as the file names it; empty where it does not.
+    latitude_deg, longitude_deg : float
+        Degrees, north and east positive.
+    altitude_m : float
+        Height of the ground above mean sea level [m].
+    utc_offset_h : float
+        Local standard time minus universal time [h].
+    """
+
+    name: str
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+    utc_offset_h: float
+
+    @property
+    def label(self) -> str:
+        """Name and place in one line."""
+        north = f"{abs(self.latitude_deg):.2f} {'N' if self.latitude_deg >= 0 else 'S'}"
+        east = f"{abs(self.longitude_deg):.2f} {'E' if self.longitude_deg >= 0 else 'W'}"
+        place = f"{north}, {east}, {self.altitude_m:.0f} m"
+        return f"{self.name} ({place})" if self.name else place
+
+
+@dataclass(frozen=True)
+class Weather:
+    """Means over equal intervals that follow each other without a gap.
+
+    Attributes
+    ----------
+    source : str
+        File name.
+    layout : str
+        Kind of the file, for instance ``EPW``.
+    site : Site
+        Where it was taken.
+    start_s : ndarray
+        Start of each interval, universal time [s since 1970-01-01].
+    interval_s : float
+        Length of the intervals [s].
+    ghi, dni, dhi : ndarray
+        Global horizontal, direct normal and diffuse horizontal irradiance [W/m2].
+    temperature_c : ndarray or None
+        Air temperature near the ground [C].
+    wind_m_per_s : ndarray or None
+        Wind speed 10 m above the ground [m/s].
+    typical : bool
+        Whether it is a typical year, put together from months of several years.
+    repairs : tuple of str
+        What was repaired, each with its count.
+    """
+
+    source: str
+    layout: str
+    site: Site
+    start_s: FloatArray
+    interval_s: float
+    ghi: FloatArray
+    dni: FloatArray
+    dhi: FloatArray
+    temperature_c: FloatArray | None
+    wind_m_per_s: FloatArray | None
+    typical: bool
+    repairs: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.start_s)
+
+    @property
+    def days(self) -> float:
+        """Length of the record [days]."""
+        return len(self) * self.interval_s / SECONDS_PER_DAY
+
+
+def day_of_year(time_s: FloatArray) -> FloatArray:
+    """Fractional day of the year of 365 days, 1.0 on 1 January, 00:00 UTC.
+
+    In leap years 29 February is passed over as a second 28 February, so that a date has the same
+    number every year.
+
+    Parameters
+    ----------
+    time_s : ndarray
+        Universal time [s since 1970-01-01].
+
+    Returns
+    -------
+    ndarray
+        From 1 to below 366 [d].
+    """
+    whole = np.floor(np.asarray(time_s, float) / SECONDS_PER_DAY)
+    date = whole.astype("datetime64[D]")
+    year = date.astype("datetime64[Y]")
+    number = (date - year.astype("datetime64[D]")).astype(int)
+    leap = _is_leap(year.astype(int) + 1970)
+    number = number - (leap & (number >= 59))
+    return np.asarray(number + 1.0 + (time_s / SECONDS_PER_DAY - whole))
+
+
+def _is_leap(year: IntArray) -> BoolArray:
+    return np.asarray(((year % 4 == 0) & (year % 100 != 0)) | (year % 400 == 0))

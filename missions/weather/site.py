@@ -1,0 +1,87 @@
+"""A mission at the site of a weather record."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from missions.files.errors import file_error
+from missions.mission import Mission
+from missions.weather.record import Weather
+
+EARTH_RADIUS_KM = 6371.0
+NEAR_KM, FAR_KM = 100.0, 1000.0
+# Height above the ground that a mission without one of its own is flown at [m].
+DEFAULT_HEIGHT_M = 120.0
+
+
+def mission_at_site(
+    mission: Mission, weather: Weather, *, chosen: bool = True
+) -> tuple[Mission, tuple[str, ...]]:
+    """Move a mission to the site of a weather record.
+
+    Parameters
+    ----------
+    mission : Mission
+        With its latitude or latitudes, and its flight altitude.
+    weather : Weather
+        Record at a site.
+    chosen : bool
+        Whether somebody chose this mission; a default one follows the record anywhere.
+
+    Returns
+    -------
+    mission : Mission
+        At the site, without launch.
+    notes : tuple of str
+        What was changed.
+
+    Raises
+    ------
+    InputError
+        If a chosen mission is far from the site, or flies below its ground.
+    """
+    site, notes = weather.site, []
+    away_km = _distance_km(mission, weather)
+    if chosen and away_km > FAR_KM:
+        raise file_error(
+            weather.source,
+            f"its site {site.label} is {away_km:.0f} km from the mission {mission.name}; allowed: "
+            f"up to {FAR_KM:.0f} km (set the mission's latitude_deg, or leave the mission out)",
+        )
+    if away_km > NEAR_KM:
+        notes.append(f"flown at the record's site, {away_km:.0f} km from the mission's")
+    altitude_m = mission.altitude_m
+    if altitude_m < site.altitude_m:
+        if chosen:
+            raise file_error(
+                weather.source,
+                f"the ground of its site is {site.altitude_m:.0f} m high: the mission's altitude_m "
+                f"of {altitude_m:g} is below it",
+            )
+        altitude_m = site.altitude_m + DEFAULT_HEIGHT_M
+        notes.append(f"flown {DEFAULT_HEIGHT_M:.0f} m above the site, at {altitude_m:.0f} m")
+    elsewhere = mission.at_altitude(altitude_m) if altitude_m != mission.altitude_m else mission
+    moved = elsewhere.model_copy(
+        update={
+            "latitude_deg": site.latitude_deg,
+            "longitude_deg": site.longitude_deg,
+            "launch": None,
+            "climb": None,
+        }
+    )
+    return moved, tuple(notes)
+
+
+def _distance_km(mission: Mission, weather: Weather) -> float:
+    """Great-circle distance from the site to the nearest latitude of a mission [km]."""
+    here = np.radians(weather.site.latitude_deg)
+    there = np.radians(np.asarray(mission.latitudes()))
+    if len(there) > 1:  # a band of latitudes: what lies within is near
+        there = np.clip(here, there.min(), there.max())[np.newaxis]
+    across = 0.0
+    if mission.longitude_deg is not None:
+        across = np.radians(weather.site.longitude_deg - mission.longitude_deg)
+    half = (
+        np.sin((there - here) / 2.0) ** 2 + np.cos(here) * np.cos(there) * np.sin(across / 2.0) ** 2
+    )
+    return float(np.min(2.0 * EARTH_RADIUS_KM * np.arcsin(np.sqrt(half))))

@@ -1,0 +1,310 @@
+"""Analysis of an aircraft in a weather record: which days it flies through, and how long at all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.dates import date_code, date_label
+from missions.mission import Mission
+from missions.weather.record import Weather
+from missions.weather.site import mission_at_site
+from sizing.aircraft import Aircraft
+from sizing.results.records import check_subjects, clock_label, finite, hours
+from sizing.results.tables import MISSING, Column, Line, Result, Summary, Table, facts
+from sizing.sunlight import SolarModel
+from sizing.weather_run import (
+    WeatherPerformance,
+    WeatherRun,
+    wait_for_window,
+    weather_performance,
+)
+from solar.names import CorrectionName, ModelName
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Windows whose waiting times are told [d].
+WINDOWS_DAYS = (1, 2, 3, 5, 7)
+PERCENTILES = (10, 50, 90)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class WeatherAnalysis(Result):
+    """An aircraft in a weather record.
+
+    Attributes
+    ----------
+    aircraft : Aircraft
+    performance : WeatherPerformance
+        Runs in the record's light and under a clear sky.
+    notes : tuple of str
+        What was changed to fly the mission at the record's site.
+    """
+
+    aircraft: Aircraft
+    performance: WeatherPerformance
+    notes: tuple[str, ...] = ()
+
+    @property
+    def weather(self) -> Weather:
+        """Record that is flown through."""
+        return self.performance.weather
+
+    @property
+    def mission(self) -> Mission:
+        """Mission at the record's site."""
+        return self.performance.mission
+
+    def headline(self) -> str:
+        """Aircraft, site and days that close in one line."""
+        run = self.performance.recorded
+        return (
+            f"{self.aircraft.name} in the weather of {self.weather.site.label}: "
+            f"{int(run.closes.sum())} of {len(run.closes)} days close"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Analysis of the record, JSON-ready: the key ``weather`` of ``analyse --weather``."""
+        done, run, clear = self.performance, self.performance.recorded, self.performance.clear
+        site, weather = self.weather.site, self.weather
+        p10, p50, p90 = np.percentile(run.endurance_h, PERCENTILES)
+        waits = {days: wait_for_window(run.closes, days) for days in WINDOWS_DAYS}
+        return {
+            "source": weather.source,
+            "layout": weather.layout,
+            "typical_year": weather.typical,
+            "site": {
+                "name": site.name,
+                "latitude_deg": site.latitude_deg,
+                "longitude_deg": site.longitude_deg,
+                "altitude_m": site.altitude_m,
+                "utc_offset_h": site.utc_offset_h,
+            },
+            "flight_altitude_m": self.mission.altitude_m,
+            "days": len(run.closes),
+            "days_that_close": int(run.closes.sum()),
+            "clear_sky_days_that_close": int(clear.closes.sum()),
+            "longest_run_days": run.longest_run_days,
+            "clear_sky_longest_run_days": clear.longest_run_days,
+            "share_of_days_that_close": float(run.closes.mean()),
+            "endurance_h": {"p10": finite(p10), "p50": finite(p50), "p90": finite(p90)},
+            "launches_that_outlast_the_record": int(run.outlasts.sum()),
+            "windows": [
+                {
+                    "days": days,
+                    "starts": int(np.count_nonzero(wait == 0.0)),
+                    "median_wait_days": finite(np.median(wait)),
+                }
+                for days, wait in waits.items()
+            ],
+            "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
+            "share_of_clear_sky_light": self.share_of_clear_light(),
+            "wind_above_airspeed_share": self.wind_above_airspeed_share(),
+            "repairs": list(weather.repairs),
+            "notes": list(self.notes),
+            "model": done.solar.model,
+            "correction": done.solar.correction,
+        }
+
+    def share_of_clear_light(self) -> float:
+        """Global light of the record over that of the clear sky, at flight altitude [-]."""
+        light = self.performance.light
+        up = np.maximum(light.cos_zenith, 0.0)
+        recorded, clear = (
+            float(np.sum(part.dni * up + part.dhi)) for part in (light.recorded, light.clear)
+        )
+        return recorded / clear if clear > 0.0 else 0.0
+
+    def wind_above_airspeed_share(self) -> float | None:
+        """Share of the time in which the wind at flight altitude exceeds the airspeed [-]."""
+        wind, airspeed = (
+            self.performance.light.wind_m_per_s,
+            self.performance.design.airspeed_m_per_s,
+        )
+        if wind is None or airspeed is None:
+            return None
+        return float(np.mean(wind > float(airspeed)))
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a day: date, dawn, whether it closes, state of charge and endurance."""
+        import pandas as pd
+
+        run, clear = self.performance.recorded, self.performance.clear
+        axis = run.axis
+        dates = axis.time_s.astype("datetime64[s]") + np.timedelta64(12, "h")
+        return pd.DataFrame(
+            {
+                "year": dates.astype("datetime64[Y]").astype(int) + 1970,
+                "day_of_year": axis.day_of_year,
+                "date": [date_code(int(day)) for day in axis.day_of_year],
+                "dawn_solar_h": run.dawn_h + axis.midnight_h,
+                "closes": run.closes,
+                "clear_sky_closes": clear.closes,
+                "dawn_state_of_charge": run.dawn_state_of_charge,
+                "clear_sky_dawn_state_of_charge": clear.dawn_state_of_charge,
+                "endurance_h": run.endurance_h,
+                "outlasts_record": run.outlasts,
+                "solar_energy_wh": _daily_wh(run),
+                "clear_sky_solar_energy_wh": _daily_wh(clear),
+                "load_energy_wh": np.trapezoid(run.load_w, axis.time_h, axis=1),
+            }
+        )
+
+    def summary(self) -> Summary:
+        """What the terminal shows."""
+        record = self.to_dict()
+        run, clear = self.performance.recorded, self.performance.clear
+        days = record["days"]
+        strong = (
+            f"{self.aircraft.name} in the weather of {self.weather.site.label}: "
+            f"{record['days_that_close']} of {days} days close"
+        )
+        endurance = record["endurance_h"]
+        rows = [
+            ("days that close", f"{record['days_that_close']} of {days}"),
+            ("the same under a clear sky", f"{record['clear_sky_days_that_close']} of {days}"),
+            ("longest run of days that close", f"{record['longest_run_days']} days"),
+            ("longest run under a clear sky", f"{clear.longest_run_days} days"),
+            (
+                "endurance from a dawn: 10, 50, 90 % of launches",
+                ", ".join(hours(endurance[p]) for p in ("p10", "p50", "p90")),
+            ),
+            (
+                "light, share of the clear sky's",
+                f"{100 * record['share_of_clear_sky_light']:.0f} %",
+            ),
+            ("dawn, earliest and latest (solar time)", _dawns(run)),
+            ("flight altitude", f"{record['flight_altitude_m']:.0f} m"),
+        ]
+        wind = record["wind_above_airspeed_share"]
+        if wind is not None:
+            rows.append(("time with wind above the airspeed", f"{100 * wind:.1f} %"))
+        blocks: list[Any] = [
+            Line(strong, "strong"),
+            facts("", rows),
+            self._months(),
+            _windows(record),
+        ]
+        blocks += [Line(f"record: {text}", "faint") for text in record["repairs"]]
+        blocks += [Line(text, "faint") for text in self.notes]
+        kind = "typical year, months of several years" if self.weather.typical else "one record"
+        blocks.append(
+            Line(
+                f"{record['model']}, correction: {record['correction']}; {self.weather.layout}, {kind}. "
+                "A day closes if, begun at dawn with the charge carried over, it reaches the next "
+                "dawn without an empty battery.",
+                "faint",
+            )
+        )
+        return Summary(tuple(blocks))
+
+    def _months(self) -> Table:
+        """Days that close in every month."""
+        from missions.dates import MONTH_NAMES, month_and_day
+
+        run, clear = self.performance.recorded, self.performance.clear
+        month = np.array([month_and_day(int(day))[0] for day in run.axis.day_of_year])
+        rows = [
+            (
+                MONTH_NAMES[number - 1],
+                int(np.count_nonzero(at)),
+                int(run.closes[at].sum()),
+                int(clear.closes[at].sum()),
+                float(100.0 * np.median(run.dawn_state_of_charge[at])),
+                float(np.median(run.endurance_h[at])),
+            )
+            for number in range(1, 13)
+            if np.any(at := month == number)
+        ]
+        columns = (
+            Column("month"),
+            Column("days"),
+            Column("days_that_close", "close"),
+            Column("clear_sky_days_that_close", "clear sky"),
+            Column("median_dawn_state_of_charge", "SoC at dawn, median", "%", ".0f"),
+            Column("median_endurance_h", "endurance, median", "h", ".1f"),
+        )
+        return Table("month by month", columns, tuple(rows))
+
+
+def analyse_weather(
+    aircraft: Aircraft,
+    mission: Mission,
+    weather: Weather,
+    *,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    mission_chosen: bool = True,
+) -> WeatherAnalysis:
+    """Analyse how an aircraft flies through a weather record, day after day.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+    mission : Mission
+        Altitude, air, turbulence, payload, flight path and margins; it is flown at the record's
+        site, on all days of the record. Its clearness plays no part.
+    weather : Weather
+        Record, see :func:`missions.load_weather`.
+    model : {"CAM", "CDM", "VM", "FM"}
+        Solar power model; VM and FM need module surfaces and a flight path.
+    correction : {"none", "report", "loiter"}
+        Correction of the model's systematic error.
+    mission_chosen : bool
+        Whether somebody chose the mission; one by default follows the record anywhere.
+
+    Returns
+    -------
+    WeatherAnalysis
+
+    Raises
+    ------
+    InputError
+        If a chosen mission is far from the record's site or flies below its ground.
+    TypeError
+        For what is no aircraft, mission or weather.
+    ValueError
+        For an unknown model or correction, or a model that lacks surfaces or path.
+    """
+    check_subjects(aircraft, mission)
+    if not isinstance(weather, Weather):
+        raise TypeError(
+            f"expected Weather (got {type(weather).__name__}); missions.load_weather(path) reads one"
+        )
+    there, notes = mission_at_site(mission, weather, chosen=mission_chosen)
+    solar = SolarModel(model, correction)
+    done = weather_performance(aircraft, there, weather, solar)
+    if mission.pessimistic_clearness < 1.0:
+        notes = (*notes, "the mission's clearness plays no part: the clouds are the record's")
+    return WeatherAnalysis(aircraft, done, notes)
+
+
+def season_label(run: WeatherRun) -> str:
+    """First and last day that closes, as dates; ``-`` where none does."""
+    days = np.flatnonzero(run.closes)
+    if not len(days):
+        return MISSING
+    first, last = (int(run.axis.day_of_year[i]) for i in (days[0], days[-1]))
+    return f"{date_label(first)} to {date_label(last)}"
+
+
+def _daily_wh(run: WeatherRun) -> Any:
+    return np.trapezoid(run.solar_power_w, run.axis.time_h, axis=1)
+
+
+def _dawns(run: WeatherRun) -> str:
+    solar_h = run.dawn_h + run.axis.midnight_h
+    return f"{clock_label(float(solar_h.min()))}, {clock_label(float(solar_h.max()))}"
+
+
+def _windows(record: dict[str, Any]) -> Table:
+    columns = (
+        Column("days", "window", "d"),
+        Column("starts", "days on which one begins"),
+        Column("median_wait_days", "median wait", "d", ".0f", "none to come"),
+    )
+    rows = [(w["days"], w["starts"], w["median_wait_days"]) for w in record["windows"]]
+    return Table("windows of consecutive days that close", columns, tuple(rows))

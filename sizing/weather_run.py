@@ -1,0 +1,346 @@
+"""A flight through a weather record: the days as they came, the charge carried over.
+
+Not the repeated day: every day has its own light and temperature, and a day begins with what the
+day before has left in the battery. An empty battery ends a flight; the run goes on from empty, so
+that every day of the record is judged by what came before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.air import ZERO_CELSIUS_K
+from missions.mission import Mission
+from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
+from missions.weather.record import Weather
+from sizing.aircraft import Aircraft
+from sizing.design import Design, design_of, load_profile
+from sizing.energy.battery import Store
+from sizing.energy.carried_days import CarriedDays, carried_over, flight_hours
+from sizing.energy.power_balance import PowerBalance, crossing_fraction
+from sizing.sunlight import UNCORRECTED_CAM, Lit, SolarModel, power_in_light
+from solar.clearsky import Irradiance
+from solar.sun import declination, sun_times
+from solar.types import BoolArray, FloatArray, IntArray
+
+HOURS_PER_DAY = 24.0
+# A record that begins this near to midnight begins a day.
+_NEAR_MIDNIGHT_H = 3.0
+
+
+@dataclass(frozen=True)
+class DayAxis:
+    """Days of a record, from one local solar midnight to the next, and their nodes.
+
+    Attributes
+    ----------
+    nodes : ndarray of int, shape (day, node)
+        Places in the record; a day's last node is the next day's first.
+    time_h : ndarray, shape (node,)
+        Hours since the day's first node [h].
+    midnight_h : ndarray, shape (day,)
+        Solar time of each day's first node, about 0 [h].
+    day_of_year : ndarray of int, shape (day,)
+        Day of year of each day's noon, 1 to 365.
+    time_s : ndarray, shape (day,)
+        Universal time of each day's first node [s since 1970-01-01].
+    """
+
+    nodes: IntArray
+    time_h: FloatArray
+    midnight_h: FloatArray
+    day_of_year: IntArray
+    time_s: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+    @classmethod
+    def of(cls, light: RecordedLight) -> DayAxis:
+        """Cut a record into days; hours before the first and after the last are left out.
+
+        Raises
+        ------
+        ValueError
+            If the record is shorter than a day.
+        """
+        per_day = round(HOURS_PER_DAY / light.step_h)
+        begin_h = float(light.time_solar_h[0])
+        to_midnight_h = (HOURS_PER_DAY - begin_h) % HOURS_PER_DAY
+        near = min(begin_h, to_midnight_h) <= _NEAR_MIDNIGHT_H
+        skip = 0 if near else round(to_midnight_h / light.step_h)
+        count = (len(light.time_s) - skip) // per_day
+        if count < 1:
+            raise ValueError("the record is shorter than a day")
+        first = skip + per_day * np.arange(count)
+        nodes = np.minimum(first[:, np.newaxis] + np.arange(per_day + 1), len(light.time_s) - 1)
+        noon = light.day_of_year[nodes[:, per_day // 2]]
+        # Local dates: the calendar of the place, not of Greenwich.
+        noon_local = noon + (12.0 - (noon % 1.0) * HOURS_PER_DAY) / HOURS_PER_DAY
+        midnight_h = light.time_solar_h[first]
+        return cls(
+            nodes=nodes,
+            time_h=np.arange(per_day + 1) * light.step_h,
+            midnight_h=np.where(midnight_h > 12.0, midnight_h - HOURS_PER_DAY, midnight_h),
+            day_of_year=(np.floor(noon_local).astype(int) - 1) % 365 + 1,
+            time_s=light.time_s[first],
+        )
+
+
+@dataclass(frozen=True)
+class WeatherRun:
+    """Run of an aircraft through one kind of light of a record.
+
+    Attributes
+    ----------
+    axis : DayAxis
+        Days of the record.
+    solar_power_w, load_w : ndarray, shape (day, node)
+        Power at the nodes [W].
+    carried : CarriedDays
+        Batteries of all days.
+    dawn_h : ndarray, shape (day,)
+        When the sun first meets the load, hours after the day's first node [h]; the middle of a day
+        on which it never does.
+    closes : ndarray of bool, shape (day,)
+        Whether a day, begun at dawn with the charge carried over, reaches the next dawn (of the
+        last day: the end of the record) without an empty battery.
+    dawn_state_of_charge : ndarray, shape (day,)
+        State of charge at dawn [-].
+    endurance_h : ndarray, shape (day,)
+        Flight time of a launch with a full battery at each dawn [h]; where ``outlasts``, up to the
+        end of the record.
+    outlasts : ndarray of bool, shape (day,)
+        Whether that flight outlasts the record.
+    """
+
+    axis: DayAxis
+    solar_power_w: FloatArray
+    load_w: FloatArray
+    carried: CarriedDays
+    dawn_h: FloatArray
+    closes: BoolArray
+    dawn_state_of_charge: FloatArray
+    endurance_h: FloatArray
+    outlasts: BoolArray
+
+    @property
+    def longest_run_days(self) -> int:
+        """Most consecutive days that close."""
+        return int(np.max(run_lengths(self.closes), initial=0))
+
+    def state_of_charge(self) -> FloatArray:
+        """State of charge at the nodes [-], shape ``(day, node)``."""
+        energy = self.carried.energy_wh()[:, 0, :]
+        return np.asarray(energy.T / self.carried.store.battery_energy_wh[:, np.newaxis])
+
+
+@dataclass(frozen=True)
+class WeatherPerformance:
+    """An aircraft in a weather record and, beside it, under a clear sky in the same air.
+
+    Attributes
+    ----------
+    weather : Weather
+    mission : Mission
+        At the record's site and flight altitude.
+    design : Design
+    solar : SolarModel
+    light : RecordedLight
+    recorded, clear : WeatherRun
+        In the record's light, and under the clear sky.
+    """
+
+    weather: Weather
+    mission: Mission
+    design: Design
+    solar: SolarModel
+    light: RecordedLight
+    recorded: WeatherRun
+    clear: WeatherRun
+
+
+def weather_performance(
+    aircraft: Aircraft,
+    mission: Mission,
+    weather: Weather,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    step_s: float = NODE_STEP_S,
+) -> WeatherPerformance:
+    """Fly an aircraft through a weather record, from a full battery at its beginning.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    mission : Mission
+        At the record's site (:func:`missions.weather.site.mission_at_site`): altitude, air,
+        turbulence, payload, margins. Its clearness plays no part: the clouds are the record's.
+    weather : Weather
+        Record.
+    solar : SolarModel
+        Solar power model and its correction.
+    step_s : float
+        Largest distance of the nodes [s].
+
+    Returns
+    -------
+    WeatherPerformance
+
+    Raises
+    ------
+    ImpossibleDesignError
+        If a parametric aircraft cannot carry its own mass.
+    ValueError
+        If the model lacks the aircraft's module geometry or the mission's flight path, or the
+        record is shorter than a day.
+    """
+    light = light_at_altitude(weather, mission.altitude_m, step_s=step_s)
+    axis = DayAxis.of(light)
+    design = design_of(aircraft, mission)
+    runs = [
+        _run(aircraft, mission, solar, design, light, axis, kind)
+        for kind in (light.recorded, light.clear)
+    ]
+    return WeatherPerformance(weather, mission, design, solar, light, *runs)
+
+
+def _run(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    design: Design,
+    light: RecordedLight,
+    axis: DayAxis,
+    irradiance: Irradiance,
+) -> WeatherRun:
+    ambient_c, module_c = _temperatures_c(mission, light)
+    lit = Lit(
+        light.day_of_year, light.time_solar_h, light.cos_zenith, irradiance, ambient_c, module_c
+    )
+    power = aircraft.modules.area_m2 * power_in_light(aircraft, mission, solar, lit)
+    load = _load_w(design, mission, axis, ambient_c[axis.nodes])
+    solar_w = power[axis.nodes]
+    balance = PowerBalance.of(axis.time_h, solar_w, load)
+    energy_wh = np.full(len(axis), float(design.battery_energy_wh))
+    store = Store.of(aircraft.battery, energy_wh)
+    carried = carried_over(balance, store, energy_wh[:1], len(axis))
+    dawn_h = _dawn_h(balance)
+    hours, outlasts = flight_hours(carried, dawn_h, energy_wh)
+    return WeatherRun(
+        axis=axis,
+        solar_power_w=solar_w,
+        load_w=load,
+        carried=carried,
+        dawn_h=dawn_h,
+        closes=_closes(carried, dawn_h),
+        dawn_state_of_charge=_at(carried, dawn_h) / energy_wh,
+        endurance_h=hours,
+        outlasts=outlasts,
+    )
+
+
+def _temperatures_c(mission: Mission, light: RecordedLight) -> tuple[FloatArray, FloatArray]:
+    """Temperature of the air, of the record if it has one, and of the modules as much warmer [C]."""
+    assumed_c = float(mission.air_state().temperature_c)
+    ambient = light.temperature_c
+    if ambient is None:
+        ambient = np.full(light.time_s.shape, assumed_c)
+    return ambient, ambient + (mission.module_temperature_c() - assumed_c)
+
+
+def _load_w(design: Design, mission: Mission, axis: DayAxis, ambient_c: FloatArray) -> FloatArray:
+    """Load at the nodes [W], shape ``(day, node)``.
+
+    Power of level flight at a lift coefficient goes with ``density^-0.5``; at the pressure of an
+    altitude that is the square root of the absolute temperature (Anderson, Aircraft Performance and
+    Design, equation 5.56).
+    """
+    times = sun_times(mission.latitudes()[0], declination(axis.day_of_year + 0.5))
+    clock_h = axis.time_h + axis.midnight_h[:, np.newaxis]
+    profile = np.stack(
+        [
+            np.asarray(load_profile(clock, design, mission, rise, down))
+            for clock, rise, down in zip(clock_h, times.sunrise_h, times.sunset_h, strict=True)
+        ]
+    )
+    constant = float(design.constant_power_w)
+    assumed_k = float(mission.air_state().temperature_k)
+    thinner = np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k)
+    return np.asarray(constant + (profile - constant) * thinner)
+
+
+def _dawn_h(balance: PowerBalance) -> FloatArray:
+    """When net power first rises above zero, hours after the day's start [h]."""
+    above = balance.net_w > 0.0
+    first = np.argmax(above, axis=0)
+    cells = np.arange(above.shape[1])
+    before = np.maximum(first - 1, 0)
+    left, right = balance.net_w[before, cells], balance.net_w[first, cells]
+    crossing = np.where(first > 0, crossing_fraction(left, right), 0.0)
+    time = balance.time_h
+    dawn = time[before] + crossing * (time[first] - time[before])
+    return np.where(above.any(axis=0), dawn, HOURS_PER_DAY / 2.0)
+
+
+def _closes(carried: CarriedDays, dawn_h: FloatArray) -> BoolArray:
+    """Whether the battery lasts from each day's dawn to the next one's."""
+    energy = carried.run.energy_at_nodes_wh()
+    time = carried.balance.time_h[:, np.newaxis]
+    empty = energy <= 1e-12 * carried.store.battery_energy_wh
+    late = np.any(empty & (time > dawn_h), axis=0)
+    early = np.any(empty & (time <= dawn_h), axis=0)
+    return np.asarray(~(late | np.append(early[1:], False)))
+
+
+def _at(carried: CarriedDays, hour: FloatArray) -> FloatArray:
+    """Stored energy at an hour of each day [Wh], straight lines between the nodes."""
+    energy, time = carried.run.energy_at_nodes_wh(), carried.balance.time_h
+    number = np.clip(np.searchsorted(time, hour, side="right") - 1, 0, len(time) - 2)
+    cells = np.arange(len(hour))
+    share = (hour - time[number]) / (time[number + 1] - time[number])
+    low, high = energy[number, cells], energy[number + 1, cells]
+    return np.asarray(low + share * (high - low))
+
+
+def run_lengths(marks: BoolArray) -> IntArray:
+    """Lengths of the runs of true values, in their order."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
+    return np.asarray(edges[1::2] - edges[::2])
+
+
+def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
+    """Days to wait, from every day, until a window of consecutive days that close begins.
+
+    Parameters
+    ----------
+    closes : ndarray of bool, shape (day,)
+        Days that close.
+    days : int
+        Length of the window [d].
+
+    Returns
+    -------
+    ndarray, shape (day,)
+        Whole days, 0 where a window begins; infinite where none comes before the record's end.
+
+    Raises
+    ------
+    ValueError
+        If the window has no day.
+    """
+    if days < 1:
+        raise ValueError(f"a window has at least one day (got {days})")
+    wait = np.full(len(closes), np.inf)
+    begins = np.zeros(len(closes), bool)
+    if days <= len(closes):
+        windows = np.lib.stride_tricks.sliding_window_view(closes, days)
+        begins[: len(windows)] = windows.all(axis=1)
+    next_one = np.inf
+    for i in range(len(closes) - 1, -1, -1):
+        next_one = 0.0 if begins[i] else next_one + 1.0
+        wait[i] = next_one
+    return wait
