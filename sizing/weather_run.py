@@ -82,7 +82,7 @@ class DayAxis:
         midnight_h = light.time_solar_h[first]
         return cls(
             nodes=nodes,
-            time_h=np.arange(per_day + 1) * light.step_h,
+            time_h=np.asarray(np.arange(per_day + 1) * light.step_h, float),
             midnight_h=np.where(midnight_h > 12.0, midnight_h - HOURS_PER_DAY, midnight_h),
             day_of_year=(np.floor(noon_local).astype(int) - 1) % 365 + 1,
             time_s=light.time_s[first],
@@ -244,7 +244,7 @@ def _run(
 
 
 def _temperatures_c(mission: Mission, light: RecordedLight) -> tuple[FloatArray, FloatArray]:
-    """Temperature of the air, of the record if it has one, and of the modules as much warmer [C]."""
+    """Temperature of the air, the record's if it has one, and of modules as much warmer [C]."""
     assumed_c = float(mission.air_state().temperature_c)
     ambient = light.temperature_c
     if ambient is None:

@@ -189,11 +189,8 @@ def flight_hours(
         level[late] = (some.cumulative_deficit_wh[-1] + eta * midnight)[late]
         ended = ~np.isnan(level)
         at = flying[ended]
-        hours[at] = (
-            (now[ended] - at) * 24.0
-            + carried.hour_at_level(level[ended], now[ended])
-            - launch_h[at]
-        )
+        end_h = carried.hour_at_level(level[ended], now[ended])
+        hours[at] = (now[ended] - at) * 24.0 + end_h - launch_h[at]
         last = ~ended & (now == days - 1)
         hours[flying[last]] = (days - flying[last]) * 24.0 - launch_h[flying[last]]
         outlasts[flying[last]] = True

@@ -172,10 +172,7 @@ class WeatherAnalysis(Result):
                 "endurance from a dawn: 10, 50, 90 % of launches",
                 ", ".join(hours(endurance[p]) for p in ("p10", "p50", "p90")),
             ),
-            (
-                "light, share of the clear sky's",
-                f"{100 * record['share_of_clear_sky_light']:.0f} %",
-            ),
+            ("light, of the clear sky's", f"{100 * record['share_of_clear_sky_light']:.0f} %"),
             ("dawn, earliest and latest (solar time)", _dawns(run)),
             ("flight altitude", f"{record['flight_altitude_m']:.0f} m"),
         ]
@@ -193,8 +190,8 @@ class WeatherAnalysis(Result):
         kind = "typical year, months of several years" if self.weather.typical else "one record"
         blocks.append(
             Line(
-                f"{record['model']}, correction: {record['correction']}; {self.weather.layout}, {kind}. "
-                "A day closes if, begun at dawn with the charge carried over, it reaches the next "
+                f"{record['model']}, correction: {record['correction']}; {record['layout']}, "
+                f"{kind}. A day closes if, begun at dawn with the charge carried over, it reaches the next "
                 "dawn without an empty battery.",
                 "faint",
             )
@@ -271,9 +268,8 @@ def analyse_weather(
     """
     check_subjects(aircraft, mission)
     if not isinstance(weather, Weather):
-        raise TypeError(
-            f"expected Weather (got {type(weather).__name__}); missions.load_weather(path) reads one"
-        )
+        got = type(weather).__name__
+        raise TypeError(f"expected Weather (got {got}); missions.load_weather(path) reads one")
     there, notes = mission_at_site(mission, weather, chosen=mission_chosen)
     solar = SolarModel(model, correction)
     done = weather_performance(aircraft, there, weather, solar)
