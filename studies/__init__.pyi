@@ -21,3 +21,4 @@ from .output.plots import save_figure as save_figure
 from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep
 from .sweeps.study import sweep as sweep
+from .weather.plots import plot_weather as plot_weather

@@ -76,13 +76,7 @@ def read_layout(path: Path, source: str) -> RawTable:
         If the file cannot be read or has none of these layouts.
     """
     layout = layout_of(path, source)
-    try:
-        import pvlib.iotools
-    except ImportError:
-        raise file_error(
-            source, "weather files need pvlib: pip install 'solar-uav-sizing[weather]'"
-        ) from None
-    read = {
+    read: Callable[[Path, str, Any], RawTable] | None = {
         "EPW": _epw,
         "TMY2": _tmy2,
         "TMY3": _tmy3,
@@ -90,9 +84,9 @@ def read_layout(path: Path, source: str) -> RawTable:
         "PVGIS hourly": _pvgis_hourly,
         "NSRDB PSM": _psm,
         "BSRN": _bsrn,
-    }.get(layout, _plain)
+    }.get(layout)
     try:
-        return read(path, source, pvlib.iotools)
+        return _plain(path, source) if read is None else read(path, source, _iotools(source))
     except InputError:
         raise
     except (RecursionError, MemoryError):
@@ -102,6 +96,15 @@ def read_layout(path: Path, source: str) -> RawTable:
         raise file_error(
             source, f"is no readable {layout} file: {type(error).__name__}: {reason}"
         ) from error
+
+
+def _iotools(source: str) -> Any:
+    try:
+        import pvlib.iotools
+    except ImportError:
+        message = "needs pvlib to be read: pip install 'solar-uav-sizing[weather]'"
+        raise file_error(source, message) from None
+    return pvlib.iotools
 
 
 def layout_of(path: Path, source: str) -> str:
@@ -342,7 +345,7 @@ CSV_HELP = (
 )
 
 
-def _plain(path: Path, source: str, iotools: Any) -> RawTable:
+def _plain(path: Path, source: str) -> RawTable:
     """Plain CSV with its site in comment lines."""
     import pandas as pd
 

@@ -191,8 +191,8 @@ class WeatherAnalysis(Result):
         blocks.append(
             Line(
                 f"{record['model']}, correction: {record['correction']}; {record['layout']}, "
-                f"{kind}. A day closes if, begun at dawn with the charge carried over, it reaches the next "
-                "dawn without an empty battery.",
+                f"{kind}. A day closes if, begun at dawn with the charge carried over, it reaches "
+                "the next dawn without an empty battery.",
                 "faint",
             )
         )

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from studies.cli.files import Case
 
 from studies.cli.options import Parsed, check_image, mission_option, solar_options
 
@@ -61,8 +64,25 @@ class Latitude(click.ParamType[float]):
     type=Parsed("mm-dd", "missions.dates:day_of_year"),
     help="Date instead of the mission's, e.g. 10-15.",
 )
-@click.option("--csv", "csv_file", type=click.Path(), help="Write the cycle over time as CSV.")
-@click.option("--plot", "plot_file", type=click.Path(), help="Draw the cycle (png, svg, pdf).")
+@click.option(
+    "--weather",
+    "weather_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="Fly through a weather record: EPW, TMY2, TMY3, PVGIS, NSRDB PSM, BSRN or plain CSV.",
+)
+@click.option(
+    "--csv",
+    "csv_file",
+    type=click.Path(),
+    help="Write the cycle over time, or the days of the weather record, as CSV.",
+)
+@click.option(
+    "--plot",
+    "plot_file",
+    type=click.Path(),
+    help="Draw the cycle, or the weather record (png, svg, pdf).",
+)
 @solar_options
 def analyse(
     aircraft: str,
@@ -70,6 +90,7 @@ def analyse(
     latitude: float | None,
     day_of_year: int | None,
     date: int | None,
+    weather_file: str | None,
     csv_file: str | None,
     plot_file: str | None,
     model: str,
@@ -99,6 +120,9 @@ def analyse(
         # The mission's launch is one at its own place and day.
         case = case.with_mission(**moved, launch=None)
     require_path(case)
+    if weather_file is not None:
+        _in_weather(case, weather_file, csv_file, plot_file, as_json=as_json)
+        return
     require_climber(case)
     solar = case.solar
     result = run_analysis(
@@ -112,3 +136,46 @@ def analyse(
         lambda: plot_cycle(result) if flight is None else plot_flight(result, flight),
     )
     tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
+
+
+def _in_weather(
+    case: Case,
+    weather_file: str,
+    csv_file: str | None,
+    plot_file: str | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Fly the case through a weather record, and tell what became of it."""
+    from missions.weather.files import load_weather
+    from sizing.results.analysis import analyse as run_analysis
+    from sizing.results.weather import analyse_weather
+    from studies.cli.outputs import tell, write_results
+    from studies.output.formats import csv_bytes
+    from studies.weather.plots import plot_weather
+
+    result = analyse_weather(
+        case.aircraft,
+        case.mission,
+        load_weather(weather_file),
+        model=case.solar.model,
+        correction=case.solar.correction,
+        mission_chosen=not case.mission_is_default,
+    )
+    write_results(
+        csv_file,
+        lambda: csv_bytes(result.to_frame()),
+        plot_file,
+        lambda: plot_weather(result),
+    )
+    record = {"weather": result.to_dict()}
+    if as_json:
+        clear_day = run_analysis(
+            case.aircraft,
+            result.mission,
+            model=case.solar.model,
+            correction=case.solar.correction,
+            replay=False,
+        )
+        record = clear_day.to_dict() | record
+    tell(case, case.named(record), result, as_json=as_json, files=(csv_file, plot_file))

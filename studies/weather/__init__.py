@@ -1,0 +1,1 @@
+"""Figures of weather records that are flown through."""

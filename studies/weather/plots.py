@@ -1,0 +1,154 @@
+"""Figure of a weather record: calendar of dawns, survival of launches, real beside clear season."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from missions.dates import MONTH_NAMES, month_and_day
+from sizing.results.weather import WeatherAnalysis
+from studies.output.plots import BLUE, ORANGE, caption, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Survival of flights is drawn up to here [d].
+_LONGEST_DAYS = 200.0
+
+
+def plot_weather(analysis: WeatherAnalysis) -> Figure:
+    """Draw how an aircraft flies through a weather record.
+
+    Above, a calendar of the state of charge at every dawn, with the days that do not close crossed;
+    below, the share of launches still airborne over time, and the days that close in every month,
+    both in the record's light and under a clear sky.
+
+    Parameters
+    ----------
+    analysis : WeatherAnalysis
+
+    Returns
+    -------
+    Figure
+    """
+    run = analysis.performance.recorded
+    figure, panels = new_figure(
+        2,
+        2,
+        title=f"{analysis.headline()} ({caption(analysis.performance.solar)})",
+        size_in=(9.0, 7.4),
+        grid="",
+        height_ratios=(1.5, 1.0),
+    )
+    calendar, spare, survival, season = panels
+    grid = calendar.get_subplotspec().get_gridspec()  # type: ignore[union-attr]
+    calendar.set_subplotspec(grid[0, :])
+    spare.remove()
+    _draw_calendar(figure, calendar, analysis)
+    _draw_survival(survival, analysis)
+    _draw_season(season, analysis)
+    if not np.any(run.closes):
+        season.text(0.5, 0.5, "no day closes", transform=season.transAxes, ha="center")
+    return figure
+
+
+def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> None:
+    """State of charge at dawn, a cell a day: months by days, or years by days of year."""
+    run = analysis.performance.recorded
+    years = (run.axis.time_s.astype("datetime64[s]") + np.timedelta64(12, "h")).astype(
+        "datetime64[Y]"
+    ).astype(int) + 1970
+    several = len(set(years.tolist())) > 1 and len(run.closes) > 400
+    if several:
+        rows, columns = years - years.min(), run.axis.day_of_year - 1
+        names = [str(year) for year in range(years.min(), years.max() + 1)]
+        width = 365
+    else:
+        place = np.array([month_and_day(int(day)) for day in run.axis.day_of_year])
+        present = sorted(set(place[:, 0].tolist()))
+        rows, columns = np.searchsorted(present, place[:, 0]), place[:, 1] - 1
+        names, width = [MONTH_NAMES[month - 1] for month in present], 31
+    charge = np.full((len(names), width), np.nan)
+    charge[rows, columns] = 100.0 * run.dawn_state_of_charge
+    image = axes.imshow(
+        charge, aspect="auto", cmap="viridis", vmin=0.0, vmax=100.0, interpolation="nearest"
+    )
+    failed = ~run.closes
+    axes.plot(
+        columns[failed],
+        rows[failed],
+        linestyle="",
+        marker="x",
+        markersize=1.5 if several else 4.0,
+        color="white",
+        markeredgewidth=0.8,
+        label="does not close",
+    )
+    axes.set_yticks(range(len(names)), names)
+    if several:
+        starts = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334]
+        axes.set_xticks(starts, MONTH_NAMES)
+    else:
+        axes.set_xticks(range(0, 31, 2), [str(day) for day in range(1, 32, 2)])
+        axes.set_xlabel("day of the month")
+    bar = figure.colorbar(image, ax=axes, pad=0.01)
+    bar.set_label("state of charge at dawn [%]")
+    handles, labels = axes.get_legend_handles_labels()
+    if handles and failed.any():
+        legend = axes.legend(
+            handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small",
+            facecolor="#404040", labelcolor="white",
+        )  # fmt: skip
+        legend.set_in_layout(True)
+
+
+def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
+    """Share of launches at dawn with a full battery that are still airborne."""
+    done = analysis.performance
+    for run, colour, style, label in (
+        (done.clear, ORANGE, "--", "clear sky"),
+        (done.recorded, BLUE, "-", "record"),
+    ):
+        hours = np.sort(run.endurance_h) / 24.0
+        share = 100.0 * (1.0 - np.arange(len(hours)) / len(hours))
+        axes.step(
+            np.append(hours, _LONGEST_DAYS),
+            np.append(share, 0.0 if not run.outlasts.any() else share[-1]),
+            where="pre",
+            color=colour,
+            linestyle=style,
+            label=label,
+        )
+    axes.set(
+        xscale="log",
+        xlim=(0.5, _LONGEST_DAYS),
+        ylim=(0.0, 102.0),
+        xlabel="time since the launch at dawn [d]",
+        ylabel="launches still airborne [%]",
+    )
+    axes.set_xticks([0.5, 1, 2, 5, 10, 20, 50, 100, 200], minor=False)
+    axes.set_xticklabels(["0.5", "1", "2", "5", "10", "20", "50", "100", "200"])
+    axes.minorticks_off()
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="small")
+
+
+def _draw_season(axes: Axes, analysis: WeatherAnalysis) -> None:
+    """Days that close in every month, as a share."""
+    done = analysis.performance
+    month = np.array([month_and_day(int(day))[0] for day in done.recorded.axis.day_of_year])
+    present = sorted(set(month.tolist()))
+    for run, colour, shift, label, hatch in (
+        (done.clear, ORANGE, -0.2, "clear sky", "//"),
+        (done.recorded, BLUE, 0.2, "record", ""),
+    ):
+        share = [100.0 * float(np.mean(run.closes[month == number])) for number in present]
+        axes.bar(
+            np.arange(len(present)) + shift, share, 0.4, color=colour, hatch=hatch, label=label
+        )
+    axes.set_xticks(range(len(present)), [MONTH_NAMES[number - 1][:1] for number in present])
+    axes.set(ylim=(0.0, 102.0), xlabel="month", ylabel="days that close [%]")
+    axes.grid(alpha=0.3, axis="y")
+    axes.legend(fontsize="small")
