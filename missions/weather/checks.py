@@ -72,7 +72,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     if "ghi" not in given and len(given) < 2:
         raise file_error(source, "has no light: ghi, or dni and dhi, are needed")
     grid = _on_grid(start_s, interval_s, values, lines, source)
-    sun = _Sun.at(raw.site, grid.start_s + interval_s / 2.0)
+    sun = _Sun.over(raw.site, grid.start_s, interval_s)
     repairs = list(grid.repairs)
     light = {name: grid.values[name] for name in given}
     repairs += _without_night_noise(light, sun)
@@ -200,27 +200,35 @@ def _on_grid(
 
 @dataclass(frozen=True)
 class _Sun:
-    """Sun and clear sky in the middle of every interval."""
+    """Sun and clear sky in the middle of every interval, and where the sun stands highest in it."""
 
     cosine: FloatArray
+    highest: FloatArray
     extraterrestrial: FloatArray
     clear: dict[str, FloatArray]
 
     @classmethod
-    def at(cls, site: Site, time_s: FloatArray) -> _Sun:
-        day = day_of_year(time_s)
-        solar_h = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg)
-        cosine = cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
-        sky = clear_sky(day, site.latitude_deg, cosine, max(site.altitude_m, -500.0))
+    def over(cls, site: Site, start_s: FloatArray, interval_s: float) -> _Sun:
+        at_ends = (_cos_zenith(site, start_s + share * interval_s) for share in (0.0, 1.0))
+        middle_s = start_s + interval_s / 2.0
+        day, cosine = day_of_year(middle_s), _cos_zenith(site, middle_s)
+        sky = clear_sky(day, site.latitude_deg, cosine, site.altitude_m)
         clear = {"ghi": global_horizontal(sky, cosine), "dni": sky.dni, "dhi": sky.dhi}
-        return cls(cosine, extraterrestrial_irradiance(day), clear)
+        highest = np.maximum.reduce([cosine, *at_ends])
+        return cls(cosine, highest, extraterrestrial_irradiance(day), clear)
+
+
+def _cos_zenith(site: Site, time_s: FloatArray) -> FloatArray:
+    day = day_of_year(time_s)
+    solar_h = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg)
+    return cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
 
 
 def _without_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
     """Set the light of the night, and small negative values, to zero."""
-    noisy = np.zeros(len(sun.cosine), bool)
+    noisy = np.zeros(len(sun.highest), bool)
     for values in light.values():
-        dark = (sun.cosine < _DARK_COSINE) & (np.abs(values) <= _NIGHT_NOISE) & (values != 0.0)
+        dark = (sun.highest < _DARK_COSINE) & (np.abs(values) <= _NIGHT_NOISE) & (values != 0.0)
         low = (values < 0.0) & (values >= -_NIGHT_NOISE)
         noisy |= (dark & (np.abs(values) > 1.0)) | (values < -1.0) & low
         values[dark | low] = 0.0
@@ -236,7 +244,7 @@ def _without_impossible(
     Limits: Long, C. N. and Dutton, E. G. (2002), BSRN Global Network recommended QC tests, V2.0,
     "physically possible".
     """
-    up = np.maximum(sun.cosine, 0.0)
+    up = np.maximum(sun.highest, 0.0)
     normal = sun.extraterrestrial
     most = {
         "ghi": 1.5 * normal * up**1.2 + 100.0,
@@ -311,22 +319,15 @@ def _filled(
     start_s: FloatArray,
 ) -> list[str]:
     """Fill what is missing with shares of the clear sky, in place."""
-    for values in light.values():
-        values[np.isnan(values) & (sun.cosine < 0.0)] = 0.0  # a night without rows is no gap
     empty = np.any([np.isnan(values) for values in light.values()], axis=0)
+    _check_gaps(empty, interval_s, source, start_s)
+    for values in light.values():
+        values[np.isnan(values) & (sun.highest < 0.0)] = 0.0  # a night without rows is no gap
+    empty &= sun.highest >= 0.0
     count = int(np.count_nonzero(empty))
     if not count:
         return []
     gaps = _runs(empty)
-    longest_h = max((stop - begin) for begin, stop in gaps) * interval_s / SECONDS_PER_HOUR
-    if longest_h > LONGEST_GAP_H:
-        begin, stop = max(gaps, key=lambda gap: gap[1] - gap[0])
-        when = np.datetime64(int(start_s[begin]), "s")
-        raise file_error(
-            source,
-            f"has a gap of {longest_h / 24:.1f} days from {when} UTC; allowed: at most "
-            f"{LONGEST_GAP_H / 24:g} days, which are filled",
-        )
     if count > MAXIMUM_FILLED * len(empty):
         raise file_error(
             source,
@@ -350,6 +351,19 @@ def _filled(
     if copied:
         told.append(f"{copied} rows of long gaps filled from the nearest days")
     return told
+
+
+def _check_gaps(empty: BoolArray, interval_s: float, source: str, start_s: FloatArray) -> None:
+    """Refuse a gap that is too long to be filled."""
+    begin, stop = max(_runs(empty), key=lambda gap: gap[1] - gap[0], default=(0, 0))
+    gap_h = (stop - begin) * interval_s / SECONDS_PER_HOUR
+    if gap_h > LONGEST_GAP_H:
+        when = np.datetime64(int(start_s[begin]), "s")
+        raise file_error(
+            source,
+            f"has a gap of {gap_h / 24:.1f} days from {when} UTC; allowed: at most "
+            f"{LONGEST_GAP_H / 24:g} days, which are filled",
+        )
 
 
 def _clear_share(values: FloatArray, clear: FloatArray) -> FloatArray:

@@ -21,8 +21,9 @@ def load_weather(path: str | os.PathLike[str]) -> Weather:
     Parameters
     ----------
     path : str or path
-        Name of the shipped record (``colorado-2023``), or a file: EPW, TMY2, TMY3, PVGIS (typical year or hourly, CSV or JSON), NSRDB PSM, BSRN, or a plain
-        CSV table; which of them is seen from the contents.
+        Name of the shipped record, ``colorado-2023``, or a file: EPW, TMY2, TMY3, PVGIS (typical
+        year or hourly, CSV or JSON), NSRDB PSM, BSRN, or a plain CSV table. Which of them it is
+        is seen from the contents.
 
     Returns
     -------

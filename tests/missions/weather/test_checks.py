@@ -1,0 +1,144 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from weather_files import clear_record, write_plain
+
+from missions.files.errors import InputError
+from missions.weather.files import load_weather
+from missions.weather.record import day_of_year
+
+
+def load(tmp_path, record, **changes):
+    return load_weather(write_plain(tmp_path / "a.csv", record, **changes))
+
+
+def with_fields(row, **fields):
+    names = ["time", "ghi", "dni", "dhi"]
+    values = dict(zip(names, row.split(","), strict=True)) | fields
+    return ",".join(str(values[name]) for name in names)
+
+
+def test_rows_out_of_order_name_their_line(tmp_path):
+    def swapped(rows):
+        return [*rows[:7], rows[8], rows[7], *rows[9:]]
+
+    # Five lines of head, so that row 9 stands on line 14.
+    with pytest.raises(InputError, match=r"a.csv:14: .* goes back in time"):
+        load(tmp_path, clear_record(2), rows=swapped)
+
+
+def test_a_row_twice_is_told(tmp_path):
+    with pytest.raises(InputError, match="is the same as before"):
+        load(tmp_path, clear_record(2), rows=lambda rows: [*rows[:9], rows[8], *rows[9:]])
+
+
+def test_short_gaps_follow_the_clear_sky(tmp_path):
+    record = clear_record(3, share=0.6)
+    found = load(tmp_path, record, rows=lambda rows: [*rows[:34], *rows[36:]])
+    assert "2 of 72 rows are missing" in found.repairs
+    assert "2 rows filled between their neighbours" in found.repairs
+    # A gap at noon under an evenly dimmed sky is filled exactly, but that the clear sky in the
+    # middle of an hour is not its mean.
+    assert found.dni == pytest.approx(record.dni, rel=1e-3, abs=0.01)
+    assert found.dhi == pytest.approx(record.dhi, rel=1e-3, abs=0.01)
+
+
+def test_long_gaps_take_the_nearest_day_and_longer_ones_are_errors(tmp_path):
+    record = clear_record(70, share=0.6)
+    found = load(tmp_path, record, rows=lambda rows: [*rows[:100], *rows[116:]])
+    assert any("filled from the nearest days" in text for text in found.repairs)
+    assert found.ghi.sum() == pytest.approx(record.ghi.sum(), rel=0.01)  # the days are alike
+    with pytest.raises(InputError, match=r"a gap of 6.\d days from 2001-06-2.* at most 5 days"):
+        load(tmp_path, record, rows=lambda rows: [*rows[:60], *rows[210:]])
+
+
+def test_nights_without_rows_are_no_gaps(tmp_path):
+    record = clear_record(5)
+
+    def lit(rows):
+        return [row for row, light in zip(rows, record.ghi, strict=True) if light > 0.0]
+
+    found = load(tmp_path, record, rows=lit)
+    assert found.ghi.sum() == pytest.approx(record.ghi.sum(), rel=1e-4)
+    assert not any("filled" in text for text in found.repairs)
+
+
+def test_noise_of_the_night_is_taken_out_and_counted(tmp_path):
+    record = clear_record(3)
+
+    def noisy(rows):
+        return [
+            with_fields(row, ghi=-4.0) if light == 0.0 else row
+            for row, light in zip(rows, record.ghi, strict=True)
+        ]
+
+    found = load(tmp_path, record, rows=noisy)
+    dark = int(np.count_nonzero(record.ghi == 0.0))
+    assert f"noise at night or below zero in {dark} rows set to zero" in found.repairs
+    assert found.ghi.min() == 0.0
+
+
+def test_few_impossible_values_are_replaced_and_many_are_an_error(tmp_path):
+    record = clear_record(10)
+
+    def one(rows):
+        return [*rows[:35], with_fields(rows[35], dni=1e6), *rows[36:]]
+
+    found = load(tmp_path, record, rows=one)
+    assert "1 rows with impossible light taken out" in found.repairs
+    # Closure: the beam is what global and diffuse light leave, at the sun's height of half past.
+    assert found.dni == pytest.approx(record.dni, rel=0.01, abs=1.0)
+    with pytest.raises(InputError, match=r"light that cannot be .*time zone or the unit wrong"):
+        load(tmp_path, record, rows=lambda rows: [with_fields(r, ghi=5000) for r in rows])
+
+
+def test_a_wrong_zone_does_not_pass_in_silence(tmp_path):
+    record = clear_record(4)
+    shifted = replace(record, start_s=record.start_s + 8 * 3600.0)
+    with pytest.raises(InputError, match="time zone"):
+        load(tmp_path, shifted)
+
+
+def test_a_record_without_sun_is_refused(tmp_path):
+    with pytest.raises(InputError, match="without sun"):
+        load(tmp_path, clear_record(3, share=0.0))
+
+
+def test_any_two_kinds_of_light_give_the_third(tmp_path):
+    record = clear_record(3, interval_s=300.0)
+    for lacking in ("ghi", "dni", "dhi"):
+        found = load(
+            tmp_path,
+            record,
+            rows=lambda rows, out=lacking: [with_fields(row, **{out: ""}) for row in rows],
+        )
+        # Of intervals of five minutes the sun's height in the middle is good to this.
+        assert getattr(found, lacking).sum() == pytest.approx(
+            getattr(record, lacking).sum(), rel=0.01
+        )
+
+
+def test_global_light_alone_is_parted_after_erbs(tmp_path):
+    pvlib = pytest.importorskip("pvlib")
+    record = clear_record(3, share=0.7)
+    found = load(
+        tmp_path,
+        record,
+        rows=lambda rows: [with_fields(row, dni="", dhi="") for row in rows],
+    )
+    assert any("Erbs" in text for text in found.repairs)
+    middle = record.start_s + record.interval_s / 2.0
+    import pandas as pd
+
+    times = pd.DatetimeIndex(pd.to_datetime(middle, unit="s", utc=True))
+    sun = pvlib.solarposition.get_solarposition(times, 46.8, 6.9, 491.0)
+    parts = pvlib.irradiance.erbs(record.ghi, sun["zenith"].to_numpy(), times)
+    # Our sun and solar constant differ from pvlib's by per mille; kt enters with its fourth power.
+    assert found.dhi.sum() == pytest.approx(float(np.sum(parts["dhi"])), rel=0.02)
+
+
+def test_day_of_year_counts_dates_alike_in_leap_years():
+    dates = ["2001-03-01T00:00", "2004-03-01T00:00", "2004-02-29T12:00", "2004-12-31T18:00"]
+    seconds = np.array(dates, "datetime64[s]").astype(float)
+    assert day_of_year(seconds) == pytest.approx([60.0, 60.0, 59.5, 365.75])

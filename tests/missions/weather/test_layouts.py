@@ -1,0 +1,178 @@
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+from weather_files import (
+    SITE,
+    clear_record,
+    write_bsrn,
+    write_epw,
+    write_plain,
+    write_psm,
+    write_pvgis_hourly,
+    write_pvgis_tmy,
+)
+
+from missions.files.errors import InputError
+from missions.weather.files import load_weather, shipped_records
+from missions.weather.record import Site
+
+pvlib = pytest.importorskip("pvlib")
+PVLIB_DATA = Path(pvlib.__file__).parent / "data"
+# Of a record's sum over days: digits lost in the files' decimals.
+ROUNDED = 2e-3
+
+
+def same_light(found, record, tolerance=ROUNDED):
+    for name in ("ghi", "dni", "dhi"):
+        whole = np.sum(getattr(record, name)) * record.interval_s
+        assert np.sum(getattr(found, name)) * found.interval_s == pytest.approx(
+            whole, rel=tolerance
+        )
+
+
+def test_epw_is_read_in_latin_1_with_the_start_of_its_hours(tmp_path):
+    record = clear_record(3)
+    found = load_weather(write_epw(tmp_path / "a.epw", record))
+    assert found.layout == "EPW"
+    assert found.site == Site("Zürich", 46.8, 6.9, 491.0, 1.0)
+    assert found.start_s == pytest.approx(record.start_s)
+    assert found.temperature_c == pytest.approx(15.0)
+    assert found.wind_m_per_s == pytest.approx(3.0)
+    same_light(found, record)
+
+
+def test_months_of_several_years_become_one_typical_year(tmp_path):
+    record = clear_record(59 + 3, first="2001-01-01")
+    found = load_weather(write_epw(tmp_path / "a.epw", record, years={1: 1996, 2: 1988, 3: 1979}))
+    assert found.typical
+    assert found.start_s == pytest.approx(record.start_s)
+
+
+def test_pvgis_typical_year_has_instants_that_are_the_middles_of_their_hours(tmp_path):
+    site = Site("", 45.0, 8.0, 250.0, 0.0)
+    record = clear_record(365, first="2001-01-01", site=site)
+    years = dict(zip(range(1, 13), range(2018, 2006, -1), strict=True))
+    path = write_pvgis_tmy(tmp_path / "a.csv", record, years=years)
+    found = load_weather(path)
+    assert (found.layout, found.typical, found.site) == ("PVGIS typical year", True, site)
+    assert found.start_s[0] - record.start_s[0] == pytest.approx(3600.0 * (0.1761 - 0.5))
+
+
+def test_pvgis_hourly_takes_the_beam_back_to_its_normal(tmp_path):
+    site = Site("", 45.0, 8.0, 250.0, 0.0)
+    record = clear_record(3, site=site)
+    found = load_weather(write_pvgis_hourly(tmp_path / "a.csv", record))
+    assert found.layout == "PVGIS hourly"
+    # Instants at the half hour.
+    assert found.start_s == pytest.approx(record.start_s)
+    same_light(found, record, 0.03)  # hourly means divided by the sun's height at the half hour
+
+
+def test_pvgis_hourly_of_an_inclined_surface_is_refused(tmp_path):
+    path = write_pvgis_hourly(tmp_path / "a.csv", clear_record(3), slope="30 deg.")
+    with pytest.raises(InputError, match="30 deg slope: ask PVGIS for a slope of 0"):
+        load_weather(path)
+
+
+def test_psm_is_read_with_its_empty_columns(tmp_path):
+    record = clear_record(3, interval_s=1800.0)
+    found = load_weather(write_psm(tmp_path / "a.csv", record))
+    assert found.layout == "NSRDB PSM"
+    assert found.start_s == pytest.approx(record.start_s)
+    same_light(found, record)
+
+
+def test_bsrn_minutes_packed_or_not(tmp_path):
+    site = Site("Somewhere", 46.8, 6.9, 491.0, 0.0)
+    record = clear_record(2, first="2016-06-01", interval_s=60.0, site=site)
+    path = write_bsrn(tmp_path / "a.dat", record)
+    found = load_weather(path)
+    assert (found.layout, found.site.name) == ("BSRN", "Somewhere")
+    assert found.start_s == pytest.approx(record.start_s)
+    same_light(found, record)
+    packed = tmp_path / "b.dat.gz"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    assert np.array_equal(load_weather(packed).ghi, found.ghi)
+
+
+@pytest.mark.parametrize(
+    ("name", "layout", "place", "kwh"),
+    [
+        ("723170TYA.CSV", "TMY3", (36.1, -79.95, 273.0, -5.0), 1566),
+        ("12839.tm2", "TMY2", (25.8, -80.2667, 2.0, -5.0), 1793),
+    ],
+)
+def test_typical_years_that_pvlib_brings(name, layout, place, kwh):
+    found = load_weather(PVLIB_DATA / name)
+    site = found.site
+    assert found.layout == layout
+    assert (site.latitude_deg, site.longitude_deg, site.altitude_m, site.utc_offset_h) == (
+        pytest.approx(place, abs=1e-4)
+    )
+    assert len(found) == 8760
+    assert found.ghi.sum() / 1000 == pytest.approx(kwh, abs=1)
+    # Before and after true noon there is as much light, to some per cent of the year's weather: a
+    # row's hour is that of the sun. A shift of an hour would be 26 % or more.
+    from missions.weather.light import light_at_altitude
+
+    light = light_at_altitude(found, site.altitude_m)
+    morning = light.time_solar_h < 12.0
+    sums = [np.sum((light.recorded.dni * light.cos_zenith)[part]) for part in (morning, ~morning)]
+    assert sums[0] == pytest.approx(sums[1], rel=0.1)
+
+
+def test_plain_table_and_the_shipped_year(tmp_path):
+    record = clear_record(2)
+    found = load_weather(write_plain(tmp_path / "a.csv", record))
+    assert (found.layout, found.site) == ("CSV", Site("Somewhere", 46.8, 6.9, 491.0, 0.0))
+    same_light(found, record, 1e-5)
+    assert SITE.label.startswith("Somewhere (46.80 N, 6.90 E, 491 m)")
+    assert shipped_records() == ["colorado-2023"]
+    year = load_weather("colorado-2023")
+    assert (len(year), year.interval_s, year.typical) == (17520, 1800.0, False)
+    assert year.site.latitude_deg == 40.53
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "is empty"),
+        (b"\0\1\2\0", "is no text file"),
+        (b"hello\nworld\n", "is no weather file that is known"),
+        (b"LOCATION,X,-,CHE,IWEC,1,95.0,6.9,1.0,491.0\n", "is no readable EPW file|latitude"),
+        (b'{"inputs": {"meteo_data": 1', "is no readable PVGIS typical year file"),
+        (b"*U0001\n 21  6 2016  1\n", "is no readable BSRN file"),
+    ],
+)
+def test_what_is_no_weather_file_is_told_by_name(tmp_path, content, message):
+    path = tmp_path / "bad.dat"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=message) as caught:
+        load_weather(path)
+    assert "bad.dat" in str(caught.value)
+
+
+def test_missing_files_and_folders_are_told(tmp_path):
+    with pytest.raises(InputError, match="there is no such file"):
+        load_weather(tmp_path / "none.epw")
+    with pytest.raises(InputError, match="is a folder"):
+        load_weather(tmp_path)
+
+
+def test_mistakes_in_a_plain_table_have_their_lines(tmp_path):
+    record = clear_record(2)
+    head = ["# latitude_deg: 146.8", "# longitude_deg: x", "time_utc,ghi,dni,dhi"]
+    with pytest.raises(InputError) as caught:
+        load_weather(write_plain(tmp_path / "a.csv", record, header=head))
+    text = str(caught.value)
+    assert "a.csv:1: latitude_deg: must be a number from -90 to 90 (got '146.8')" in text
+    assert "a.csv:2: longitude_deg: must be a number from -180 to 180 (got 'x')" in text
+    assert "lacks the line '# altitude_m: ...'" in text
+
+    def with_a_bad_time(rows):
+        return [*rows[:5], "yesterday,0,0,0", *rows[6:]]
+
+    with pytest.raises(InputError, match=r"b.csv:11: time_utc: must be ISO 8601 .*'yesterday'"):
+        load_weather(write_plain(tmp_path / "b.csv", record, rows=with_a_bad_time))

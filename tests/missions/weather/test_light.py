@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from weather_files import SITE, clear_record
+
+from missions.files.errors import InputError
+from missions.library import load_mission
+from missions.weather.light import light_at_altitude, wind_ratio
+from missions.weather.record import Site
+from missions.weather.site import mission_at_site
+from solar.clearsky import clear_sky
+
+
+@given(
+    shares=st.lists(st.floats(0.0, 1.0), min_size=48, max_size=48),
+    latitude=st.floats(-65.0, 65.0),
+    step_s=st.sampled_from([300.0, 600.0, 3600.0]),
+)
+def test_the_mean_of_every_interval_is_kept(shares, latitude, step_s):
+    record = clear_record(2, site=Site("", latitude, 0.0, 100.0, 0.0))
+    factor = np.array(shares)
+    dimmed = clear_record(2, site=record.site, dni=record.dni * factor, dhi=record.dhi * factor)
+    light = light_at_altitude(dimmed, 100.0, step_s=step_s)
+    parts = len(light.time_s) // len(dimmed)
+    for found, mean in ((light.recorded.dni, dimmed.dni), (light.recorded.dhi, dimmed.dhi)):
+        means = found.reshape(-1, parts).mean(axis=1)
+        lit = (light.cos_zenith.reshape(-1, parts) > 0.0).any(axis=1)
+        # Less only where it would exceed the light outside the atmosphere, next to the horizon.
+        low = light.cos_zenith.reshape(-1, parts).max(axis=1) < 0.1
+        assert means[lit & ~low] == pytest.approx(mean[lit & ~low], rel=1e-9, abs=1e-9)
+        assert np.all(means[lit] <= mean[lit] * (1 + 1e-9) + 1e-9)
+
+
+def test_a_clear_record_is_the_clear_sky_at_any_altitude():
+    record = clear_record(2, interval_s=300.0)
+    for altitude in (SITE.altitude_m, 3000.0):
+        light = light_at_altitude(record, altitude)
+        sky = clear_sky(light.day_of_year, SITE.latitude_deg, light.cos_zenith, altitude)
+        # The record has means of five minutes, the nodes their middles; low over the horizon the
+        # light curves within them.
+        high = light.cos_zenith > 0.05
+        assert light.recorded.dni[high] == pytest.approx(sky.dni[high], rel=1e-2)
+        assert light.recorded.dhi[high] == pytest.approx(sky.dhi[high], rel=1e-2)
+        assert np.all(light.recorded.dni[light.cos_zenith <= 0.0] == 0.0)
+
+
+def test_minutes_are_averaged_over_whole_steps():
+    record = clear_record(1, interval_s=60.0)
+    light = light_at_altitude(record, SITE.altitude_m)
+    assert light.step_h == pytest.approx(1 / 12)
+    assert light.recorded.dni.sum() * 5.0 == pytest.approx(record.dni.sum(), rel=1e-4)
+
+
+def test_temperature_and_wind_change_with_height_by_their_laws():
+    record = clear_record(1, temperature_c=np.full(24, 20.0), wind_m_per_s=np.full(24, 4.0))
+    light = light_at_altitude(record, SITE.altitude_m + 100.0)
+    assert light.temperature_c == pytest.approx(20.0 - 0.65)
+    assert light.wind_m_per_s == pytest.approx(4.0 * 10.0 ** (1 / 7))
+    assert wind_ratio(10.0) == 1.0 == wind_ratio(0.0)
+    assert wind_ratio(5000.0) == wind_ratio(300.0) > wind_ratio(299.0)
+
+
+def test_steps_are_checked():
+    with pytest.raises(ValueError, match="step_s must be from 1 to 10800"):
+        light_at_altitude(clear_record(1), 500.0, step_s=0.1)
+
+
+def test_a_default_mission_follows_the_record_and_a_chosen_one_must_be_near():
+    mission = load_mission("rafz-july")
+    there = clear_record(1, site=Site("Far", -30.0, 150.0, 1500.0, 10.0))
+    moved, notes = mission_at_site(mission, there, chosen=False)
+    assert moved.latitudes() == [-30.0]
+    assert moved.altitude_m == 1620.0
+    assert len(notes) == 2
+    with pytest.raises(InputError, match=r"16\d{3} km from the mission rafz-july; allowed: up to"):
+        mission_at_site(mission, there)
+    here = clear_record(1, site=Site("Near", 47.5, 8.5, 900.0, 1.0))
+    with pytest.raises(InputError, match="900 m high: the mission's altitude_m of 536 is below"):
+        mission_at_site(mission, here)
+
+
+def test_a_moved_mission_keeps_the_weather_of_its_air():
+    mission = load_mission("rafz-july")
+    there = clear_record(1, site=Site("", 47.0, 8.0, 400.0, 1.0))
+    moved, notes = mission_at_site(mission, there)
+    assert (moved.altitude_m, notes) == (mission.altitude_m, ())
+    assert moved.module_temperature_c() == mission.module_temperature_c()

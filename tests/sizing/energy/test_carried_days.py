@@ -1,0 +1,150 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sizing.energy.battery import Battery, NoChargeLimit, RuleChargeLimit, Store
+from sizing.energy.carried_days import carried_over, flight_hours
+from sizing.energy.cycle import simulate_cycle
+from sizing.energy.march import march
+from sizing.energy.power_balance import PowerBalance
+
+TIME_H = np.linspace(0.0, 24.0, 49)
+
+
+def store(energy_wh, days, *, taper=False):
+    battery = Battery(
+        mass_kg=1.0,
+        specific_energy_wh_per_kg=energy_wh,
+        charge_efficiency=0.95,
+        discharge_efficiency=0.97,
+        charge_limit=RuleChargeLimit() if taper else NoChargeLimit(),
+    )
+    return Store.of(battery, np.full(days, float(energy_wh)))
+
+
+def days_of(clearness, load_w=40.0, peak_w=200.0):
+    """Power of days that differ in their light; each ends where the next begins."""
+    bell = np.maximum(np.sin((TIME_H - 6.0) / 12.0 * np.pi), 0.0)
+    solar = peak_w * np.asarray(clearness)[:, None] * bell
+    return PowerBalance.of(TIME_H, solar, np.full(solar.shape, load_w))
+
+
+def step_by_step(balance, its_store, start_wh):
+    """Independent march: one interval after the other, day after day."""
+    days = balance.net_w.shape[1]
+    energy, nodes, unserved = float(start_wh), [], []
+    for day in range(days):
+        one = PowerBalance(
+            balance.time_h,
+            balance.net_w[:, day],
+            balance.surplus_wh[:, day],
+            balance.deficit_wh[:, day],
+        )
+        single = its_store.select(slice(day, day + 1))
+        steps = list(march(one, single, np.array([energy])))
+        nodes.append([energy, *(float(step.end_wh[0]) for step in steps)])
+        unserved.append(sum(float(step.unserved_wh[0]) for step in steps))
+        energy = nodes[-1][-1]
+    return np.array(nodes), np.array(unserved)
+
+
+clearness_of_days = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=9)
+
+
+@settings(max_examples=40)
+@given(
+    clearness=clearness_of_days,
+    energy=st.floats(100.0, 4000.0),
+    begin=st.floats(0.0, 1.0),
+    taper=st.booleans(),
+)
+def test_all_days_at_once_are_the_days_one_after_the_other(clearness, energy, begin, taper):
+    balance = days_of(clearness)
+    its_store = store(energy, len(clearness), taper=taper)
+    run = carried_over(balance, its_store, np.array([begin * energy]), len(clearness))
+    nodes, unserved = step_by_step(balance, its_store, begin * energy)
+    # The same arithmetic in another order.
+    assert pytest.approx(nodes, rel=1e-9, abs=1e-9 * energy) == run.energy_wh()[:, 0, :].T
+    empty = ~np.isnan(run.unserved_level_wh())
+    clear = (unserved > 1e-6) | (unserved < 1e-12)
+    assert np.array_equal(empty[clear], unserved[clear] > 1e-6)
+
+
+@settings(max_examples=40)
+@given(clearness=clearness_of_days, energy=st.floats(100.0, 4000.0))
+def test_energy_is_conserved(clearness, energy):
+    balance, its_store = days_of(clearness), store(energy, len(clearness))
+    run = carried_over(balance, its_store, np.array([energy]), len(clearness)).run
+    before = np.maximum(run.drained_wh, 0.0)
+    charged = np.sum(run.after_charge_wh - before)
+    eta = its_store.discharge_efficiency
+    missing = np.sum(np.maximum(-run.drained_wh, 0.0)) + np.sum(np.maximum(-run.midnight_wh, 0.0))
+    delivered = np.sum(balance.deficit_wh) - eta * missing
+    stored = run.end_wh[-1] - energy
+    assert stored == pytest.approx(charged - delivered / eta, abs=1e-9 * energy * len(clearness))
+
+
+def test_the_same_day_again_and_again_becomes_the_repeated_day():
+    for peak_w in (150.0, 165.0, 200.0):
+        days = 120
+        balance = days_of(np.ones(days), peak_w=peak_w)
+        its_store = store(800.0, days)
+        run = carried_over(balance, its_store, np.array([800.0]), days)
+        one = days_of([1.0], peak_w=peak_w)
+        solar = (one.net_w + 40.0).T
+        cycle = simulate_cycle(TIME_H, solar, np.full(solar.shape, 40.0), store(800.0, 1))
+        assert run.energy_wh()[:, 0, -1] == pytest.approx(cycle.energy_wh[0], abs=1e-6)
+
+
+def test_several_aircraft_are_as_each_alone():
+    clearness = np.array([1.0, 0.3, 0.8, 0.1, 1.0])
+    single = days_of(clearness)
+    both = PowerBalance(
+        TIME_H,
+        np.tile(single.net_w, 2),
+        np.tile(single.surplus_wh, 2),
+        np.tile(single.deficit_wh, 2),
+    )
+    sizes = (500.0, 1500.0)
+    two = Store.of(
+        Battery(mass_kg=1.0, specific_energy_wh_per_kg=1.0), np.repeat(sizes, len(clearness))
+    )
+    found = carried_over(both, two, np.array(sizes), len(clearness)).energy_wh()
+    for i, size in enumerate(sizes):
+        alone = Store.of(Battery(mass_kg=1.0, specific_energy_wh_per_kg=1.0), np.full(5, size))
+        run = carried_over(single, alone, np.array([size]), len(clearness))
+        assert np.array_equal(found[:, i], run.energy_wh()[:, 0])
+
+
+@settings(max_examples=30)
+@given(clearness=clearness_of_days, energy=st.floats(200.0, 3000.0), launch=st.floats(5.0, 9.0))
+def test_flights_end_when_a_battery_marched_alone_is_empty(clearness, energy, launch):
+    days = len(clearness)
+    balance, its_store = days_of(clearness), store(energy, days)
+    carried = carried_over(balance, its_store, np.array([energy]), days)
+    launches = np.full(days, np.round(launch * 2.0) / 2.0)  # on a node, for the march alone
+    hours, outlasts = flight_hours(carried, launches, np.full(days, energy))
+    first = int(launches[0] * 2.0)
+    for begin in range(days):
+        left, flown = energy, None
+        for day in range(begin, days):
+            skip = first if day == begin else 0
+            part = PowerBalance(
+                TIME_H[skip:],
+                balance.net_w[skip:, day],
+                balance.surplus_wh[skip:, day],
+                balance.deficit_wh[skip:, day],
+            )
+            for step in march(part, its_store.select(slice(0, 1)), np.array([left])):
+                left = float(step.end_wh[0])
+                if float(step.unserved_wh[0]) > 1e-9 * energy:
+                    flown = (day - begin) * 24.0 + step.interval.start_h - launches[0]
+                    break
+            if flown is not None:
+                break
+        assert outlasts[begin] == (flown is None)
+        if flown is None:
+            assert hours[begin] == pytest.approx((days - begin) * 24.0 - launches[0])
+        else:
+            assert flown - 1e-6 <= hours[begin] <= flown + 0.5 + 1e-6  # within that interval

@@ -1,0 +1,84 @@
+import json
+
+import numpy as np
+import pytest
+from weather_files import clear_record
+
+import sizing
+from missions.files.errors import InputError
+from missions.library import load_mission
+from missions.weather.record import Site
+from sizing.library import load_aircraft
+
+AS2 = load_aircraft("atlantiksolar-as2")
+
+
+@pytest.fixture(scope="module")
+def analysis():
+    record = clear_record(
+        40,
+        first="2001-07-14",
+        wind_m_per_s=np.full(960, 3.0),
+        temperature_c=np.full(960, 20.0),
+        repairs=("2 rows filled between their neighbours",),
+    )
+    dim = np.where(np.arange(960) // 24 == 20, 0.1, 1.0)  # one dark day
+    record = clear_record(
+        40,
+        first="2001-07-14",
+        ghi=record.ghi * dim,
+        dni=record.dni * dim,
+        dhi=record.dhi * dim,
+        wind_m_per_s=record.wind_m_per_s,
+        temperature_c=record.temperature_c,
+        repairs=record.repairs,
+    )
+    return sizing.analyse_weather(AS2, load_mission("rafz-july"), record)
+
+
+def test_the_record_is_json_and_agrees_with_the_frame(analysis):
+    record = json.loads(json.dumps(analysis.to_dict(), allow_nan=False))
+    frame = analysis.to_frame()
+    assert record["days"] == len(frame) == 40
+    assert record["days_that_close"] == frame["closes"].sum() == 39
+    assert record["clear_sky_days_that_close"] == frame["clear_sky_closes"].sum() == 40
+    assert record["longest_run_days"] == 20
+    p10, p50, p90 = np.percentile(frame["endurance_h"], [10, 50, 90])
+    assert record["endurance_h"] == {"p10": p10, "p50": p50, "p90": p90}
+    assert record["site"]["latitude_deg"] == 46.8
+    assert record["share_of_clear_sky_light"] == pytest.approx(1.0 - 0.9 / 40, abs=2e-3)
+    assert record["wind_above_airspeed_share"] == 0.0
+    assert {w["days"]: w["starts"] for w in record["windows"]}[7] == 14 + 13
+    # From the dark day on: a full battery carries through it.
+    assert record["launches_that_outlast_the_record"] == 20
+
+
+def test_the_text_says_what_counts(analysis):
+    text = str(analysis)
+    assert "39 of 40 days close" in text.split("month by month")[0].replace("\n", " ")
+    assert "2 rows filled between their neighbours" in text
+    assert max(map(len, text.split("\n"))) <= 80
+    assert repr(analysis).startswith("<WeatherAnalysis: atlantiksolar-as2 in the weather of Some")
+    assert "<table>" in analysis._repr_html_()
+
+
+def test_subjects_are_checked_at_the_call():
+    mission = load_mission("rafz-july")
+    with pytest.raises(TypeError, match=r"expected Weather \(got str\); missions.load_weather"):
+        sizing.analyse_weather(AS2, mission, "file.epw")
+    with pytest.raises(ValueError, match="unknown model 'XX'"):
+        sizing.analyse_weather(AS2, mission, clear_record(2), model="XX")
+    far = clear_record(2, site=Site("Far", -30.0, 150.0, 100.0, 10.0))
+    with pytest.raises(InputError, match="km from the mission rafz-july"):
+        sizing.analyse_weather(AS2, mission, far)
+
+
+def test_a_missions_clearness_is_said_to_play_no_part():
+    hazy = load_mission("rafz-july", {"clearness": 0.5})
+    plain = load_mission("rafz-july")
+    record = clear_record(3, first="2001-07-14")
+    one, other = (sizing.analyse_weather(AS2, m, record) for m in (hazy, plain))
+    assert any("clearness plays no part" in note for note in one.notes)
+    assert np.array_equal(
+        one.performance.recorded.solar_power_w, other.performance.recorded.solar_power_w
+    )

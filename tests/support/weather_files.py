@@ -1,0 +1,176 @@
+"""Small weather files of every layout, written as their makers write them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+
+from missions.weather.record import Site, Weather, day_of_year
+from solar.clearsky import clear_sky, global_horizontal
+from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
+
+SITE = Site("Somewhere", 46.8, 6.9, 491.0, 1.0)
+
+
+def clear_light(start_s, interval_s, site=SITE, share=1.0, altitude_m=None):
+    """Means of the clear sky over intervals, from steps of a minute."""
+    steps = max(1, round(interval_s / 60.0))
+    fine = np.asarray(start_s)[:, None] + (np.arange(steps) + 0.5) * interval_s / steps
+    day = day_of_year(fine.reshape(-1))
+    hour = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg)
+    cosine = cos_zenith(site.latitude_deg, declination(day), hour_angle(hour))
+    altitude = site.altitude_m if altitude_m is None else altitude_m
+    sky = clear_sky(day, site.latitude_deg, cosine, altitude)
+    ghi = global_horizontal(sky, cosine)
+    return tuple(share * part.reshape(-1, steps).mean(axis=1) for part in (ghi, *sky))
+
+
+def clear_record(days=4, first="2001-06-20", interval_s=3600.0, share=1.0, **changes) -> Weather:
+    """Record of a clear (or evenly dimmed) sky."""
+    site = changes.pop("site", SITE)
+    begin = float((np.datetime64(first, "s") - np.datetime64("1970-01-01T00:00:00")).astype(int))
+    begin -= site.utc_offset_h * 3600.0
+    start_s = begin + interval_s * np.arange(round(days * 86400.0 / interval_s))
+    ghi, dni, dhi = clear_light(start_s, interval_s, site, share)
+    made = Weather("made", "CSV", site, start_s, interval_s, ghi, dni, dhi, None, None, False)
+    return replace(made, **changes)
+
+
+def write_plain(path: Path, record: Weather, header=None, rows=None) -> Path:
+    """Plain CSV of a record."""
+    site = record.site
+    lines = header or [
+        f"# name: {site.name}",
+        f"# latitude_deg: {site.latitude_deg}",
+        f"# longitude_deg: {site.longitude_deg}",
+        f"# altitude_m: {site.altitude_m}",
+        "time_utc,ghi,dni,dhi",
+    ]
+    stamps = record.start_s.astype("datetime64[s]")
+    table = [
+        f"{t}Z,{g:.3f},{b:.3f},{d:.3f}"
+        for t, g, b, d in zip(stamps, record.ghi, record.dni, record.dhi, strict=True)
+    ]
+    path.write_text("\n".join([*lines, *(rows(table) if rows else table)]) + "\n")
+    return path
+
+
+def write_epw(path: Path, record: Weather, name="Zürich", years=None) -> Path:
+    """EPW in Latin-1, local standard time, hours that end at 1 to 24."""
+    site = record.site
+    lines = [
+        f"LOCATION,{name},-,CHE,IWEC Data,066700,{site.latitude_deg},{site.longitude_deg},"
+        f"{site.utc_offset_h},{site.altitude_m}",
+        *["DESIGN CONDITIONS,0", "TYPICAL/EXTREME PERIODS,0", "GROUND TEMPERATURES,0"],
+        *["HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0", "COMMENTS 1,-", "COMMENTS 2,-"],
+        "DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31",
+    ]
+    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
+        local = datetime(1970, 1, 1) + timedelta(seconds=float(t) + site.utc_offset_h * 3600.0)
+        year = (years or {}).get(local.month, local.year)
+        fields = [year, local.month, local.day, local.hour + 1, 60, "?", 15.0, 5.0, 50, 95000]
+        fields += [0, 0, 300, f"{g:.2f}", f"{b:.2f}", f"{d:.2f}", 0, 0, 0, 0, 180, 3.0]
+        fields += [5, 5, 20, 9999, 0, 0, 10, 0.1, 0, 88, 0.2, 0, 1]
+        lines.append(",".join(str(field) for field in fields))
+    path.write_bytes(("\n".join(lines) + "\n").encode("latin-1"))
+    return path
+
+
+def write_pvgis_tmy(path: Path, record: Weather, years=None, offset_h=0.1761) -> Path:
+    """Typical year of PVGIS as CSV; its rows are instants, told for the whole hour."""
+    site = record.site
+    lines = [
+        f"Latitude (decimal degrees): {site.latitude_deg:.3f}",
+        f"Longitude (decimal degrees): {site.longitude_deg:.3f}",
+        f"Elevation (m): {site.altitude_m}",
+        f"Irradiance Time Offset (h): {offset_h}",
+        "month,year",
+        *(f"{month},{(years or {}).get(month, 2018)}" for month in range(1, 13)),
+        "time(UTC),T2m,RH,G(h),Gb(n),Gd(h),IR(h),WS10m,WD10m,SP",
+    ]
+    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
+        utc = datetime(1970, 1, 1) + timedelta(seconds=float(t))
+        year = (years or {}).get(utc.month, utc.year)
+        stamp = f"{year}{utc:%m%d:%H%M}"
+        lines.append(f"{stamp},15.0,50.0,{g:.2f},{b:.2f},{d:.2f},300.0,3.0,180.0,95000.0")
+    lines += ["", "T2m: 2-m air temperature (degree Celsius)", "RH: relative humidity (%)", ""]
+    path.write_text("\n".join(lines))
+    return path
+
+
+def write_pvgis_hourly(path: Path, record: Weather, slope="0 deg.") -> Path:
+    """Hourly series of PVGIS on the horizontal, with components."""
+    site = record.site
+    lines = [
+        f"Latitude (decimal degrees):\t{site.latitude_deg:.3f}",
+        f"Longitude (decimal degrees):\t{site.longitude_deg:.3f}",
+        f"Elevation (m):\t{site.altitude_m:.0f}",
+        "Radiation database:\tPVGIS-SARAH2",
+        *["", "", f"Slope: {slope}", "Azimuth: 0 deg. ", ""],
+    ]
+    lines = [*lines[:4], "", "", f"Slope: {slope} ", "Azimuth: 0 deg. "]
+    lines.append("time,Gb(i),Gd(i),Gr(i),H_sun,T2m,WS10m,Int")
+    for t, g, d in zip(record.start_s, record.ghi, record.dhi, strict=True):
+        utc = datetime(1970, 1, 1) + timedelta(seconds=float(t) + 1800.0)
+        day = day_of_year(np.array([float(t) + 1800.0]))
+        hour = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg)
+        sine = cos_zenith(site.latitude_deg, declination(day), hour_angle(hour))[0]
+        height = np.degrees(np.arcsin(max(sine, 0.0)))
+        lines.append(f"{utc:%Y%m%d:%H%M},{g - d:.2f},{d:.2f},0.0,{height:.2f},15.0,3.0,0.0")
+    lines += ["", "Gb(i): Beam irradiance", "", "PVGIS (c) European Union, 2001-2021"]
+    path.write_text("\n".join(lines))
+    return path
+
+
+def write_psm(path: Path, record: Weather) -> Path:
+    """NSRDB PSM, rows at the middles of their intervals, trailing commas as of a spreadsheet."""
+    site = record.site
+    lines = [
+        "Source,Location ID,City,State,Country,Latitude,Longitude,Time Zone,Elevation,"
+        "Local Time Zone",
+        f"NSRDB,1,-,-,-,{site.latitude_deg},{site.longitude_deg},{site.utc_offset_h:.0f},"
+        f"{site.altitude_m:.0f},{site.utc_offset_h:.0f}",
+        "Year,Month,Day,Hour,Minute,DHI,DNI,GHI,Temperature,Wind Speed,Cloud Type,Fill Flag,,",
+    ]
+    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
+        middle = float(t) + record.interval_s / 2.0 + site.utc_offset_h * 3600.0
+        local = datetime(1970, 1, 1) + timedelta(seconds=middle)
+        stamp = f"{local.year},{local.month},{local.day},{local.hour},{local.minute}"
+        lines.append(f"{stamp},{d:.2f},{b:.2f},{g:.2f},15.0,3.0,0,0,,")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def write_bsrn(path: Path, record: Weather) -> Path:
+    """BSRN station-to-archive file of one month's minutes."""
+    site = record.site
+    begin = datetime(1970, 1, 1) + timedelta(seconds=float(record.start_s[0]))
+    lines = [
+        "*U0001",
+        f" 21 {begin.month:2d} {begin.year}  1",
+        "*U0004",
+        " -1 -1 -1",
+        " 13  4",
+        f"Station, {site.name}, Country",
+        f"{'+41 0':<20s} +41 0",
+        f"{'0.0.0.0':<15s}   nobody",
+        f"{site.latitude_deg + 90:8.3f}{site.longitude_deg + 180:8.3f}"
+        f" {site.altitude_m:4.0f} 00000",
+        " -1 -1 -1",
+        "   0  1  90  2",
+        "*U0100",
+    ]
+    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
+        utc = datetime(1970, 1, 1) + timedelta(seconds=float(t))
+        minute = utc.hour * 60 + utc.minute
+        lines.append(
+            f"{utc.day:3d} {minute:4d}   {g:4.0f}   0.1    0    0   {b:4.0f}   0.0    0    0"
+        )
+        lines.append(
+            f"           {d:4.0f}   0.2   -1    0    348   0.3  347  349     15.0  50.0  950"
+        )
+    path.write_text("\n".join(lines) + "\n")
+    return path
