@@ -72,8 +72,9 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         names, width = [MONTH_NAMES[month - 1] for month in present], 31
     charge = np.full((len(names), width), np.nan)
     charge[rows, columns] = 100.0 * run.dawn_state_of_charge
+    fullest = 10.0 * np.ceil(max(float(np.nanmax(charge)), 1.0) / 10.0)
     image = axes.imshow(
-        charge, aspect="auto", cmap="viridis", vmin=0.0, vmax=100.0, interpolation="nearest"
+        charge, aspect="auto", cmap="viridis", vmin=0.0, vmax=fullest, interpolation="nearest"
     )
     failed = ~run.closes
     axes.plot(
@@ -151,4 +152,4 @@ def _draw_season(axes: Axes, analysis: WeatherAnalysis) -> None:
     axes.set_xticks(range(len(present)), [MONTH_NAMES[number - 1][:1] for number in present])
     axes.set(ylim=(0.0, 102.0), xlabel="month", ylabel="days that close [%]")
     axes.grid(alpha=0.3, axis="y")
-    axes.legend(fontsize="small")
+    axes.legend(fontsize="small", loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
