@@ -27,4 +27,6 @@ def computed_once(function: Callable[..., Any]) -> Callable[..., Any]:
 def _key(value: Any) -> Hashable:
     if isinstance(value, np.ndarray):
         return value.shape, str(value.dtype), value.tobytes()
+    if isinstance(value, tuple):
+        return tuple(map(_key, value))
     return type(value), value
