@@ -34,6 +34,14 @@ def _full_model_computed_once() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _coarse_images() -> Iterator[None]:
+    """Figures are drawn with a fifth of their dots: nobody looks at those of tests."""
+    with pytest.MonkeyPatch.context() as context:
+        context.setattr("studies.output.plots.DOTS_PER_INCH", 30)
+        yield
+
+
 @pytest.fixture
 def registries() -> Iterator[None]:
     """Skies and shading models that a test registers are forgotten after it."""

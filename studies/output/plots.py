@@ -45,6 +45,7 @@ MODEL_COLOURS: dict[ModelName, str] = {
     "VM": GREEN,
     "FM": VERMILLION,
 }
+DOTS_PER_INCH = 150
 # Instants of the day around which a short text fits into the axes.
 _ROOM_FOR_TEXT_H = (2.4, 21.6)
 
@@ -112,7 +113,7 @@ def to_bytes(figure: Figure, image_format: str) -> bytes:
     bytes
     """
     buffer = io.BytesIO()
-    figure.savefig(buffer, format=image_format, dpi=150)
+    figure.savefig(buffer, format=image_format, dpi=DOTS_PER_INCH)
     return buffer.getvalue()
 
 

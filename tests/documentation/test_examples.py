@@ -53,6 +53,8 @@ def run_script(
 ) -> Script:
     """Run a file as a script, in this process, from an empty folder; return what it prints."""
     monkeypatch.chdir(tmp_path)
+    # Other tests start processes; here they would only import everything again.
+    monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 1)
 
     def run(script: Path, *arguments: str) -> str:
         monkeypatch.setattr(sys, "argv", [str(script), *arguments])
