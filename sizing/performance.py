@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +21,7 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, longest_flight
 from sizing.energy.power_balance import blocks
+from sizing.energy.settling import days_to_settle, simulate_days
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -61,6 +63,20 @@ class Performance:
     def endurance_h(self) -> FloatArray:
         """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
         return self._longest_flights().endurance_h
+
+    def days_to_settle(self) -> FloatArray:
+        """Days that the repeated day needs from an empty battery, in every scenario.
+
+        Infinite beyond 366, and NaN where there is no equal power in the morning: see
+        :func:`sizing.energy.settling.days_to_settle`.
+        """
+        return days_to_settle(
+            self.day.time_h,
+            self.solar_power_w,
+            self.load_w,
+            self.store,
+            nominal_load_w=self.nominal_load_w,
+        )
 
     def _longest_flights(self) -> Endurance:
         limited = np.flatnonzero(~self.cycle.perpetual)
@@ -114,6 +130,49 @@ def performance(
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     design = design_of(aircraft, mission)
     return _simulate(aircraft, mission, solar, design, lit, keep_trajectory=keep_trajectory)
+
+
+def performance_after_days(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    dates: Sequence[SolarDay],
+) -> Performance:
+    """Simulate an aircraft on consecutive dates, from a battery empty at equal power.
+
+    Parameters
+    ----------
+    aircraft, mission, solar
+        As for :func:`performance`; ``solar`` is a label.
+    dates : sequence of SolarDay
+        Those of :func:`sizing.sunlight.consecutive_days`; the flight begins in the morning of the
+        first.
+
+    Returns
+    -------
+    Performance
+        Of the last date, labelled with the scenarios of the first: see
+        :func:`sizing.energy.settling.simulate_days`.
+
+    Raises
+    ------
+    ImpossibleDesignError
+        If a parametric aircraft cannot carry its own mass.
+    """
+    design = design_of(aircraft, mission)
+    powers = [_powers(mission, design, date) for date in dates]
+    solar_w, load_w, nominal = powers[-1]
+    store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])
+    cycle = simulate_days(
+        dates[-1].time_h,
+        [power[0] for power in powers],
+        [power[1] for power in powers],
+        store,
+        nominal_load_w=nominal,
+    )
+    day = replace(dates[-1], scenarios=dates[0].scenarios)
+    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
 
 
 def performance_of_designs(
@@ -186,6 +245,24 @@ def _simulate(
     paired: bool = False,
 ) -> Performance:
     """Simulate every design in every scenario, or ``paired``: every design in its own."""
+    solar_w, load_w, nominal = _powers(mission, design, day, paired=paired)
+    energy_wh = np.asarray(design.battery_energy_wh)
+    store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
+    cycle = simulate_cycle(
+        day.time_h,
+        solar_w,
+        load_w,
+        store,
+        nominal_load_w=nominal,
+        keep_trajectory=keep_trajectory,
+    )
+    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
+
+
+def _powers(
+    mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Solar power, load and nominal load [W] of every design in every scenario, or in its own."""
 
     def over_scenarios(value: ArrayLike) -> FloatArray:
         return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
@@ -201,17 +278,7 @@ def _simulate(
     )
     load_w = load_profile(day.time_h, per_scenario, mission, day.sunrise_h, day.sunset_h)
     load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
-    nominal = np.asarray(per_scenario.nominal_load_w(mission))
-    store = Store.of(aircraft.battery, over_scenarios(design.battery_energy_wh))
-    cycle = simulate_cycle(
-        day.time_h,
-        solar_w,
-        load_w,
-        store,
-        nominal_load_w=nominal,
-        keep_trajectory=keep_trajectory,
-    )
-    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
+    return solar_w, load_w, np.asarray(per_scenario.nominal_load_w(mission))
 
 
 def perpetual_days(

@@ -18,16 +18,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from enum import IntEnum
-from functools import cached_property
 from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from sizing.energy.batch import Cells
 from sizing.energy.battery import Store
 from sizing.energy.march import (
-    ChargingDay,
     DayRun,
     first_repetition,
     full_after_h,
@@ -95,6 +94,20 @@ class Cycle:
     def perpetual(self) -> BoolArray:
         """Mark the cycles of perpetual flight."""
         return np.isin(self.status, (Status.perpetual, Status.always_lit))
+
+    def reshaped(self, batch: tuple[int, ...]) -> Cycle:
+        """Cycle of a one-dimensional batch in another shape."""
+
+        def shaped(values: Any) -> Any:
+            return values.reshape(batch + values.shape[1:])
+
+        budget = {f.name: shaped(getattr(self.energy_budget, f.name)) for f in fields(EnergyBudget)}
+        rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
+        return Cycle(
+            time_h=self.time_h,
+            energy_budget=EnergyBudget(**budget),
+            **{name: shaped(getattr(self, name)) for name in rest},
+        )
 
 
 @dataclass(frozen=True)
@@ -205,74 +218,24 @@ def simulate_cycle(
     Cycle
         Arrays of shape ``...``; ``energy_wh`` has a last axis of ``time``.
     """
-    time = np.asarray(time_h, float)
-    solar, load = np.broadcast_arrays(np.asarray(solar_power_w, float), np.asarray(load_w, float))
-    nominal = np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
-    batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, store.battery_energy_wh.shape)
-    solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
-    cells = _Cells(
-        time,
-        solar,
-        load,
-        np.broadcast_to(nominal, batch).reshape(-1),
-        store.flat(batch),
-    )
+    cells, batch = Cells.of(time_h, solar_power_w, load_w, store, nominal_load_w)
     return _simulated(cells, batch, keep_trajectory=keep_trajectory)
 
 
-def _time_first(values: FloatArray) -> FloatArray:
-    """Time on the first axis, the whole batch on a second."""
-    return np.moveaxis(values, -1, 0).reshape(values.shape[-1], -1)
-
-
-@dataclass(frozen=True)
-class _Cells:
-    """Powers [W] and batteries of a one-dimensional batch; time is the first axis."""
-
-    time_h: FloatArray
-    solar_w: FloatArray
-    load_w: FloatArray
-    nominal_w: FloatArray
-    store: Store
-
-    def select(self, some: IntArray | slice) -> _Cells:
-        return _Cells(
-            self.time_h,
-            self.solar_w[:, some],
-            self.load_w[:, some],
-            self.nominal_w[some],
-            self.store.select(some),
-        )
-
-    @cached_property
-    def balance(self) -> PowerBalance:
-        return PowerBalance.of(self.time_h, self.solar_w.T, self.load_w.T)
-
-    @property
-    def day(self) -> ChargingDay:
-        return ChargingDay.of(self.balance)
-
-    def above_nominal_w(self) -> FloatArray:
-        """Solar power less the nominal load."""
-        if np.array_equal(self.load_w, np.broadcast_to(self.nominal_w, self.load_w.shape)):
-            return self.balance.net_w
-        return self.solar_w - self.nominal_w
-
-
-def _simulated(cells: _Cells, batch: tuple[int, ...], *, keep_trajectory: bool) -> Cycle:
+def _simulated(cells: Cells, batch: tuple[int, ...], *, keep_trajectory: bool) -> Cycle:
     """Cycle of a batch, in blocks; elements that do not settle at once come last, together."""
     parts, unsettled = [], []
     for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
         block = cells.select(some)
         run, left = first_repetition(block.day, block.store)
-        parts.append(_measured(block, run, keep_trajectory))
+        parts.append(measured(block, run, keep_trajectory))
         unsettled.append(some.start + left)
     places = np.concatenate(unsettled)
     late = []
     for some in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
         block = cells.select(places[some])
         run = repeated_day(block.day, block.store)
-        late.append((places[some], _measured(block, run, keep_trajectory)))
+        late.append((places[some], measured(block, run, keep_trajectory)))
 
     def column(pick: Callable[[Cycle], Any]) -> Any:
         values = np.concatenate([pick(part) for part in parts])
@@ -289,8 +252,23 @@ def _simulated(cells: _Cells, batch: tuple[int, ...], *, keep_trajectory: bool) 
     )
 
 
-def _measured(cells: _Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
-    """Cycle of a one-dimensional batch from the run of its day."""
+def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
+    """Metrics of a one-dimensional batch from the run of its day.
+
+    Parameters
+    ----------
+    cells : Cells
+        Powers and batteries.
+    run : DayRun
+        What became of the batteries.
+    keep_trajectory : bool
+        Keep the stored energy over time.
+
+    Returns
+    -------
+    Cycle
+        Arrays of shape (element,).
+    """
     balance, store, nominal = cells.balance, run.store, cells.nominal_w
     equal = equal_power(cells.time_h, cells.above_nominal_w())
     missing_h, unserved = _missing(balance, run)
@@ -299,7 +277,7 @@ def _measured(cells: _Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
     # A last digit of unserved energy may be left by the fixed point's tolerance.
     runs_empty = unserved > 1e-9 * store.battery_energy_wh
     with np.errstate(divide="ignore", invalid="ignore"):
-        left_over = _dawn_wh(balance, run, equal) * store.discharge_efficiency
+        left_over = dawn_wh(balance, run, equal) * store.discharge_efficiency
         surplus_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
     excess, status = excess_and_status(
         equal,
@@ -362,8 +340,19 @@ def excess_and_status(
     return excess_h, np.where(sunlit, status, Status.never_lit)
 
 
-def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
-    """Stored energy at the morning's equal power [Wh]."""
+def dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
+    """Stored energy at the morning's equal power [Wh].
+
+    Parameters
+    ----------
+    balance, run, equal
+        Of the same day and batch.
+
+    Returns
+    -------
+    ndarray, shape (element,)
+        Energy at midnight where there is no such instant [Wh].
+    """
     index, fraction = equal.morning_index, equal.morning_fraction
     columns = np.arange(len(index))
     left, right = balance.net_w[index, columns], balance.net_w[index + 1, columns]
@@ -423,7 +412,7 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
     return np.where(begin.any, first, np.nan), np.where(end.any, last, np.nan)
 
 
-def _energy_budget(cells: _Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
+def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
     store = run.store
     into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
     surplus = sum_over_time(run.day.surplus_wh)

@@ -14,16 +14,17 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
-from sizing.performance import Performance, performance
+from sizing.performance import Performance, performance, performance_after_days
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results.notes import extrapolation_records
 from sizing.results.records import check_subjects, finite
 from sizing.results.tables import Result, Summary
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, worst_of
 from solar._version import __version__
 from solar.names import CorrectionName, ModelName
+from solar.types import FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,6 +46,8 @@ class Analysis(Result):
         Replay of the mission's launch, where it has one.
     climb : ClimbPerformance or None
         For a mission with climbs, which the three performances then have.
+    days : int or None
+        Days flown from an empty battery; None for a day repeated without end.
     """
 
     aircraft: Aircraft
@@ -54,6 +57,7 @@ class Analysis(Result):
     high: Performance
     flight: CalendarRun | None
     climb: ClimbPerformance | None = None
+    days: int | None = None
 
     @property
     def worst(self) -> int:
@@ -90,6 +94,17 @@ class Analysis(Result):
         found = extrapolations(self.aircraft, self.performance, highest_altitude_m=highest_m)
         return worst_of([*found, *(() if self.flight is None else self.flight.extrapolations)])
 
+    @cached_property
+    def days_to_settle(self) -> FloatArray:
+        """Days until the repeated day of every scenario has settled from an empty battery.
+
+        Infinite beyond 366 days; NaN where there is no equal power in the morning, and for a
+        mission with climbs or a given number of days, whose day is not repeated so.
+        """
+        if self.climb is not None or self.days is not None:
+            return np.full(len(self.performance.cycle.status), np.nan)
+        return self.performance.days_to_settle()
+
     def headline(self) -> str:
         """Aircraft, place and excess time in one line."""
         from sizing.results.analysis_summary import headline
@@ -114,6 +129,7 @@ class Analysis(Result):
             "mission_is_default": False,  # a command without --mission says so
             "model": solar.model,
             "correction": solar.correction,
+            "days": self.days,
             "total_mass_kg": finite(design.total_mass_kg),
             "battery_energy_wh": finite(design.battery_energy_wh),
             "propulsion_power_w": finite(design.propulsion_power_w),
@@ -144,6 +160,7 @@ class Analysis(Result):
                 "minimum_state_of_charge": cycle.minimum_state_of_charge,
                 "solar_energy_wh": cycle.energy_budget.solar_wh,
                 "load_energy_wh": cycle.energy_budget.load_wh,
+                "days_to_settle": self.days_to_settle,
             }
         )
 
@@ -179,6 +196,7 @@ def analyse(
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
     replay: bool = True,
+    days: int | None = None,
 ) -> Analysis:
     """Analyse how long an aircraft flies on a mission.
 
@@ -193,6 +211,9 @@ def analyse(
         Correction of the model's systematic error.
     replay : bool
         Fly the mission's launch on the calendar, if it has one.
+    days : int, optional
+        Fly so many days from a battery that is empty at equal power in the morning of the mission's
+        date, while the date advances, 1 to 365. By default the day is repeated without end.
 
     Returns
     -------
@@ -203,7 +224,8 @@ def analyse(
     TypeError
         For what is no aircraft or mission, such as their names.
     ValueError
-        For an unknown model or correction, or a model that lacks surfaces or path.
+        For an unknown model or correction, a model that lacks surfaces or path, and for ``days``
+        out of range or with a mission that climbs.
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
     """
@@ -211,19 +233,57 @@ def analyse(
     solar = SolarModel(model, correction)
     rms = solar.rms_relative
     factors = (1.0 - rms, 1.0, 1.0 + rms)
+    check_days(mission, days)
     if mission.climb is not None:
         down, climbs, up = (
             climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
         )
         three = (climbs.performance, down.performance, up.performance)
         return Analysis(aircraft, mission, *three, flight=None, climb=climbs)
-    day = solar_day(aircraft, mission, solar)
-    low, centre, high = (
-        performance(aircraft, mission, solar, day=day.scaled(factor)) for factor in factors
-    )
+    if days is None:
+        day = solar_day(aircraft, mission, solar)
+        low, centre, high = (
+            performance(aircraft, mission, solar, day=day.scaled(factor)) for factor in factors
+        )
+    else:
+        dates = consecutive_days(aircraft, mission, solar, days=days)
+        low, centre, high = (
+            performance_after_days(
+                aircraft, mission, solar, dates=[date.scaled(factor) for date in dates]
+            )
+            for factor in factors
+        )
     fly = replay and mission.launch is not None
     flight = calendar_run(aircraft, mission, solar) if fly else None
-    return Analysis(aircraft, mission, centre, low, high, flight)
+    return Analysis(aircraft, mission, centre, low, high, flight, days=days)
+
+
+def check_days(mission: Mission, days: int | None) -> None:
+    """Refuse a number of days that cannot be flown.
+
+    Parameters
+    ----------
+    mission : Mission
+    days : int or None
+        As for :func:`analyse`.
+
+    Raises
+    ------
+    TypeError
+        For what is no whole number.
+    ValueError
+        Outside 1 to 365, or for a mission with climbs.
+    """
+    if days is None:
+        return
+    if isinstance(days, bool) or not isinstance(days, int | np.integer):
+        raise TypeError(f"days must be a whole number or None (got {days!r})")
+    if not 1 <= days <= 365:
+        raise ValueError(f"days must be from 1 to 365 (got {days})")
+    if mission.climb is not None:
+        raise ValueError(
+            f"days cannot be given for mission {mission.name} with climb: its day repeats itself"
+        )
 
 
 def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
@@ -242,6 +302,7 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     perf, endurance = analysis.performance, analysis.endurances[index]
     cycle, account = perf.cycle, perf.cycle.energy_budget
     lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
+    settled = analysis.days_to_settle[index]
     record = {
         "excess_time_h": finite(cycle.excess_time_h[index]),
         "charge_margin_h": finite(cycle.charge_margin_h[index]),
@@ -254,6 +315,7 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
         "equal_power_morning_h": finite(cycle.equal_power_morning_h[index]),
         "equal_power_evening_h": finite(cycle.equal_power_evening_h[index]),
         "full_charge_h": finite(cycle.full_charge_h[index]),
+        "days_to_settle": None if not np.isfinite(settled) else int(settled),
         "power_out_w": finite(np.broadcast_to(perf.nominal_load_w, cycle.status.shape)[index]),
         "solar_energy_wh": finite(account.solar_wh[index]),
         "load_energy_wh": finite(account.load_wh[index]),

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
+from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.results.analysis import Analysis, flight_record, scenario_record
 from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import clock_label, hours
@@ -16,8 +19,9 @@ def headline(analysis: Analysis) -> str:
     """Aircraft, mission, place and excess time in one line."""
     record = scenario_record(analysis, analysis.worst)
     excess = hours(record["excess_time_h"], UNLIMITED if _always_lit(record) else MISSING)
+    flown = "" if analysis.days is None else f" after {_days(analysis.days)}"
     return (
-        f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}: "
+        f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}{flown}: "
         f"excess time {excess}, {record['status'].replace('_', ' ')}"
     )
 
@@ -27,8 +31,9 @@ def summary(analysis: Analysis) -> Summary:
     record = analysis.to_dict()
     several = len(record["scenarios"]) > 1
     worst = ", worst scenario" if several else ""
+    flown = "" if analysis.days is None else f", after {_days(analysis.days)} from an empty battery"
     title = (
-        f"{record['aircraft']} on {record['mission']}, {_where(analysis)}{worst}: "
+        f"{record['aircraft']} on {record['mission']}, {_where(analysis)}{worst}{flown}: "
         f"{record['status'].replace('_', ' ')}"
     )
     rows = _rows(record) + (_climb_rows(record["climb"]) if "climb" in record else [])
@@ -37,9 +42,37 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(scenario_table(record["scenarios"]))
     if analysis.flight is not None:
         blocks.append(flight_table(flight_record(analysis.flight)))
+    slow = settling_line(analysis)
+    if slow is not None:
+        blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
     blocks.append(Line(uncertainty_line(record), "faint"))
     return Summary(tuple(blocks))
+
+
+# More days than these are told: at an equinox at 47.6 N the energy of a day has changed by 5 % by
+# then, about as much as the solar power model errs.
+_A_FEW_DAYS = 5
+
+
+def settling_line(analysis: Analysis) -> str | None:
+    """Warning that the season does not wait for the repeated day to settle; None if it need not."""
+    days = analysis.days_to_settle
+    slow = days > _A_FEW_DAYS
+    if not slow.any():
+        return None
+    which = analysis.worst if slow[analysis.worst] else int(np.argmax(np.where(slow, days, 0.0)))
+    number = f"{days[which]:.0f}" if np.isfinite(days[which]) else f"more than {MAXIMUM_DAYS}"
+    where = "" if len(days) == 1 else f" at {analysis.performance.day.scenarios.label(which)}"
+    return (
+        f"From an empty battery the day{where} must repeat itself {number} times until the charge "
+        f"in the morning is within {100 * SETTLED:.0f} % of the battery's energy of the one shown. "
+        "The season does not wait: --days 2 flies from an empty battery while the date advances."
+    )
+
+
+def _days(count: int) -> str:
+    return "1 day" if count == 1 else f"{count} days"
 
 
 def uncertainty_line(record: dict[str, Any]) -> str:

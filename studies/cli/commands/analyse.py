@@ -65,6 +65,11 @@ class Latitude(click.ParamType[float]):
     help="Date instead of the mission's, e.g. 10-15.",
 )
 @click.option(
+    "--days",
+    type=click.IntRange(1, 365),
+    help="Fly so many days from an empty battery, the date advancing, not one day without end.",
+)
+@click.option(
     "--weather",
     "weather_file",
     type=click.Path(),
@@ -90,6 +95,7 @@ def analyse(
     latitude: float | None,
     day_of_year: int | None,
     date: int | None,
+    days: int | None,
     weather_file: str | None,
     csv_file: str | None,
     plot_file: str | None,
@@ -109,6 +115,8 @@ def analyse(
 
     if day_of_year is not None and date is not None:
         raise click.UsageError("give --day-of-year or --date, not both")
+    if days is not None and weather_file is not None:
+        raise click.UsageError("give --days or --weather, not both")
     check_image(plot_file)
     check_outputs(csv=csv_file, plot=plot_file)
     case = load(aircraft, mission, overrides, model=model, correction=correction)
@@ -119,6 +127,8 @@ def analyse(
     if moved:
         # The mission's launch is one at its own place and day.
         case = case.with_mission(**moved, launch=None)
+    if days is not None and case.mission.climb is not None:
+        raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
     require_path(case)
     if weather_file is not None:
         _in_weather(case, weather_file, csv_file, plot_file, as_json=as_json)
@@ -126,7 +136,7 @@ def analyse(
     require_climber(case)
     solar = case.solar
     result = run_analysis(
-        case.aircraft, case.mission, model=solar.model, correction=solar.correction
+        case.aircraft, case.mission, model=solar.model, correction=solar.correction, days=days
     )
     flight = result.flight
     write_results(
