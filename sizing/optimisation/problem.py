@@ -19,7 +19,7 @@ Energy over the day is integrated exactly as the simulator does it;
 Both together say that the cycle repeats itself with at least ``soc_dawn``, and the excess time is
 the energy at dawn over the load. Every cost is a weighted sum of variables. Slack variables, held
 at zero in the sizing itself, let the same program tell by how much the requirements are missed;
-technology variables, held too, which value would meet them.
+technology, limits and wind, held too, which value would meet them.
 
 The program is data: every entry of the decision vector is a :class:`Variable`, every row a
 :class:`Constraint`, each with its name, unit and scale. Nothing else knows where they stand.
@@ -37,7 +37,14 @@ from typing import Any, Literal, NamedTuple
 import casadi as ca
 import numpy as np
 
-from sizing.aircraft import Aircraft, DesignSpace, ParametricAirframe, Range
+from sizing.aircraft import (
+    Aircraft,
+    DesignSpace,
+    LimitedQuantity,
+    LimitEnd,
+    ParametricAirframe,
+    Range,
+)
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
@@ -97,6 +104,7 @@ ALWAYS_LIT_MARGIN = 1e-5
 
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
+WIND = "mission.wind_m_per_s"
 
 
 class Role(Enum):
@@ -105,6 +113,8 @@ class Role(Enum):
     design = auto()
     payload = auto()  # held at the mission's value unless it is freed
     technology = auto()  # relative to the aircraft's own value, held there unless it is freed
+    limit = auto()  # of the design space, likewise
+    wind = auto()  # held at the mission's value unless it is freed
     dawn_state = auto()
     worst_excess = auto()
     slack = auto()
@@ -409,7 +419,28 @@ def _chosen_variables(aircraft: Aircraft) -> tuple[Variable, ...]:
             for key, one in catalogue().items()
             if one.kind == "technology" and one.relaxable and parameter_value(aircraft, None, key)
         ),
+        *(Variable(name, "1", 1e-3, 1e3, role=Role.limit) for name in limit_rows(aircraft)),
+        Variable(WIND, unit(WIND), 0.0, math.inf, 10.0, Role.wind),
     )
+
+
+def limit_rows(aircraft: Aircraft) -> dict[str, tuple[LimitedQuantity, LimitEnd]]:
+    """Limits of the design space, quantity and end, by the names of their rows and variables."""
+    ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
+    limits = aircraft.design_space.all_limits()
+    return {
+        f"{quantity}_{end}": (quantity, end)
+        for quantity, limit in limits.items()
+        for end in ends
+        if getattr(limit, end) is not None
+    }
+
+
+def _eased(value: Any, end: LimitEnd, relative: Any) -> Any:
+    """Row of a limit, relative to it, where the limit is multiplied by a factor."""
+    if end == "minimum":
+        return (value + 1.0) / relative - 1.0
+    return 1.0 - (1.0 - value) / relative
 
 
 def _payload_scale_kg(space: DesignSpace) -> float:
@@ -444,9 +475,15 @@ def _design_function(
     own = {"aspect_ratio": aircraft.airframe.aspect_ratio}
     chosen = DesignVariables(**_named(DesignVariables._fields, own | values))
     conditions = FlightConditions(*(symbols[i] for i in range(symbols.shape[0])))
-    conditions = conditions.with_payload_of(chosen)
+    conditions = conditions.with_payload_of(chosen)._replace(wind_m_per_s=values[WIND])
     design = parametric_design(technology, conditions, chosen, values["total_mass_kg"])
-    requirements = design_requirements(technology, design, conditions)
+    limits = limit_rows(aircraft)
+    requirements = [
+        row._replace(value=_eased(row.value, limits[row.name][1], values[row.name]))
+        if row.name in limits
+        else row
+        for row in design_requirements(technology, design, conditions)
+    ]
     function = ca.Function(
         "design",
         [x, symbols],

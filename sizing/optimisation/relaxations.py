@@ -17,18 +17,26 @@ from numpy.typing import NDArray
 
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
-from sizing.design import DesignVariables
-from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.design import DesignVariables, FlightConditions
+from sizing.limits import meets_requirements
 from sizing.optimisation.cells import size_cells
+from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import SOLAR_TECHNOLOGY, WORST_EXCESS, Role, SizingProblems
+from sizing.optimisation.problem import (
+    SOLAR_TECHNOLOGY,
+    WIND,
+    WORST_EXCESS,
+    Role,
+    SizingProblems,
+    limit_rows,
+)
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import (
     PENALTY,
     Accepted,
     Search,
+    Simulated,
     run,
-    simulated,
     size_aircraft,
     telling_scenarios,
 )
@@ -40,7 +48,7 @@ from sizing.optimisation.solver import (
 )
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
 Direction = Literal["at least", "at most"]
@@ -52,7 +60,7 @@ _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
 _BLOCKS = 2
 _AT_ONCE = 4  # latitudes that are sized together
-_HALVINGS, _NEAR_ENOUGH = 14, 0.003  # of a bisection, and where it may end: relative
+_ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _STEPS_BEYOND = 3  # where the scenarios left out need a little more
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
@@ -145,6 +153,8 @@ class _Relaxations:
         problems: SizingProblems,
     ) -> None:
         assert result.nearest is not None
+        # What is to be carried as much as possible need not be carried at all.
+        mission = least_mission(mission, result.objective)
         self.aircraft, self.mission, self.solar, self.problems = aircraft, mission, solar, problems
         self.nearest, self.required_h = result.nearest, result.required_excess_time_h
         self.objective = result.objective
@@ -157,6 +167,7 @@ class _Relaxations:
         self.start = result.nearest.design.variables.mapped(float)
         self.program = problems.of(_BLOCKS)
         self.technology = [v.name for v in self.program.of_role(Role.technology)]
+        self.limits = limit_rows(aircraft)
         self.last: Solution | None = None
 
     def all(self) -> Iterable[Relaxation]:
@@ -165,7 +176,7 @@ class _Relaxations:
         found += [self._payload(v.name) for v in self.program.of_role(Role.payload)]
         found += [self._bound(key) for key, one in catalogue().items() if one.kind == "bound"]
         found += [self._latitude(), self._required_excess(), self._wind()]
-        found += [self._limit(*place) for place in self._limits_in_the_way()]
+        found += [self._limit(name) for name in self.limits if name in self.in_the_way]
         return [one for one in found if one is not None]
 
     # --- one parameter in the program ----------------------------------------------------------
@@ -260,8 +271,7 @@ class _Relaxations:
         run(
             [search],
             lambda some: [
-                simulated(self.solver, self._simulate(one.current), -sign * one.current.value(name))
-                for one in some
+                self._simulated(one.current, -sign * one.current.value(name)) for one in some
             ],
         )
         # The next parameter starts with the same cost, not with this one's.
@@ -285,17 +295,34 @@ class _Relaxations:
         self.last = found
         return None if found.missed() else found
 
-    def _simulate(self, solution: Solution) -> Performance:
-        """Performance with the technology that the program chose."""
-        aircraft, day = self.aircraft, self.day
+    def _eased(self, solution: Solution) -> tuple[Aircraft, Mission, SolarDay]:
+        """Aircraft, mission and sun with the values that the program chose."""
+        aircraft, mission, day = self.aircraft, self.mission, self.day
         for key in solution.instance.freed:
-            present = parameter_value(self.aircraft, self.mission, key)
-            if key in self.technology and present is not None:
-                relative = solution.value(key)
-                aircraft, _ = with_parameter(aircraft, self.mission, key, present * relative)
-                if key == SOLAR_TECHNOLOGY:
-                    day = day.scaled(relative)
-        return performance_of_designs(aircraft, self.mission, solution.design, self.solar, day=day)
+            present, chosen = parameter_value(aircraft, mission, key), solution.value(key)
+            if key == WIND:
+                aircraft, mission = with_parameter(aircraft, mission, key, chosen)
+            elif key in self.technology and present is not None:
+                aircraft, mission = with_parameter(aircraft, mission, key, present * chosen)
+                day = day.scaled(chosen) if key == SOLAR_TECHNOLOGY else day
+            elif key in self.limits:
+                aircraft = self._with_limit(*self.limits[key], chosen)
+        return aircraft, mission, day
+
+    def _with_limit(self, quantity: LimitedQuantity, end: LimitEnd, relative: float) -> Aircraft:
+        """Aircraft with one of its limits multiplied by a factor."""
+        space = self.aircraft.design_space
+        limit = getattr(space.all_limits()[quantity], end) * relative
+        eased = space.with_limit(quantity, end, limit)
+        return self.aircraft.model_copy(update={"design_space": eased})
+
+    def _simulated(self, solution: Solution, merit: float) -> Simulated:
+        """What the simulator finds for a solution, with the values that the program chose."""
+        aircraft, mission, day = self._eased(solution)
+        perf = performance_of_designs(aircraft, mission, solution.design, self.solar, day=day)
+        worst = perf.worst_scenario()
+        excess_h = float(perf.cycle.excess_time_h[worst])
+        return Simulated(excess_h, worst, merit, _sound(aircraft, mission, perf), perf)
 
     def _confirmed(
         self, key: str, present: float, found: float, variables: DesignVariables
@@ -303,13 +330,21 @@ class _Relaxations:
         """Relaxation at the rounded value, if the simulator finds the design feasible there."""
         direction: Direction = "at least" if parameter(key).relaxable == "up" else "at most"
         value = _rounded(found, direction)
-        aircraft, mission = with_parameter(self.aircraft, self.mission, key, value)
+        eased = with_parameter(self.aircraft, self.mission, key, value)
+        worst_h = self._reached_by(variables, *eased)
+        if worst_h is None:
+            return None
+        return Relaxation(key, parameter(key).unit, present, direction, value, worst_h)
+
+    def _reached_by(
+        self, variables: DesignVariables, aircraft: Aircraft, mission: Mission
+    ) -> float | None:
+        """Worst excess time of a design; None if it is not enough, or something else is missed."""
         day = solar_day(aircraft, mission, self.solar, scenarios=self.day.scenarios)
         perf = performance_of_designs(aircraft, mission, variables, self.solar, day=day)
         worst_h = float(np.min(perf.cycle.excess_time_h))
-        if not (worst_h > 0.0 and worst_h >= self.required_h):
-            return None
-        return Relaxation(key, parameter(key).unit, present, direction, value, worst_h)
+        enough = worst_h > 0.0 and worst_h >= self.required_h
+        return worst_h if enough and _sound(aircraft, mission, perf) else None
 
     # --- latitude and required time ------------------------------------------------------------
 
@@ -438,73 +473,44 @@ class _Relaxations:
     def _moved(self, latitude: float | LatitudeRange) -> Mission:
         return self.mission.model_copy(update={"latitude_deg": latitude})
 
-    # --- what the program holds fixed -----------------------------------------------------------
+    # --- wind and limits -----------------------------------------------------------------------
 
     def _wind(self) -> Relaxation | None:
         """Strongest wind that can be flown in, where the airspeed does not suffice."""
-        if "airspeed_above_wind" not in self.in_the_way:
+        present = self.mission.wind_m_per_s
+        if "airspeed_above_wind" not in self.in_the_way or present == 0.0:
             return None
-
-        def reached_h(wind: float) -> float | None:
-            weaker = self.mission.model_copy(update={"wind_m_per_s": wind})
-            return self._reached_h(self._largest_excess(self.aircraft, weaker))
-
-        if reached_h(0.0) is None:
+        moved = self._moved_least(WIND, (0.0, present), upwards=False, furthest=0.0)
+        if moved is None:
             return None
-        return _bisected("mission.wind_m_per_s", "m/s", self.mission.wind_m_per_s, 0.0, reached_h)
+        return self._confirmed(WIND, present, moved.solution.value(WIND), moved.solution.design)
 
-    def _limits_in_the_way(self) -> list[tuple[LimitedQuantity, LimitEnd]]:
-        ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
-        return [
-            (quantity, end)
-            for quantity in self.aircraft.design_space.all_limits()
-            for end in ends
-            if f"{quantity}_{end}" in self.in_the_way
-        ]
-
-    def _limit(self, quantity: LimitedQuantity, end: LimitEnd) -> Relaxation | None:
+    def _limit(self, name: str) -> Relaxation | None:
         """Value to which a limit must be eased: no further than what is reached without it."""
-        space = self.aircraft.design_space
-
-        def sized(value: float | None) -> SizingResult:
-            eased = space.with_limit(quantity, end, value)
-            aircraft = self.aircraft.model_copy(update={"design_space": eased})
-            return self._largest_excess(aircraft, self.mission)
-
-        free = sized(None)
-        if free.design is None or self._reached_h(free) is None:
+        quantity, end = self.limits[name]
+        upwards = end == "maximum"
+        (bounds,) = ((v.minimum, v.maximum) for v in self.program.variables if v.name == name)
+        ends = (1.0, bounds[1]) if upwards else (bounds[0], 1.0)
+        moved = self._moved_least(name, ends, upwards=upwards)
+        if moved is None:
             return None
-        flown = DesignInFlight(self.aircraft, free.design, self.solver.conditions)
-        return _bisected(
-            f"design_space.{space.key_of_limit(quantity, end)}",
-            parameter(quantity).unit,
-            getattr(space.all_limits()[quantity], end),
-            float(QUANTITIES[quantity](flown)),
-            lambda value: self._reached_h(sized(value)),
-        )
+        space = self.aircraft.design_space
+        present = getattr(space.all_limits()[quantity], end)
+        direction: Direction = "at least" if upwards else "at most"
+        value = _rounded(present * moved.solution.value(name), direction)
+        eased = self._with_limit(quantity, end, value / present)
+        worst_h = self._reached_by(moved.solution.design, eased, self.mission)
+        if worst_h is None:
+            return None
+        key = f"design_space.{space.key_of_limit(quantity, end)}"
+        return Relaxation(key, parameter(quantity).unit, present, direction, value, worst_h)
 
 
-def _bisected(
-    key: str,
-    unit: str,
-    present: float,
-    enough: float,
-    reached_h: Callable[[float], float | None],
-) -> Relaxation | None:
-    """Value nearest to the present one at which the excess time suffices, as it does at another."""
-    direction: Direction = "at least" if enough > present else "at most"
-    bad, good = present, enough
-    for _ in range(_HALVINGS):
-        if abs(bad - good) <= _NEAR_ENOUGH * abs(good):
-            break
-        middle = (good + bad) / 2.0
-        if reached_h(middle) is None:
-            bad = middle
-        else:
-            good = middle
-    value = _rounded(good, direction)
-    worst_h = reached_h(value)
-    return None if worst_h is None else Relaxation(key, unit, present, direction, value, worst_h)
+def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:
+    """Whether a design keeps every requirement besides the excess time."""
+    conditions = FlightConditions.of(mission)
+    met = meets_requirements(aircraft, perf.design, conditions, tolerance=_ROW_TOLERANCE)
+    return bool(np.all(met))
 
 
 def _rounded(value: float, direction: Direction) -> float:

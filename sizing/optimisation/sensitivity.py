@@ -22,7 +22,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Role, SizingProblem, build_problem
+from sizing.optimisation.problem import WIND, Role, SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.solver import Solution
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
@@ -235,11 +235,12 @@ class _Lagrangian:
         of zero has no variable, one that differs from it has.
         """
         optimum = {v.name: x for v, x in zip(self.optimum.variables, self.optimum.x, strict=True)}
-        technology = problem.of_role(Role.technology)
-        optimum |= {v.name: v.to_program(1.0) for v in technology}
+        relative = problem.of_role(Role.technology, Role.limit)
+        optimum |= {v.name: v.to_program(1.0) for v in relative}
         held = {
             "payload_mass_kg": mission.payload.mass_kg,
             "payload_power_w": mission.payload.power_w,
+            WIND: mission.wind_m_per_s,
         }
         chosen = {
             v.name for v, w in zip(self.optimum.variables, self.optimum.weights, strict=True) if w

@@ -16,6 +16,7 @@ from sizing.design import DesignVariables, FlightConditions, closed_design
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import (
+    WIND,
     WORST_EXCESS,
     Constraint,
     Effort,
@@ -375,9 +376,12 @@ class ProgramSolver:
 
     def _held_values(self, problem: SizingProblem) -> dict[str, float]:
         """Variables that stay as aircraft and mission have them unless they are freed."""
-        payload = self.mission.payload
-        technology = dict.fromkeys((v.name for v in problem.of_role(Role.technology)), 1.0)
-        return technology | {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
+        relative = dict.fromkeys(
+            (v.name for v in problem.of_role(Role.technology, Role.limit)), 1.0
+        )
+        payload, wind = self.mission.payload, self.mission.wind_m_per_s
+        carried = {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
+        return relative | carried | {WIND: wind}
 
     def _start(
         self, problem: SizingProblem, instance: ProblemInstance, variables: DesignVariables
