@@ -33,3 +33,4 @@ from .results.weather import analyse_weather as analyse_weather
 from .sunlight import SolarDay as SolarDay
 from .sunlight import SolarModel as SolarModel
 from .sunlight import solar_day as solar_day
+from .validity.ranges import Extrapolation as Extrapolation

@@ -223,7 +223,7 @@ class Check(NamedTuple):
 
     def found(self, place: tuple[int, ...]) -> Extrapolation:
         """What is to be told of one place of the arrays."""
-        shape = self.outside.shape
+        shape = np.broadcast_shapes(self.value.shape, self.minimum.shape, self.maximum.shape)
         value, low, high = (
             float(np.broadcast_to(v, shape)[place])
             for v in (self.value, self.minimum, self.maximum)

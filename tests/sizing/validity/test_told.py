@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, mission, shipped_mission
+from builders import aircraft as shipped_aircraft
 from scipy.optimize import brentq
 
 from missions.files.shipped import shipped_names
@@ -24,6 +25,7 @@ from sizing.design import (
 )
 from sizing.limits import DesignInFlight
 from sizing.performance import performance, performance_of_designs
+from sizing.results.sizing import size
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks, stall_margin_within_polar
 from sizing.validity.ranges import Extrapolation, ranges
@@ -231,6 +233,29 @@ def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
         fenced_margin(aircraft, float(it.reynolds_number), 0.9), rel=1e-6
     )
     assert fenced < float(it.stall_margin)
+
+
+def test_a_sizing_tells_the_fenced_stall_and_keeps_its_limits_at_the_design_point() -> None:
+    light = shipped_aircraft(
+        "atlantiksolar-design",
+        "airframe.aerodynamics={model: wing_polar, airfoil: sd7037, design_aspect_ratio: 18.5, "
+        "design_reynolds: 158000, lift_coefficient: 0.9}",
+        "airframe.avionics_mass_kg=0.05",
+        "airframe.other_mass_kg=0.02",
+        "power.avionics_w=0.3",
+        "modules.area_m2=0.1",
+        "design_space.minimum_stall_margin=1.1",
+    )
+    study = size(light, mission(altitude_m=4000.0), "min_mass")
+    assert study.feasible  # by the design point's 1.14
+    told_of = study.to_dict()["quantities"]
+    fenced = fenced_margin(light, told_of["reynolds_number"], 0.9)
+    assert told_of["reynolds_number"] < 60000.0
+    assert told_of["stall_margin"] == pytest.approx(fenced, rel=1e-6)
+    assert told_of["stall_margin"] < 1.1
+    speed = told_of["airspeed_m_per_s"] / told_of["stall_margin"]
+    assert told_of["stall_speed_m_per_s"] == pytest.approx(speed)
+    assert "stall_margin of wing_polar" in quantities(study.extrapolations)
 
 
 def test_an_airspeed_below_the_wind_is_told_with_the_wind() -> None:

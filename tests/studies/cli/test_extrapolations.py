@@ -1,0 +1,118 @@
+"""Every command tells once what lies outside the range of a model, and nothing where all is in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import AS2, SKY_SAILOR, aircraft, mission
+from command_line import Run
+
+import studies
+from sizing.altitude.ceiling import highest_perpetual_altitude
+from sizing.replay import calendar_run
+from sizing.results.analysis import analyse
+from sizing.sunlight import SolarModel
+from studies.ceiling import perpetual_ceiling, plot_ceiling
+from studies.maps.plots import plot_map
+from studies.output.columns import extrapolations_of, to_netcdf_bytes
+from studies.output.plots import plot_cycle
+from studies.sweeps.plots import plot_sweep
+
+HEAD = "outside the range of a model:"
+WIND = ("--set", "mission.wind_m_per_s=50", "--set", "mission.flight_path=null")
+CELLS = ("--latitudes", "40:50:10", "--days", "150:200:50")
+
+
+@pytest.mark.parametrize(
+    ("command", "count"),
+    [
+        (("analyse", "atlantiksolar-as2", *WIND), ""),
+        (("map", "atlantiksolar-as2", *CELLS, *WIND), " (worst; 4 of 4 cells)"),
+        (("ceiling", "atlantiksolar-as2", "--step", "5000", *WIND), " (worst; 4 of 4 altitudes)"),
+        (("sweep", "atlantiksolar-as2", "--vary", "battery_mass_kg=2,3", *WIND), "2 of 2 points)"),
+        (
+            ("compare", "atlantiksolar-as2", "--models", "CDM,CAM", "--corrections", "none", *WIND),
+            " (worst; 2 of 2 cases)",
+        ),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], count: str) -> None:
+    told = run(*command)
+    assert told.code == 0
+    text = " ".join(told.out.split())
+    assert text.count(HEAD) == 1
+    assert text.count("flight against the wind holds from 50 m/s") == 1
+    assert count in text
+    found = run(*command, "--json").json()["extrapolations"]
+    assert "wind" in [one["model"] for one in found]
+    calm = tuple(word for word in command if word not in WIND)
+    if command[0] != "ceiling":  # up there the clear sky ends
+        assert HEAD not in run(*calm).out
+        assert run(*calm, "--json").json()["extrapolations"] == []
+
+
+def test_sizings_tell_of_their_designs(run: Run) -> None:
+    asked = ("atlantiksolar-design", "--set", "design_space.wingspan_m={minimum: 9, maximum: 12}")
+    one = run("size", *asked, "--mission", "rafz-july", "--out", "sized").out
+    assert one.count(HEAD) == one.count("rib wing holds 3 to 8 m") == 1
+    cells = " ".join(run("map", *asked, *CELLS, "--resize", "min_mass").out.split())
+    assert "wingspan 9 m (worst; 4 of 4 cells): rib wing holds 3 to 8 m" in cells
+    swept = run("sweep", *asked, "--vary", "power.avionics_w=4,6", "--resize", "min_mass", "--json")
+    record = swept.json()
+    assert [e["quantity"] for e in record["extrapolations"]] == ["wingspan_m"]
+    assert all(p["extrapolations"].startswith("rib_wing: wingspan_m 9") for p in record["points"])
+    again = run("analyse", "sized")
+    assert again.out.count("rib wing holds 3 to 8 m") == 1
+
+
+def test_files_keep_what_the_cells_tell(tmp_path: Path) -> None:
+    import xarray as xr
+
+    where = mission(wind_m_per_s=50.0)
+    data = studies.feasibility_map(AS2, where, latitudes=[40.0, 50.0], days=[172])
+    path = tmp_path / "map.nc"
+    path.write_bytes(to_netcdf_bytes(data))
+    with xr.open_dataset(path) as read:
+        assert extrapolations_of(read) == extrapolations_of(data)
+    assert [one.quantity for one in extrapolations_of(data)] == ["airspeed_m_per_s"]
+
+
+def test_a_map_tells_of_the_cells_with_too_fast_a_charge() -> None:
+    small = aircraft("sky-sailor", "battery.mass_kg=0.3")
+    data = studies.feasibility_map(small, mission(), latitudes=[-60.0, 45.0], days=[172])
+    found = {one.quantity: one for one in extrapolations_of(data)}
+    one = found["charge_rate_per_h"]
+    assert (one.count, one.of) == (1, 2)
+    assert one.value == pytest.approx(float(data["charge_rate"].max()))
+    inside = studies.feasibility_map(SKY_SAILOR, mission(), latitudes=[45.0], days=[172])
+    assert "extrapolations" not in inside.attrs
+
+
+def test_figures_name_what_is_outside_in_a_line_of_their_title() -> None:
+    where, line = mission(wind_m_per_s=50.0), "outside model range: airspeed"
+    ceiling = perpetual_ceiling(AS2, where, highest_m=4000.0, step_m=2000.0)
+    figures = [
+        plot_cycle(analyse(AS2, where)),
+        plot_map(studies.feasibility_map(AS2, where, latitudes=[40.0, 50.0], days=[150, 200])),
+        plot_sweep(studies.sweep(AS2, where, {"battery_mass_kg": [2.0, 3.0]})),
+        plot_ceiling(ceiling),
+    ]
+    for figure in figures:
+        assert figure.get_suptitle().splitlines()[-1] == line
+    assert line not in plot_cycle(analyse(AS2, mission())).get_suptitle()
+
+
+def test_a_replayed_flight_tells_of_its_own_days() -> None:
+    launch = {"date": "07-15", "time_local": "10:00", "utc_offset_h": 2.0, "duration_h": 24.0}
+    where = mission(longitude_deg=8.5, latitude_deg=20.0, launch=launch)
+    assert calendar_run(AS2, where).extrapolations == ()
+    (one,) = calendar_run(AS2, where, SolarModel("CAM", "report")).extrapolations
+    assert one.quantity == "noon_elevation_deg"
+
+
+def test_altitudes_of_the_search_know_where_they_are() -> None:
+    found = highest_perpetual_altitude(AS2, mission(), highest_m=10000.0, step_m=5000.0)
+    outside = [any(one.quantity == "altitude_m" for one in f.extrapolations) for f in found.flights]
+    assert outside == [f.altitude_m > 7000.0 for f in found.flights]
