@@ -21,8 +21,10 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
 from sizing.smooth import Value
+from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.loads import StructureInputs
-from sizing.structures.rib_wing import RibWingStructure, StructureParts
+from sizing.structures.parts import StructureParts
+from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
 
@@ -300,6 +302,8 @@ def _structure_inputs(
         span_load_kg=aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + battery_kg,
         airspeed_m_per_s=airspeed_m_per_s,
         density_kg_per_m3=air.density_kg_per_m3,
+        wing_battery_kg=battery_kg,
+        pod_battery_kg=variables.battery_mass_kg - battery_kg,
     )
 
 
@@ -318,15 +322,43 @@ def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> Str
     StructureParts or None
         Masses [kg]; None where the model of the structure knows no parts.
     """
+    sized = _sized_rib_wing(aircraft, mission, design)
+    return None if sized is None else sized[0].breakdown(sized[1])
+
+
+def structure_assessment(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> StructureAssessment | None:
+    """What sizes the structure, and how far it bends and twists.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Technology and air of the design.
+    design : Design
+        Closed design, of floats.
+
+    Returns
+    -------
+    StructureAssessment or None
+        None where the model of the structure does not say.
+    """
+    sized = _sized_rib_wing(aircraft, mission, design)
+    return None if sized is None else assess(*sized)
+
+
+def _sized_rib_wing(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[RibWingStructure, StructureInputs] | None:
+    """Rib wing of an aircraft and what it is sized from; None where it has another structure."""
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         return None
     if not isinstance(airframe.structure, RibWingStructure):
         return None
     air, mass_kg = FlightConditions.of(mission), design.total_mass_kg
-    return airframe.structure.breakdown(
-        _structure_inputs(aircraft, design.variables, air, mass_kg, design.airspeed_m_per_s)
-    )
+    airspeed = design.airspeed_m_per_s
+    return airframe.structure, _structure_inputs(aircraft, design.variables, air, mass_kg, airspeed)
 
 
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:

@@ -24,6 +24,7 @@ from studies.validation.flights.season import seasons
 from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
+from studies.validation.slender_wings import aspect_ratio_table, structure_table
 from studies.validation.structure_comparison import structure_tables
 
 
@@ -66,6 +67,10 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
     "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
     "structure": ("structure.md", lambda: _markdown(*structure_tables())),
+    "slender-wings": (
+        "validation.md",
+        lambda: _markdown(structure_table(), aspect_ratio_table()),
+    ),
     "transfer": (
         "full-model.md",
         lambda: _markdown(transfer_table(transferred_errors(*reference()))),

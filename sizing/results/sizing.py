@@ -12,7 +12,7 @@ from missions.dates import date_code
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, DesignVariables, FlightConditions
+from sizing.design import Design, DesignVariables, FlightConditions, structure_assessment
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
@@ -380,11 +380,13 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
         "version": __version__,
     }
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
-    record["quantities"] = None
+    record["quantities"] = record["structure"] = None
     if result.design is not None:
         conditions = FlightConditions.of(mission).with_payload_of(result.design.variables)
         flown = DesignInFlight(aircraft, result.design, conditions)
         record["quantities"] = _quantities(flown)
+        sized = structure_assessment(aircraft, mission, result.design)
+        record["structure"] = None if sized is None else sized.to_dict()
     return record | _design_record(result.design) | _simulated_record(result.simulated)
 
 

@@ -43,6 +43,8 @@ def summary(study: SizingStudy) -> Summary:
     limits = [name for name in study.result.active_constraints if name not in at_bounds]
     if limits:
         blocks.append("limited by: " + "; ".join(limits))
+    if record["structure"] is not None:
+        blocks.append(record["structure"]["text"])
     blocks += _confidence(study, record)
     if study.coverage is not None and study.coverage.first is not None:
         blocks.append(_range_text(record["range"]))

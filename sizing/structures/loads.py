@@ -31,6 +31,8 @@ class StructureInputs(NamedTuple):
         Mass spread evenly along the span, battery and modules, which relieves the spar [kg].
     airspeed_m_per_s, density_kg_per_m3
         True airspeed of level flight [m/s], taken as cruise, and density of the air [kg/m3].
+    wing_battery_kg, pod_battery_kg
+        Battery within the span load, and the rest of it [kg].
     """
 
     wingspan_m: Value
@@ -39,6 +41,8 @@ class StructureInputs(NamedTuple):
     span_load_kg: Value
     airspeed_m_per_s: Value
     density_kg_per_m3: Value
+    wing_battery_kg: Value = 0.0
+    pod_battery_kg: Value = 0.0
 
 
 def limit_load_factor(total_mass_kg: Value) -> Value:

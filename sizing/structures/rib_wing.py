@@ -8,11 +8,9 @@ optimiser finds no kink. Equations and sources: docs/structure.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import pi
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import Field, Strict
 
 from missions.air import GRAVITY_M_PER_S2
@@ -21,12 +19,14 @@ from sizing.structures.loads import (
     SEA_LEVEL_DENSITY_KG_PER_M3,
     StructureInputs,
     gust_load_increment,
+    lift_curve_slope,
     limit_load_factor,
 )
+from sizing.structures.parts import Forces, LoadFactors, StructureParts, Wing, largest
+from sizing.structures.stations import Station, along_the_span
+from sizing.structures.torsion import NoseCell, Twisting, WingTorsion, closed_cell_nm2
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 
-# Points of the Gauss-Legendre rule along the half-span; see docs/structure.md for its error.
-STATION_COUNT = 6
 # Perimeter over chord of a cambered section, both sides, and area over thickness times chord.
 _PERIMETER = 2.04
 _SECTION_AREA = 0.68
@@ -38,105 +38,6 @@ _SHEAR_PLATE = 5.35
 # A thin tube in bending buckles at 0.6 E t/R in theory. Half of that is used: imperfections leave
 # 0.79 to 0.66 of it for a radius of 30 to 100 wall thicknesses (NASA SP-8007).
 _TUBE_KNOCKDOWN = 0.3
-
-
-class StructureParts(NamedTuple):
-    """Masses of the structure's parts [kg], calibration included; they add up to the structure."""
-
-    spar_caps: Value
-    spar_web: Value
-    covering: Value
-    ribs: Value
-    edges: Value
-    tails: Value
-    boom: Value
-    pod: Value
-    joints: Value
-
-    @property
-    def total_kg(self) -> Value:
-        """Mass of the structure [kg]."""
-        return sum(self[1:], self[0])
-
-
-class LoadFactors(NamedTuple):
-    """Limit load factors [-], all counted positive: pull-up or up-gust, and their opposites."""
-
-    up: Value
-    down: Value
-
-
-class Station(NamedTuple):
-    """Unit moments and shear at a fraction of the half-span, and its weight in an integral.
-
-    ``lift_*`` belong to an elliptic lift of one half-wing, ``mass_*`` to a mass spread evenly; per
-    unit of half-wing load, and of half-span for the moments.
-    """
-
-    fraction: Value
-    weight: Value
-    lift_moment: Value
-    mass_moment: Value
-    lift_shear: Value
-    mass_shear: Value
-
-
-def stations(count: int) -> tuple[Station, ...]:
-    """Stations of a Gauss-Legendre rule from root (0) to tip (1)."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return tuple(_station(float(x), float(w)) for x, w in zip(nodes, weights / 2.0, strict=True))
-
-
-def _station(node: float, weight: float) -> Station:
-    """Station at a node of the rule, which goes from -1 to 1."""
-    x = (node + 1.0) / 2.0
-    circle = (1.0 - x * x) ** 0.5
-    outboard = (float(np.arccos(x)) - x * circle) / 2.0  # area of the ellipse outboard of x
-    return Station(
-        fraction=x,
-        weight=weight,
-        lift_moment=(circle**3 / 3.0 - x * outboard) * 4.0 / pi,
-        mass_moment=(1.0 - x) ** 2 / 2.0,
-        lift_shear=outboard * 4.0 / pi,
-        mass_shear=1.0 - x,
-    )
-
-
-_COLUMNS = Station(*np.array(stations(STATION_COUNT)).T)
-
-
-def _along_the_span(*values: Value) -> tuple[Station, Callable[[Value], Value]]:
-    """All stations at once in the arithmetic of some values, and the integral over them.
-
-    Stations are the first axis of arrays and the rows of symbols.
-    """
-    if all(isinstance(value, (int, float, np.number, np.ndarray)) for value in values):
-        shape = (-1, *(1 for _ in range(max(np.ndim(value) for value in values))))
-        arrays = Station(*(column.reshape(shape) for column in _COLUMNS))
-        return arrays, lambda integrand: np.tensordot(_COLUMNS.weight, integrand, 1)
-    import casadi as ca
-
-    rows = Station(*(ca.DM(column) for column in _COLUMNS))
-    return rows, lambda integrand: ca.dot(rows.weight, integrand)
-
-
-class _Wing(NamedTuple):
-    """What the parts are sized from."""
-
-    wingspan_m: Value
-    chord_m: Value
-    wing_area_m2: Value
-    total_mass_kg: Value
-    relief_kg: Value
-    factors: LoadFactors
-
-
-class _Forces(NamedTuple):
-    """Ultimate forces at a station [N]: cap force bending up and down, and shear."""
-
-    up: Value
-    down: Value
-    shear: Value
 
 
 class RibWingStructure(Record):
@@ -163,6 +64,10 @@ class RibWingStructure(Record):
     minimum_cap_thickness_m: PositiveReal = 0.25e-3
     minimum_web_thickness_m: PositiveReal = 0.2e-3
     maximum_tip_deflection: Fraction | None = None
+    # Torsion; none: the wing is not held against it.
+    torsion: WingTorsion | None = None
+    # Battery that the spar's box holds; none: any mass fits.
+    spar_battery_density_kg_per_m3: PositiveReal | None = None
     # Unidirectional carbon fibre of the caps.
     tensile_strength_pa: PositiveReal = 914e6
     compressive_strength_pa: PositiveReal = 368e6
@@ -195,6 +100,7 @@ class RibWingStructure(Record):
     minimum_boom_thickness_m: PositiveReal = 0.5e-3
     pod_wetted_area_ratio: NonNegativeReal = 0.08
     pod_kg_per_m2: NonNegativeReal = 0.4
+    pod_battery_mount_fraction: NonNegativeReal = 0.0
     joint_fraction: NonNegativeReal = 0.15
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
@@ -203,47 +109,119 @@ class RibWingStructure(Record):
 
     def breakdown(self, inputs: StructureInputs) -> StructureParts:
         """Masses of the parts."""
-        chord_m = inputs.wingspan_m / inputs.aspect_ratio
-        area_m2 = inputs.wingspan_m * chord_m
-        relative_density = inputs.density_kg_per_m3 / SEA_LEVEL_DENSITY_KG_PER_M3
-        equivalent_airspeed = inputs.airspeed_m_per_s * relative_density**0.5
-        sheet_m = smooth_maximum(
-            self.minimum_sheet_thickness_m, self.sheet_thickness_ratio * chord_m
-        )
-        covering = _PERIMETER * area_m2 * self.covering_kg_per_m2
-        ribs = self._ribs_kg(area_m2, sheet_m)
-        edges = self._edges_kg(area_m2, chord_m, sheet_m)
-        # The wing's own shell relieves the spar; the spar itself is left out, on the safe side.
-        spread = inputs.span_load_kg + covering + ribs + edges
-        wing = _Wing(
-            wingspan_m=inputs.wingspan_m,
-            chord_m=chord_m,
-            wing_area_m2=area_m2,
-            total_mass_kg=inputs.total_mass_kg,
-            # No more than the aircraft weighs: an assumed mass may be below that of its own wing.
-            relief_kg=smooth_minimum(spread, inputs.total_mass_kg),
-            factors=self.load_factors(
-                total_mass_kg=inputs.total_mass_kg,
-                wing_area_m2=area_m2,
-                aspect_ratio=inputs.aspect_ratio,
-                equivalent_airspeed_m_per_s=equivalent_airspeed,
-                density_kg_per_m3=inputs.density_kg_per_m3,
-            ),
-        )
+        wing = self.wing(inputs)
+        area_m2, chord_m = wing.wing_area_m2, wing.chord_m
         caps, web = self._spar_kg(wing)
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
         parts = (
             caps,
             web,
-            covering,
-            ribs,
-            edges,
+            self._covering_kg(area_m2),
+            self._ribs_kg(area_m2, wing.sheet_m),
+            self._edges_kg(area_m2, chord_m, wing.nose_sheet_m),
             tail_ratio * area_m2 * self.tail_kg_per_m2,
-            self._boom_kg(area_m2, chord_m, equivalent_airspeed),
-            self.pod_wetted_area_ratio * area_m2 * self.pod_kg_per_m2,
+            self._boom_kg(area_m2, chord_m, wing.equivalent_airspeed_m_per_s),
+            self.pod_wetted_area_ratio * area_m2 * self.pod_kg_per_m2
+            + self.pod_battery_mount_fraction * wing.pod_battery_kg,
         )
         joints = self.joint_fraction * sum(parts[1:], parts[0])
         return StructureParts(*(self.calibration * part for part in (*parts, joints)))
+
+    def wing(self, inputs: StructureInputs) -> Wing:
+        """Geometry, load factors, sheets, and the mass that relieves the spar."""
+        chord_m = inputs.wingspan_m / inputs.aspect_ratio
+        area_m2 = inputs.wingspan_m * chord_m
+        relative_density = inputs.density_kg_per_m3 / SEA_LEVEL_DENSITY_KG_PER_M3
+        equivalent_airspeed = inputs.airspeed_m_per_s * relative_density**0.5
+        factors = self.load_factors(
+            total_mass_kg=inputs.total_mass_kg,
+            wing_area_m2=area_m2,
+            aspect_ratio=inputs.aspect_ratio,
+            equivalent_airspeed_m_per_s=equivalent_airspeed,
+            density_kg_per_m3=inputs.density_kg_per_m3,
+        )
+        sheet_m = smooth_maximum(
+            self.minimum_sheet_thickness_m, self.sheet_thickness_ratio * chord_m
+        )
+        outside_kg = self._battery_outside_spar_kg(inputs, chord_m)
+        wing = Wing(
+            wingspan_m=inputs.wingspan_m,
+            chord_m=chord_m,
+            wing_area_m2=area_m2,
+            depth_m=self.spar_depth_fraction * self.thickness_ratio * chord_m,
+            equivalent_airspeed_m_per_s=equivalent_airspeed,
+            total_mass_kg=inputs.total_mass_kg,
+            relief_kg=inputs.span_load_kg - outside_kg,
+            pod_battery_kg=inputs.pod_battery_kg + outside_kg,
+            factors=factors,
+            sheet_m=sheet_m,
+            nose_sheet_m=sheet_m,
+        )
+        if self.torsion is not None:
+            wing = wing._replace(nose_sheet_m=self._stiff_nose_sheet_m(wing))
+        # The wing's own shell relieves the spar; the spar itself is left out, on the safe side.
+        spread = wing.relief_kg + self._covering_kg(area_m2) + self._ribs_kg(area_m2, sheet_m)
+        spread = spread + self._edges_kg(area_m2, chord_m, wing.nose_sheet_m)
+        # No more than the aircraft weighs: an assumed mass may be below that of its own wing.
+        return wing._replace(relief_kg=smooth_minimum(spread, inputs.total_mass_kg))
+
+    def _battery_outside_spar_kg(self, inputs: StructureInputs, chord_m: Value) -> Value:
+        """Battery meant for the wing that the spar's box has no room for; it goes to the pod."""
+        if self.spar_battery_density_kg_per_m3 is None:
+            return 0.0
+        section = self.cap_width_fraction * self.spar_depth_fraction * self.thickness_ratio
+        volume_m3 = section * chord_m * chord_m * inputs.wingspan_m
+        room_kg = self.spar_battery_density_kg_per_m3 * volume_m3
+        return inputs.wing_battery_kg - smooth_minimum(inputs.wing_battery_kg, room_kg)
+
+    def twisting(self, wing: Wing) -> Twisting:
+        """What twists the wing: dive speed, and the lift at the limit load."""
+        dive = self.dive_speed_ratio * wing.equivalent_airspeed_m_per_s
+        loading = wing.total_mass_kg * GRAVITY_M_PER_S2 / wing.wing_area_m2
+        return Twisting(
+            chord_m=wing.chord_m,
+            half_span_m=wing.wingspan_m / 2.0,
+            lift_slope=lift_curve_slope(wing.wingspan_m / wing.chord_m),
+            dive_pressure_pa=0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * dive * dive,
+            limit_loading_pa=wing.factors.up * loading,
+        )
+
+    def nose_cell(self, chord_m: Value) -> NoseCell:
+        """Cell of the sheeted nose."""
+        return NoseCell.of(
+            chord_m,
+            thickness_ratio=self.thickness_ratio,
+            chord_fraction=self.nose_chord_fraction,
+            skin_m=_PERIMETER * self.nose_chord_fraction * chord_m,
+        )
+
+    def box_torsional_stiffness_nm2(self, wing: Wing) -> Value:
+        """Torsional stiffness GJ of the spar's box with all its walls at their gauges [N m2]."""
+        width_m = self.cap_width_fraction * wing.chord_m
+        web_n_per_m = self.laminate_shear_modulus_pa * self.minimum_web_thickness_m
+        cap_n_per_m = self.shear_modulus_pa * self.minimum_cap_thickness_m
+        flexibility = 2.0 * (wing.depth_m / web_n_per_m + width_m / cap_n_per_m)
+        return closed_cell_nm2(width_m * wing.depth_m, flexibility)
+
+    def stiffening_sheet_m(self, wing: Wing) -> Value:
+        """What the sheet of the nose would have to be thicker to give the stiffness asked for."""
+        assert self.torsion is not None
+        needed = largest(self.torsion.needed_nm2(self.twisting(wing)))
+        nose = self.nose_cell(wing.chord_m)
+        wall_n_per_m = self.torsion.sheet_shear_modulus_pa * wing.sheet_m
+        missing = needed - self.box_torsional_stiffness_nm2(wing) - nose.stiffness_nm2(wall_n_per_m)
+        missing = (missing + smooth_absolute(missing, needed)) / 2.0
+        return nose.wall_n_per_m(missing) / self.torsion.sheet_shear_modulus_pa
+
+    def _stiff_nose_sheet_m(self, wing: Wing) -> Value:
+        """Sheet as heavy as a nose stiff enough: sheet at its gauge, and cloth."""
+        assert self.torsion is not None
+        sheet_pa, cloth_pa = (
+            self.torsion.sheet_shear_modulus_pa,
+            self.torsion.cloth_shear_modulus_pa,
+        )
+        density = self.torsion.cloth_density_kg_per_m3 / self.sheet_density_kg_per_m3
+        return wing.sheet_m + self.stiffening_sheet_m(wing) * (sheet_pa / cloth_pa * density)
 
     def load_factors(
         self,
@@ -306,27 +284,43 @@ class RibWingStructure(Record):
         """Shear stress [Pa] at which a web as thick as high would buckle; falls with (t/h)^2."""
         return _SHEAR_PLATE * pi**2 / (12.0 * (1.0 - 0.3**2)) * self.laminate_modulus_pa
 
-    def _spar_kg(self, wing: _Wing) -> tuple[Value, Value]:
+    @property
+    def laminate_shear_modulus_pa(self) -> Value:
+        """Shear modulus of the quasi-isotropic laminate, ``E/(2 (1 + 0.3))`` [Pa]."""
+        return self.laminate_modulus_pa / 2.6
+
+    def _spar_kg(self, wing: Wing) -> tuple[Value, Value]:
         """Caps and webs, integrated over both half-spans."""
-        depth_m = self.spar_depth_fraction * self.thickness_ratio * wing.chord_m
-        station, integral = _along_the_span(
+        station, integral = along_the_span(
             wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
         )
-        forces = self._forces(wing, station, depth_m)
-        caps_m2 = self._cap_area_m2(wing, forces.up, forces.down, depth_m)
-        caps_m2 = caps_m2 + self._cap_area_m2(wing, forces.down, forces.up, depth_m)
-        cap_m2 = integral(caps_m2)
-        web_m = integral(self._web_thickness_m(forces.shear, depth_m))
+        forces = self.forces(wing, station)
+        upper_m2 = largest(self.cap_needs_m2(wing, forces.up, forces.down))
+        lower_m2 = largest(self.cap_needs_m2(wing, forces.down, forces.up))
+        cap_m2 = integral(upper_m2 + lower_m2)
+        web_m = integral(largest(self.web_needs_m(wing, forces.shear)))
         span_m = wing.wingspan_m
         caps_kg = self.cap_density_kg_per_m3 * span_m * cap_m2
-        web_kg = self.laminate_density_kg_per_m3 * span_m * 2.0 * depth_m * web_m
+        web_kg = self.laminate_density_kg_per_m3 * span_m * 2.0 * wing.depth_m * web_m
         return caps_kg, web_kg
 
-    def _forces(self, wing: _Wing, station: Station, depth_m: Value) -> _Forces:
-        """Ultimate cap forces and shear; lift less the inertia of what the wing carries."""
+    def forces(self, wing: Wing, station: Station) -> Forces:
+        """Ultimate cap forces and shear; lift less the inertia of what the wing carries.
+
+        Parameters
+        ----------
+        wing : Wing
+            Masses and load factors.
+        station : Station
+            Where.
+
+        Returns
+        -------
+        Forces
+        """
         up, down = wing.factors
         half_n = self.safety_factor * GRAVITY_M_PER_S2 / 2.0
-        arm = half_n * (wing.wingspan_m / 2.0) / depth_m
+        arm = half_n * (wing.wingspan_m / 2.0) / wing.depth_m
         lifted = wing.total_mass_kg * station.lift_moment
         carried = wing.relief_kg * station.mass_moment
         net = lifted - carried
@@ -336,37 +330,67 @@ class RibWingStructure(Record):
         net_shear = wing.total_mass_kg * station.lift_shear - wing.relief_kg * station.mass_shear
         shear = up * smooth_absolute(net_shear, wing.total_mass_kg * station.lift_shear)
         landing = self.landing_load_factor * wing.relief_kg
-        return _Forces(
+        return Forces(
             up=arm * (up * outwards + down * inwards),
             down=arm
             * smooth_maximum(down * outwards + up * inwards, landing * station.mass_moment),
             shear=half_n * smooth_maximum(shear, landing * station.mass_shear),
         )
 
-    def _cap_area_m2(
-        self, wing: _Wing, compression_n: Value, tension_n: Value, depth_m: Value
-    ) -> Value:
-        """Section of a cap that crushes, buckles and tears no earlier than at ultimate load."""
-        width_m = self.cap_width_fraction * wing.chord_m
-        crushing = compression_n / self.compressive_strength_pa
-        buckling = (compression_n * width_m**4 / self.cap_buckling_pa) ** (1.0 / 3.0)
-        tearing = tension_n / self.tensile_strength_pa
-        gauge = width_m * self.minimum_cap_thickness_m
-        strong = smooth_maximum(smooth_maximum(crushing, buckling), tearing)
-        needed = smooth_maximum(strong, gauge)
-        if self.maximum_tip_deflection is None:
-            return needed
-        # Strains of at most 2 f h/b make a curvature of at most 4 f/b, which bends the tip by no
-        # more than f half-spans.
-        allowed = self.maximum_tip_deflection * 2.0 * depth_m / wing.wingspan_m
-        limit_n = smooth_maximum(compression_n, tension_n) / self.safety_factor
-        return smooth_maximum(needed, limit_n / (self.modulus_pa * allowed))
+    def cap_needs_m2(self, wing: Wing, compression_n: Value, tension_n: Value) -> dict[str, Value]:
+        """Section of a cap that each criterion asks for.
 
-    def _web_thickness_m(self, shear_n: Value, depth_m: Value) -> Value:
-        """Thickness of each of the two webs: strength, buckling in shear, gauge."""
-        strength = shear_n / (2.0 * depth_m * self.laminate_shear_strength_pa)
-        buckling = (shear_n * depth_m / (2.0 * self.web_buckling_pa)) ** (1.0 / 3.0)
-        return smooth_maximum(smooth_maximum(strength, buckling), self.minimum_web_thickness_m)
+        Parameters
+        ----------
+        wing : Wing
+            Its chord and depth.
+        compression_n, tension_n
+            Ultimate forces [N].
+
+        Returns
+        -------
+        dict
+            Section [m2] by criterion.
+        """
+        width_m = self.cap_width_fraction * wing.chord_m
+        needs = {
+            "compression": compression_n / self.compressive_strength_pa,
+            "buckling": (compression_n * width_m**4 / self.cap_buckling_pa) ** (1.0 / 3.0),
+            "tension": tension_n / self.tensile_strength_pa,
+            "gauge": width_m * self.minimum_cap_thickness_m,
+        }
+        if self.maximum_tip_deflection is not None:
+            # Strains of at most 2 f h/b make a curvature of at most 4 f/b, which bends the tip by
+            # no more than f half-spans.
+            allowed = self.maximum_tip_deflection * 2.0 * wing.depth_m / wing.wingspan_m
+            limit_n = smooth_maximum(compression_n, tension_n) / self.safety_factor
+            needs["tip_deflection"] = limit_n / (self.modulus_pa * allowed)
+        return needs
+
+    def web_needs_m(self, wing: Wing, shear_n: Value) -> dict[str, Value]:
+        """Thickness of each of the two webs that each criterion asks for.
+
+        Parameters
+        ----------
+        wing : Wing
+            Its depth.
+        shear_n
+            Ultimate shear [N].
+
+        Returns
+        -------
+        dict
+            Thickness [m] by criterion.
+        """
+        depth_m = wing.depth_m
+        return {
+            "shear": shear_n / (2.0 * depth_m * self.laminate_shear_strength_pa),
+            "buckling": (shear_n * depth_m / (2.0 * self.web_buckling_pa)) ** (1.0 / 3.0),
+            "gauge": self.minimum_web_thickness_m,
+        }
+
+    def _covering_kg(self, area_m2: Value) -> Value:
+        return _PERIMETER * area_m2 * self.covering_kg_per_m2
 
     def _ribs_kg(self, area_m2: Value, sheet_m: Value) -> Value:
         section = self.rib_solidity * _SECTION_AREA * self.thickness_ratio

@@ -10,7 +10,8 @@ from sizing.library import load_aircraft
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import StructureModel
-from sizing.structures.rib_wing import RibWingStructure, StructureParts
+from sizing.structures.parts import StructureParts
+from sizing.structures.rib_wing import RibWingStructure
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class BuiltAircraft:
         Level flight [-, kg/m3].
     level_flight_w : float
         Published electric power [W]: of propulsion (AtlantikSolar), of all consumers (Sky-Sailor).
+    wing_battery_kg
+        Battery along the span; the rest of it is in the pod [kg].
     structure_kg : float, optional
         Published mass of the structure [kg]; none of an aircraft that was not built.
     """
@@ -47,6 +50,7 @@ class BuiltAircraft:
     lift_coefficient: float
     density_kg_per_m3: float
     level_flight_w: float
+    wing_battery_kg: Value = 0.0
     structure_kg: float | None = None
 
     @property
@@ -80,6 +84,8 @@ class BuiltAircraft:
             span_load_kg=self.span_load_kg,
             airspeed_m_per_s=(2.0 * pressure / self.density_kg_per_m3) ** 0.5,
             density_kg_per_m3=self.density_kg_per_m3,
+            wing_battery_kg=self.wing_battery_kg,
+            pod_battery_kg=self.battery_mass_kg - self.wing_battery_kg,
         )
 
 
@@ -96,6 +102,7 @@ ATLANTIKSOLAR = BuiltAircraft(
     lift_coefficient=1.0,
     density_kg_per_m3=1.10,
     level_flight_w=35.8,
+    wing_battery_kg=2.918,
     structure_kg=1.35,
 )
 SKY_SAILOR = BuiltAircraft(
@@ -124,12 +131,13 @@ def calibrated_rib_wing() -> RibWingStructure:
 
 def family(wingspan_m: Value) -> BuiltAircraft:
     """AtlantikSolar at another span [m]: same aspect ratio, wing loading and shares of mass."""
-    mass_kg = ATLANTIKSOLAR.total_mass_kg * (wingspan_m / ATLANTIKSOLAR.wingspan_m) ** 2
-    share = ATLANTIKSOLAR.span_load_kg / ATLANTIKSOLAR.total_mass_kg
+    scale = (wingspan_m / ATLANTIKSOLAR.wingspan_m) ** 2
     return replace(
         ATLANTIKSOLAR,
         wingspan_m=wingspan_m,
-        total_mass_kg=mass_kg,
-        span_load_kg=share * mass_kg,
+        total_mass_kg=scale * ATLANTIKSOLAR.total_mass_kg,
+        battery_mass_kg=scale * ATLANTIKSOLAR.battery_mass_kg,
+        wing_battery_kg=scale * ATLANTIKSOLAR.wing_battery_kg,
+        span_load_kg=scale * ATLANTIKSOLAR.span_load_kg,
         structure_kg=None,
     )

@@ -21,7 +21,8 @@ from sizing.structures.models import (
     SparStructure,
     StructureModel,
 )
-from sizing.structures.rib_wing import RibWingStructure, StructureParts
+from sizing.structures.parts import StructureParts
+from sizing.structures.rib_wing import RibWingStructure
 from studies.output.figure_script import write_figure
 from studies.output.plots import CHARGE, LOAD, PURPLE, SUN, new_figure, to_bytes
 from studies.validation.built_aircraft import (
@@ -120,7 +121,7 @@ def structure_tables() -> tuple[Table, Table, Table]:
 
 def variations() -> dict[str, RibWingStructure]:
     """The rib wing with one assumption changed at a time."""
-    changes: dict[str, dict[str, float]] = {
+    changes: dict[str, dict[str, float | None]] = {
         "as shipped": {},
         "no gusts": {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0},
         "no landing case": {"landing_load_factor": 0.0},
@@ -134,6 +135,11 @@ def variations() -> dict[str, RibWingStructure]:
         "compressive strength +50 %": {"compressive_strength_pa": 1.5 * 368e6},
         "webs from 0.3 mm": {"minimum_web_thickness_m": 0.3e-3},
         "tip deflection up to 10 % of the half-span": {"maximum_tip_deflection": 0.1},
+        "tip deflection up to 20 % of the half-span": {"maximum_tip_deflection": 0.2},
+        "no limit of the tip deflection": {"maximum_tip_deflection": None},
+        "no torsion": {"torsion": None},
+        "any battery fits the spar": {"spar_battery_density_kg_per_m3": None},
+        "battery in the pod needs no mount": {"pod_battery_mount_fraction": 0.0},
         "covering, tails and pod +50 %": {
             "covering_kg_per_m2": 0.075,
             "tail_kg_per_m2": 0.525,
@@ -149,7 +155,7 @@ def variations() -> dict[str, RibWingStructure]:
 def _variation_rows(cases: Sequence[BuiltAircraft]) -> Iterator[tuple[str, ...]]:
     model = calibrated_rib_wing()
     shipped = [float(case.mass_kg(model)) for case in cases]
-    alone = [replace(case, span_load_kg=_modules_kg(case)) for case in cases]
+    alone = [replace(case, span_load_kg=_modules_kg(case), wing_battery_kg=0.0) for case in cases]
     masses = {name: [c.mass_kg(varied) for c in cases] for name, varied in variations().items()}
     masses["battery in the fuselage"] = [case.mass_kg(model) for case in alone]
     for name, of_cases in masses.items():

@@ -13,6 +13,7 @@ from sizing.aircraft import ParametricAirframe
 from sizing.design import closed_design, design_of, structure_parts, variables_of
 from sizing.library import load_aircraft
 from sizing.structures.models import AllPowerLawStructure
+from sizing.structures.torsion import WingTorsion
 from studies.validation.built_aircraft import (
     ATLANTIKSOLAR,
     BUILT,
@@ -39,9 +40,13 @@ def test_one_factor_fits_atlantiksolar_and_sky_sailor_is_told_honestly() -> None
     assert 0.80 * 0.725 < SKY_SAILOR.mass_kg(model) < 0.725
 
 
-def test_calibration_is_the_only_thing_that_the_file_says() -> None:
+def test_calibration_and_stiffness_are_all_that_the_file_says() -> None:
     # All other inputs are the model's own constants, the same for every aircraft.
-    assert calibrated_rib_wing().model_fields_set == {"model", "calibration"}
+    model = calibrated_rib_wing()
+    stiffness = {"maximum_tip_deflection", "torsion"}
+    battery = {"spar_battery_density_kg_per_m3", "pod_battery_mount_fraction"}
+    assert model.model_fields_set == {"model", "calibration"} | stiffness | battery
+    assert model.torsion == WingTorsion()
 
 
 def test_calibration_is_near_that_of_the_published_tool() -> None:

@@ -1,0 +1,155 @@
+"""Torsional stiffness that a wing of constant chord needs: flutter, divergence and twist.
+
+All of it is for a uniform wing built in at the root, in the dynamic pressure of dive speed or at
+the limit load. Arithmetic only, for floats, arrays and symbols.
+"""
+
+from __future__ import annotations
+
+from math import pi, radians
+from typing import Annotated, NamedTuple
+
+from pydantic import Field, Strict
+
+from sizing.smooth import Value
+from solar.schema import NonNegativeReal, PositiveReal, Record
+
+# Largest torsional flexibility F of a wing: F V_D^2 = 200 with V_D in mph and F, the integral of
+# twist per torque times chord squared along the aileron, in ft2/lbf (Rosenbaum & Vollmecke,
+# Simplified Flutter Prevention Criteria for Personal Type Aircraft, CAA Airframe and Equipment
+# Engineering Report 45, 1955; FAR 23.629 (d) accepts it). Here F times dynamic pressure, SI.
+FLUTTER_LIMIT = 0.5 * 1.225 * 200.0 * (0.3048**2 / 4.4482216) * 0.44704**2
+# Area ahead of a quarter of the chord over thickness ratio and chord squared, of the thickness
+# distribution of the NACA four-digit sections (Abbott & von Doenhoff, section 6.4), per fraction of
+# the chord. It holds near a quarter.
+_NOSE_AREA = 0.77
+
+
+class Twisting(NamedTuple):
+    """What twists a wing.
+
+    Attributes
+    ----------
+    chord_m, half_span_m
+        Of the wing [m].
+    lift_slope
+        Of the wing [1/rad].
+    dive_pressure_pa
+        Dynamic pressure at dive speed [Pa].
+    limit_loading_pa
+        Lift over wing area at the limit load [Pa].
+    """
+
+    chord_m: Value
+    half_span_m: Value
+    lift_slope: Value
+    dive_pressure_pa: Value
+    limit_loading_pa: Value
+
+
+class WingTorsion(Record):
+    """Requirements on the torsional stiffness of a wing, and what carries the torsion.
+
+    The cell of the nose, closed by the spar, and the spar's box carry it. docs/structure.md names
+    source or assumption key by key.
+    """
+
+    aileron_start_fraction: Annotated[float, Strict(), Field(ge=0.0, le=0.95)] = 0.5
+    speed_margin: Annotated[float, Strict(), Field(ge=1.0, le=5.0)] = 1.2
+    elastic_axis_offset_chords: NonNegativeReal = 0.1
+    pitching_moment_coefficient: NonNegativeReal = 0.1
+    maximum_twist_deg: Annotated[float, Strict(), Field(gt=0.1, le=45.0)] = 15.0
+    sheet_shear_modulus_pa: PositiveReal = 0.17e9
+    cloth_shear_modulus_pa: PositiveReal = 10.4e9
+    cloth_density_kg_per_m3: PositiveReal = 1900.0
+
+    def needed_nm2(self, wing: Twisting) -> dict[str, Value]:
+        """Torsional stiffness GJ that each criterion asks for [N m2].
+
+        ``flutter``: the flexibility of Report 45, with twist ``s/GJ`` at s from the root for a unit
+        torque outboard of it, is ``c^2 l^2 (1 - x^2)/(2 GJ)`` over ailerons from the fraction x of
+        the half-span l to the tip.
+
+        ``divergence``: a uniform wing diverges at the dynamic pressure ``pi^2 GJ/(4 l^2 c e a)``
+        (Bisplinghoff, Ashley & Halfman, Aeroelasticity, section 8-3; Megson, Aircraft Structures,
+        equation 29.11), at ``speed_margin`` times dive speed (FAR 23.629 (c): 1.2).
+
+        ``twist_in_dive`` and ``twist_at_limit_load``: an even torque per length m twists the tip by
+        ``m l^2/(2 GJ)``; m is ``C_m q c^2``, or the lift times its distance from the elastic axis.
+
+        Parameters
+        ----------
+        wing : Twisting
+            What twists it.
+
+        Returns
+        -------
+        dict
+            By criterion.
+        """
+        square = (wing.chord_m * wing.half_span_m) ** 2
+        pressure = wing.dive_pressure_pa
+        offset = self.elastic_axis_offset_chords
+        twist = 2.0 * radians(1.0) * self.maximum_twist_deg
+        aileron = (1.0 - self.aileron_start_fraction**2) / 2.0
+        diverging = 4.0 / pi**2 * self.speed_margin**2 * offset
+        return {
+            "flutter": aileron / FLUTTER_LIMIT * pressure * square,
+            "divergence": diverging * wing.lift_slope * pressure * square,
+            "twist_in_dive": self.pitching_moment_coefficient / twist * pressure * square,
+            "twist_at_limit_load": offset / twist * wing.limit_loading_pa * square,
+        }
+
+
+def closed_cell_nm2(area_m2: Value, flexibility: Value) -> Value:
+    """Torsional stiffness GJ of a closed thin-walled cell [N m2], Bredt: ``4 A^2/sum(s/(G t))``.
+
+    Parameters
+    ----------
+    area_m2
+        Enclosed area A [m2].
+    flexibility
+        Sum over the walls of length over shear modulus times thickness [m/N].
+
+    Returns
+    -------
+    Value
+    """
+    return 4.0 * area_m2 * area_m2 / flexibility
+
+
+class NoseCell(NamedTuple):
+    """Cell of the sheeted nose, closed by the spar: enclosed area [m2] and its perimeter [m]."""
+
+    area_m2: Value
+    perimeter_m: Value
+
+    @classmethod
+    def of(
+        cls, chord_m: Value, *, thickness_ratio: Value, chord_fraction: Value, skin_m: Value
+    ) -> NoseCell:
+        """Cell ahead of a fraction of the chord.
+
+        Parameters
+        ----------
+        chord_m, thickness_ratio
+            Of the section [m, -].
+        chord_fraction
+            Where the cell ends [-].
+        skin_m
+            Length of its skin [m].
+
+        Returns
+        -------
+        NoseCell
+        """
+        area = _NOSE_AREA * chord_fraction * thickness_ratio * chord_m * chord_m
+        return cls(area, skin_m + thickness_ratio * chord_m)
+
+    def stiffness_nm2(self, wall_n_per_m: Value) -> Value:
+        """Torsional stiffness of walls that all have a shear stiffness G t [N/m]."""
+        return closed_cell_nm2(self.area_m2, self.perimeter_m / wall_n_per_m)
+
+    def wall_n_per_m(self, stiffness_nm2: Value) -> Value:
+        """Shear stiffness G t of all walls that gives a torsional stiffness [N m2]."""
+        return stiffness_nm2 * self.perimeter_m / (4.0 * self.area_m2 * self.area_m2)
