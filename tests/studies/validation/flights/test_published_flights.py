@@ -12,6 +12,7 @@ from missions.dates import day_of_year
 from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
+from studies.validation.flights import inputs
 from studies.validation.flights import published_flights as study
 
 
@@ -119,3 +120,22 @@ def test_every_fact_has_a_source() -> None:
         for fact in flight.facts:
             assert fact.source or fact.text.startswith("not found"), fact
     assert len(study.facts_table().rows) == sum(len(f.facts) for f in study.WITH_SEASON)
+
+
+def test_numbers_of_the_words_on_the_flights() -> None:
+    """What ``docs/validation.md`` says of combinations that no table has."""
+    of_28h, of_48h = study.FLIGHT_28H.trial(), study.FLIGHT_48H.trial()
+    charge = study.FLIGHT_28H.quantity("minimum state of charge").compute
+    assert charge(of_28h.with_load(43.0)) == pytest.approx(37.1, abs=0.05)
+    for flight, name, clock_h in (
+        (study.FLIGHT_28H, "full charge on the first day (CEST)", 14.0 + 5.0 / 60.0),
+        (study.FLIGHT_81H_CLOCK, "full charge on the second day (CEST)", 13.0 + 5.0 / 60.0),
+    ):
+        nearly = replace(flight.trial(), full_charge=0.99)
+        assert flight.quantity(name).compute(nearly) == pytest.approx(clock_h, abs=0.5 / 60.0)
+    flown = study.FLIGHT_48H.quantity("time flown").compute
+    assert flown(inputs.THERMALS.change(of_48h, 0.85)) < 40.0
+    assert flown(inputs.THERMALS.change(of_48h.with_load(90.0), 0.85)) == pytest.approx(48.27)
+    with_payload = shipped_mission("rafz-july", payload={"power_w": 6.5})
+    lowest = performance(AS2, with_payload).cycle.minimum_state_of_charge[0]
+    assert lowest == pytest.approx(0.26, abs=0.005)
