@@ -149,8 +149,13 @@ class SizingStudy(Result):
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
-        """What the optimum takes from outside the range of a model; nothing without one."""
-        found = self.result.simulated
+        """What the optimum takes from outside the range of a model.
+
+        Where excess time alone is missing, what the nearest design takes, which flies all the same.
+        """
+        result, found = self.result, self.result.simulated
+        if found is None and all(one.requirement == "excess_time" for one in result.violations):
+            found = result.nearest
         return () if found is None else extrapolations(self.aircraft, found)
 
     def headline(self) -> str:

@@ -70,6 +70,7 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     blocks: list[Any] = [f"  {one.requirement}: {one.text}" for one in study.result.violations]
     if study.result.active_constraints:
         blocks.append("  held back by: " + "; ".join(study.result.active_constraints))
+    blocks += extrapolation_blocks(study.extrapolations)
     if study.status is not SizingStatus.infeasible or study.coverage is not None:
         return blocks
     if not study.relaxations:

@@ -67,6 +67,30 @@ def test_sizings_tell_of_their_designs(run: Run) -> None:
     assert again.out.count("rib wing holds 3 to 8 m") == 1
 
 
+def test_the_nearest_design_is_told_where_it_flies(run: Run) -> None:
+    asked = (
+        "size",
+        "atlantiksolar-design",
+        "--mission",
+        "rafz-july",
+        "--required-excess-time",
+        "60",
+    )
+    lacking = run(*asked)
+    assert lacking.code == 1
+    assert lacking.out.count("wingspan 12 m: rib wing holds 3 to 8 m") == 1
+    heavy = run(
+        "size",
+        "atlantiksolar-design",
+        "--mission",
+        "rafz-july",
+        "--set",
+        "mission.payload.mass_kg=4000",
+    )
+    assert heavy.code == 1
+    assert HEAD not in heavy.out
+
+
 def test_files_keep_what_the_cells_tell(tmp_path: Path) -> None:
     import xarray as xr
 
