@@ -1,8 +1,9 @@
 """Cross-check of an optimum: whether a search by simulation finds any better design.
 
-The optimum is simulated again with a fine time step, and three searches look for a better design,
+The optimum is simulated again with a fine time step, and four searches look for a better design,
 all judged by the simulator alone: a grid over the whole design space, random neighbours of the
-optimum, and sizings from other starting designs. A search is no proof.
+optimum, sizings from other starting designs, and under a midnight sun those with other scenarios
+always lit. A search is no proof.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from sizing.optimisation.result import (
     SizingResult,
     objective_value,
 )
-from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.search import size_aircraft, size_branches
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
@@ -58,7 +59,7 @@ class CrossCheck:
     advantage : float
         By how much that is better, in the objective's unit; zero where nothing is.
     found_by : str
-        ``optimum``, ``grid``, ``neighbours`` or ``other starts``.
+        ``optimum``, ``grid``, ``neighbours``, ``other starts`` or ``other branches``.
     designs_tried : int
         Designs that the simulator judged.
     """
@@ -113,6 +114,7 @@ def cross_check(
         "grid": judge.best_of_grid(),
         "neighbours": judge.best_of(_neighbours(aircraft, result, seed)),
         "other starts": judge.best_of_starts(),
+        "other branches": judge.best_of_branches(),
     }
     found_by, best = max(found.items(), key=lambda item: float(judge.merit(item[1])))
     # Equal first: the excess time is infinite where the battery is never needed.
@@ -210,6 +212,19 @@ class _Judge:
             for fractions in _STARTS
         ]
         return self._best(np.array([self.value(one)[()] for one in found if one is not None]))
+
+    def best_of_branches(self) -> float:
+        """Best of sizings with other scenarios always lit, under a midnight sun."""
+        found = size_branches(
+            self.aircraft,
+            self.mission,
+            self.objective,
+            self.solar,
+            required_excess_time_h=self.required_h,
+            day=self.day,
+            start=self.optimum,
+        )
+        return self._best(np.array([self.value(one)[()] for one in found]))
 
     def _best(self, values: FloatArray) -> float:
         """Best value; NaN where all designs miss a requirement."""

@@ -63,6 +63,7 @@ _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _RESTARTS = 3
+_BRANCHES = 6  # that a cross-check tries at most, besides that by battery alone
 _LEAST_MISSED_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
 
 
@@ -332,6 +333,38 @@ def size_aircraft(
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     solver = ProgramSolver(problems, mission, solar, lit)
     return _sized(solver, objective, required, start, explain=explain)
+
+
+def size_branches(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    required_excess_time_h: float,
+    day: SolarDay,
+    start: DesignVariables,
+) -> list[Performance]:
+    """Simulate the best design of every branch under a midnight sun: no shortcuts, one by one.
+
+    Parameters
+    ----------
+    aircraft, mission, objective, solar, required_excess_time_h, day, start
+        As for :func:`size_aircraft`.
+
+    Returns
+    -------
+    list of Performance
+        Of the branches that have a design; empty where every scenario has a night.
+    """
+    solver = ProgramSolver(SizingProblems(aircraft), mission, solar, day)
+    sets = growing_lit_sets(lowest_power(day))
+    some = sorted({round(i) for i in np.linspace(0, len(sets) - 1, _BRANCHES)}) if sets else []
+    found = [
+        _Sizing(solver, objective, required_excess_time_h, start, explain=False, lit=lit).run()
+        for lit in [*([[]] if sets else []), *(sets[i] for i in some)]
+    ]
+    return [one.simulated for one in found if one.simulated is not None]
 
 
 def checked_problems(

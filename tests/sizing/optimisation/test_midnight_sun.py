@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,10 +18,15 @@ from sizing.optimisation.cells import size_cells
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.energy_constraints import growing_lit_sets
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
-from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.result import (
+    SizingResult,
+    SizingStatus,
+    objective_value,
+    plain_design,
+)
+from sizing.optimisation.search import size_aircraft, size_branches
 from sizing.performance import performance_of_designs
-from sizing.sunlight import SolarModel
+from sizing.sunlight import SolarModel, solar_day
 
 MIN_SPAN, MIN_MASS = Objective.min_wingspan, Objective.min_mass
 
@@ -162,3 +168,33 @@ def test_always_lit_scenarios_join_by_their_lowest_sun() -> None:
     lowest = np.array([0.0, 30.0, 10.0, 30.0, 20.0])
     assert growing_lit_sets(lowest) == [[1, 3], [1, 3, 4], [1, 3, 4, 2]]
     assert growing_lit_sets(np.zeros(3)) == []
+
+
+def test_cross_check_asks_the_branches_that_the_sizing_left_out() -> None:
+    known = KNOWN["thermals at noon, one day"]
+    result = known.sized()
+    # The best design that needs its battery, as if no other way had been tried.
+    by_battery = size_branches(
+        known.plane,
+        known.mission,
+        MIN_MASS,
+        required_excess_time_h=12.0,
+        day=solar_day(known.plane, known.mission),
+        start=variables_of(known.plane),
+    )[0]
+    assert np.isfinite(by_battery.cycle.excess_time_h).all()
+    value = float(objective_value(MIN_MASS, by_battery))
+    design = plain_design(by_battery.design)
+    worse = replace(result, simulated=by_battery, design=design, objective_value=value)
+    found = cross_check(known.plane, known.mission, worse)
+    assert not found.cross_checked
+    assert found.best_found == pytest.approx(result.objective_value, rel=1e-4)
+
+
+def test_only_requirements_that_limit_are_named() -> None:
+    result = KNOWN["a range of latitudes"].sized()
+    assert result.active_constraints == (
+        "module_coverage",
+        "always_lit (76.8 N, 15 Jul)",
+        "battery_mass_kg at its minimum",
+    )
