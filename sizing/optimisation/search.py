@@ -56,6 +56,7 @@ __all__ = ["Search", "SizingResult", "run", "size_aircraft"]
 _FIRST_BLOCKS = 3
 _ROUNDS = 12
 _WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
+_WASTE = 1e-3  # the same in what it costs in span or mass, relative
 # Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
 PENALTY = 300.0
 _NEXT_TO_NOTHING = 1e-3  # of a payload [kg, W]
@@ -173,7 +174,15 @@ class Search:
         """Whether a design has more excess time than needed, and another goal may change that."""
         if self.instance.best_excess or self.instance.goal_h <= 0.0:
             return False
-        return found.excess_time_h - self.required_h > _WASTE_H and not self._unchanged()
+        surplus_h = found.excess_time_h - self.required_h
+        if self._unchanged():
+            return False
+        # Next to the largest excess time minutes cost much: what they are worth is known.
+        worth = self.current.cost_per_hour()
+        if surplus_h * worth > _WASTE:
+            self.cushion_h = min(self.cushion_h, _WASTE / worth / 4.0)
+            return True
+        return surplus_h > _WASTE_H
 
     def _unchanged(self) -> bool:
         """Whether the last goal made no difference: another requirement decides."""
@@ -549,9 +558,12 @@ class _Sizing:
         return found
 
     def _solve_again(self, search: Search) -> Solution | None:
-        """Solution from the last one's design."""
+        """Solution from the last one's design, or from that of largest excess time."""
         assert search.previous is not None
-        return self._solve([search.previous.design])
+        starts = [search.previous.design]
+        starts += [] if self.largest is None else [self.largest.solution.design]
+        found = self._solve(starts)
+        return self._solve(starts, effort="steady") if found is None else found
 
     def _met_after_all(self, solution: Solution) -> Solution | None:
         """Solution where the penalty was too low to keep a requirement from being missed."""

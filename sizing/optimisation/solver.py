@@ -184,6 +184,13 @@ class Solution:
             if v.role is Role.slack and slack > _SLACK_TOLERANCE
         }
 
+    def cost_per_hour(self) -> float:
+        """What an hour of required excess time costs in span or mass, relative; 0 for others."""
+        if not {"wingspan_m", "total_mass_kg"} & set(self.instance.cost):
+            return 0.0
+        rows = zip(self.constraints, self.constraint_multipliers, strict=True)
+        return float(sum(abs(m) / row.scale for row, m in rows if row.name == "excess_time"))
+
     def free_bound_multipliers(self) -> dict[str, float]:
         """Multipliers of the bounds of all design variables that are not held at a value."""
         return {
