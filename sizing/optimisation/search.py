@@ -64,6 +64,8 @@ _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _RESTARTS = 3
+_MARGIN_COST = 0.003  # of the objective, relative
+_LESS_MARGIN = 1.0 / 30.0
 _BRANCHES = 6  # that a cross-check tries at most, besides that by battery alone
 _LEAST_MISSED_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
 
@@ -584,12 +586,39 @@ class _Sizing:
     def _settled(self, solution: Solution) -> SizingResult:
         """Best design that the simulator accepts, from a first solution on."""
         self.search.previous, self.search.solution = None, solution
-        run([self.search], lambda some: [self._simulated(one.current) for one in some])
+        self._run()
+        if self._margin_costs():
+            best = self.search.best
+            assert best is not None
+            less = best.solution.instance.margin * _LESS_MARGIN
+            self.search.instance = replace(best.solution.instance, margin=less)
+            self.search.previous, self.search.solution = best.solution, None
+            self._run()
         if self.search.best is None and self._nothing_between():
             self.search.best = self.largest
         if self.search.best is None:
             return self._failure(self.solver.performance(solution.design))
         return self._optimal(*self.search.best)
+
+    def _run(self) -> None:
+        run([self.search], lambda some: [self._simulated(one.current) for one in some])
+
+    def _margin_costs(self) -> bool:
+        """Whether the margin on the recharge costs more of the objective than it may.
+
+        At most what its multipliers say, with a battery that the night empties. It does where a
+        design is near the largest that there is, or a payload is what is left of a larger mass.
+        """
+        best = self.search.best
+        if best is None or best.solution.instance.best_excess:
+            return False
+        solution = best.solution
+        rows = zip(solution.constraints, solution.constraint_multipliers, strict=True)
+        cost = sum(abs(value) for row, value in rows if row.name == "energy_balance")
+        free = {v.name: x for v, x in zip(solution.variables, solution.x, strict=True)}
+        # The cost is a logarithm, or the payload.
+        scale = sum(abs(free[name]) for name in solution.instance.freed) or 1.0
+        return bool(solution.instance.margin * cost > _MARGIN_COST * scale)
 
     def _nothing_between(self) -> bool:
         """Whether the design of largest excess time is as good as one that falls just short.

@@ -156,6 +156,41 @@ def test_infeasible_verdict_is_held_against_a_grid_of_designs() -> None:
     assert found.objective_value == pytest.approx(74.65, rel=0.005)
 
 
+def test_margin_on_the_recharge_costs_no_payload_that_counts() -> None:
+    # A payload of 12 W beside 40 W of level flight: a thousandth more charge is half a percent.
+    plane = builders.aircraft(
+        "sky-sailor",
+        "power={avionics_w: 0, supply_efficiency: 0.7}",
+        "airframe.avionics_mass_kg=1.2",
+        "airframe.propulsion.climb_power_ratio=null",
+        "airframe.propulsion.climb_rate_m_per_s=1.259",
+        "modules.efficiency_stc=0.36932",
+        "battery.specific_energy_wh_per_kg=365.249",
+        "battery.charge_limit={kind: rule, c_rate_per_h: 0.30676, taper_start: 0.525, "
+        "relative_rate_at_full: 0.15943}",
+        "design_space={wingspan_m: {minimum: 2, maximum: 12}, battery_mass_kg: {minimum: 0.01, "
+        "maximum: 25}, module_area_m2: {minimum: 0.1, maximum: 18}, "
+        "limits: {battery_fraction: {maximum: 0.342345}}}",
+    )
+    place = mission(
+        latitude_deg={"from_deg": 22.526, "to_deg": 42.286, "count": 2},
+        dates={"from": "06-09", "to": "06-12"},
+        altitude_m=0.0,
+        air={},
+        wind_m_per_s=9.0,
+        uncertainty_margins={"solar_model_sigmas": 2.0},
+    )
+    found = size_aircraft(
+        plane,
+        place,
+        Objective.max_payload_power,
+        SolarModel("CDM", "report"),
+        required_excess_time_h=0.0,
+    )
+    # The best of a search by simulation alone has 12.06 W.
+    assert found.objective_value == pytest.approx(12.06, rel=0.003)
+
+
 # ---- lift, stall and limits
 
 
