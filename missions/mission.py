@@ -21,6 +21,7 @@ from missions.air import (
     standard_air,
 )
 from missions.flight_path import FlightPath, Heading, Wind
+from missions.uncertainty import Uncertainty
 from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
 from solar.schema import (
@@ -251,6 +252,7 @@ class Mission(Record):
     required_excess_time_h: ExcessTime = 0.0
     launch: Launch | None = None
     climb: Climb | None = None
+    uncertainty: Uncertainty | None = None
 
     @field_validator("clear_sky")
     @classmethod
@@ -371,7 +373,8 @@ class Mission(Record):
 
     def air_state(self) -> Air:
         """Air at the flight altitude."""
-        standard = standard_air(self.altitude_m, self.air.temperature_offset_k or 0.0)
+        offset_k = self.air.temperature_offset_k
+        standard = standard_air(self.altitude_m, 0.0 if offset_k is None else offset_k)
         if self.air.ambient_temperature_c is None:
             return standard
         return air_at(self.air.ambient_temperature_c + ZERO_CELSIUS_K, standard.pressure_pa)

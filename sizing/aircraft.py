@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
+from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.energy.battery import Battery
@@ -375,6 +376,7 @@ class Aircraft(Record):
     battery: Battery
     power: Power
     design_space: DesignSpace = DesignSpace()
+    uncertainty: Uncertainty | None = None
 
     @model_validator(mode="after")
     def _check_lift(self) -> Aircraft:

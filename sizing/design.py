@@ -26,6 +26,7 @@ from sizing.structures.loads import StructureInputs
 from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
+from solar.types import FloatArray
 
 
 class ImpossibleDesignError(ValueError):
@@ -118,8 +119,8 @@ class FlightConditions(NamedTuple):
         """Conditions of a mission."""
         air = mission.air_state()
         return cls(
-            density_kg_per_m3=float(air.density_kg_per_m3),
-            dynamic_viscosity=float(air.dynamic_viscosity_pa_s),
+            density_kg_per_m3=_number(air.density_kg_per_m3),
+            dynamic_viscosity=_number(air.dynamic_viscosity_pa_s),
             payload_mass_kg=mission.payload.mass_kg,
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
@@ -134,6 +135,11 @@ class FlightConditions(NamedTuple):
             payload_mass_kg=self.payload_mass_kg if mass is None else mass,
             payload_power_w=self.payload_power_w if power is None else power,
         )
+
+
+def _number(value: FloatArray) -> Value:
+    """Array without a dimension as the number that it is; others as they are."""
+    return float(value) if np.ndim(value) == 0 else value
 
 
 def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:

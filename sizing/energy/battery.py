@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Literal
@@ -184,8 +185,8 @@ class Store:
     """
 
     battery_energy_wh: FloatArray
-    charge_efficiency: float
-    discharge_efficiency: float
+    charge_efficiency: float | FloatArray
+    discharge_efficiency: float | FloatArray
     clock: ChargeClock | None
 
     @classmethod
@@ -214,12 +215,27 @@ class Store:
 
     def flat(self, shape: tuple[int, ...]) -> Store:
         """Store of every element of a batch of some shape, as a batch of one dimension."""
-        energy = np.broadcast_to(self.battery_energy_wh, shape).reshape(-1)
-        return replace(self, battery_energy_wh=energy)
+        return self._with(lambda values: np.broadcast_to(values, shape).reshape(-1))
 
     def select(self, cells: IntArray | BoolArray | slice) -> Store:
         """Store of a part of a one-dimensional batch."""
-        return replace(self, battery_energy_wh=self.battery_energy_wh[cells])
+        return self._with(lambda values: values[cells])
+
+    def _with(self, pick: Callable[[FloatArray], FloatArray]) -> Store:
+        """Store of picked elements; an efficiency that all share stays a number."""
+        energy = pick(self.battery_energy_wh)
+        if np.ndim(self.charge_efficiency) == np.ndim(self.discharge_efficiency) == 0:
+            return replace(self, battery_energy_wh=energy)
+        charge, discharge = (
+            pick(np.broadcast_to(efficiency, self.battery_energy_wh.shape))
+            for efficiency in (self.charge_efficiency, self.discharge_efficiency)
+        )
+        return replace(
+            self,
+            battery_energy_wh=energy,
+            charge_efficiency=charge,
+            discharge_efficiency=discharge,
+        )
 
     def charged(
         self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike

@@ -469,6 +469,6 @@ def first_repetition(day: ChargingDay, store: Store) -> Repetition:
         np.where(of_moved < 0.0, np.inf, of_moved), axis=0, initial=np.inf
     )
     # Empty before the first surplus from here and from there, and from then on the same.
-    alike = at_first_surplus >= eta * np.maximum(run.start_wh, end)[moved]
+    alike = at_first_surplus >= (eta * np.maximum(run.start_wh, end))[moved]
     run.restart(moved[alike], end[moved[alike]])
     return Repetition(run, moved[~alike])

@@ -1,0 +1,161 @@
+"""Uncertain inputs of an aircraft or a mission: how each scatters, and which go together.
+
+A file names a key of its own and how the value scatters around what the file says::
+
+    uncertainty:
+      inputs:
+        battery.specific_energy_wh_per_kg: {relative_sigma: 0.04}
+        modules.efficiency_stc: {distribution: uniform, low: 0.23, high: 0.24}
+      correlations:
+        - {between: [battery.specific_energy_wh_per_kg, battery.mass_kg], coefficient: 0.5}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
+
+from solar.schema import PositiveReal, Real, Record, Text
+from solar.types import FloatArray
+
+Quantile = Callable[[FloatArray], FloatArray]
+
+
+class Normal(Record):
+    """Normal distribution around the file's value."""
+
+    distribution: Literal["normal"] = "normal"
+    sigma: PositiveReal | None = None
+    relative_sigma: PositiveReal | None = None
+
+    @model_validator(mode="after")
+    def _check_spread(self) -> Normal:
+        if (self.sigma is None) == (self.relative_sigma is None):
+            raise ValueError("give sigma, in the unit of the key, or relative_sigma")
+        return self
+
+    def values(self, share: FloatArray, nominal: float) -> FloatArray:
+        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        from scipy.special import ndtri
+
+        sigma = self.sigma if self.sigma is not None else (self.relative_sigma or 0.0) * nominal
+        return np.asarray(nominal + sigma * ndtri(share))
+
+
+class LogNormal(Record):
+    """Lognormal distribution: the file's value is its median, it never changes sign."""
+
+    distribution: Literal["lognormal"]
+    relative_sigma: PositiveReal
+
+    def values(self, share: FloatArray, nominal: float) -> FloatArray:
+        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        from scipy.special import ndtri
+
+        return np.asarray(nominal * np.exp(np.log1p(self.relative_sigma) * ndtri(share)))
+
+
+class Uniform(Record):
+    """Equally likely between two ends."""
+
+    distribution: Literal["uniform"]
+    low: Real
+    high: Real
+
+    @model_validator(mode="after")
+    def _check_ends(self) -> Uniform:
+        if self.low >= self.high:
+            raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
+        return self
+
+    def values(self, share: FloatArray, nominal: float) -> FloatArray:
+        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        return np.asarray(self.low + (self.high - self.low) * share)
+
+
+class Triangular(Record):
+    """Triangle between two ends, its peak at the file's value unless ``mode`` is given."""
+
+    distribution: Literal["triangular"]
+    low: Real
+    high: Real
+    mode: Real | None = None
+
+    @model_validator(mode="after")
+    def _check_ends(self) -> Triangular:
+        if self.low >= self.high:
+            raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
+        if self.mode is not None and not self.low <= self.mode <= self.high:
+            raise ValueError(f"mode must lie between low and high (got {self.mode:g})")
+        return self
+
+    def values(self, share: FloatArray, nominal: float) -> FloatArray:
+        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        peak = min(max(nominal if self.mode is None else self.mode, self.low), self.high)
+        width, rise, fall = self.high - self.low, peak - self.low, self.high - peak
+        return np.where(
+            share < rise / width,
+            self.low + np.sqrt(share * width * rise),
+            self.high - np.sqrt((1.0 - share) * width * fall),
+        )
+
+
+class Data(Record):
+    """Values that were found, equally likely, straight lines between them."""
+
+    distribution: Literal["data"]
+    data: tuple[Real, ...] = Field(min_length=3)
+
+    def values(self, share: FloatArray, nominal: float) -> FloatArray:
+        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        ordered = np.sort(np.asarray(self.data, float))
+        places = (np.arange(len(ordered)) + 0.5) / len(ordered)
+        return np.asarray(np.interp(share, places, ordered))
+
+
+def _normal_by_default(value: Any) -> Any:
+    """Spreads without a distribution are normal."""
+    if isinstance(value, dict) and "distribution" not in value:
+        return {"distribution": "normal", **value}
+    return value
+
+
+Distribution = Annotated[
+    Normal | LogNormal | Uniform | Triangular | Data,
+    Field(discriminator="distribution"),
+    BeforeValidator(_normal_by_default),
+]
+
+
+class Correlation(Record):
+    """Correlation of two inputs' normal scores (a Gaussian copula)."""
+
+    between: tuple[Text, Text]
+    coefficient: Annotated[float, Strict(), Field(gt=-1.0, lt=1.0, allow_inf_nan=False)]
+
+
+class Uncertainty(Record):
+    """Uncertain inputs by their keys, and correlations between them."""
+
+    inputs: dict[Text, Distribution] = Field(default_factory=dict)
+    correlations: tuple[Correlation, ...] = ()
+
+    def __hash__(self) -> int:
+        # A mapping has no hash of its own.
+        return hash((frozenset(self.inputs.items()), self.correlations))
+
+    @model_validator(mode="after")
+    def _check_correlations(self) -> Uncertainty:
+        for number, correlation in enumerate(self.correlations):
+            first, second = correlation.between
+            if first == second:
+                raise PydanticCustomError(
+                    "correlation",
+                    "needs two different inputs (got {name} twice)",
+                    {"key": f"correlations.{number}.between", "name": first},
+                )
+        return self

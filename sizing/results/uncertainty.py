@@ -1,0 +1,344 @@
+"""Analysis under uncertain inputs: how likely a flight is perpetual, and what that depends on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.results.records import check_subjects, finite, hours
+from sizing.results.tables import UNLIMITED, Column, Line, Result, Summary, Table, facts
+from sizing.sunlight import SolarModel
+from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
+from sizing.uncertainty.propagation import Flights, Propagation
+from solar.names import CorrectionName, ModelName
+from solar.types import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+DEFAULT_SAMPLES = 8192
+_LEAST_SAMPLES, _MOST_SAMPLES = 64, 2**20
+# Draws whose endurance is searched for: a launch of each is refined.
+_ENDURANCE_SAMPLES = 1024
+_CONFIDENCE_Z = 1.959964  # of 95 %
+PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
+
+
+@dataclass(frozen=True)
+class Proportion:
+    """Share of draws with a property, and its interval of 95 % confidence."""
+
+    value: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, marks: FloatArray) -> Proportion:
+        """Share of true values.
+
+        Interval: Wilson, E. B. (1927), Probable inference, the law of succession, and statistical
+        inference, J. Am. Stat. Assoc. 22, 209-212. It holds for independent draws; of the more even
+        points of a Sobol sequence it is on the safe side.
+        """
+        count, z = len(marks), _CONFIDENCE_Z
+        share = float(np.mean(marks))
+        centre = (share + z * z / (2.0 * count)) / (1.0 + z * z / count)
+        half = z * math.sqrt(share * (1.0 - share) / count + z * z / (4.0 * count * count))
+        half /= 1.0 + z * z / count
+        return cls(share, max(centre - half, 0.0), min(centre + half, 1.0))
+
+    def text(self) -> str:
+        """Share and interval in per cent."""
+        value, low, high = (100.0 * v for v in (self.value, self.low, self.high))
+        return f"{value:.1f} % (95 % between {low:.1f} and {high:.1f} %)"
+
+
+@dataclass(frozen=True)
+class SobolIndex:
+    """Share of the variance that an input explains, alone and with all others together [-]."""
+
+    first: float
+    total: float
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class UncertaintyAnalysis(Result):
+    """Flights under draws of the uncertain inputs.
+
+    Attributes
+    ----------
+    aircraft, mission
+        As their files give them.
+    solar : SolarModel
+    inputs : UncertainInputs
+    values : dict
+        Values of every input by its key, shape ``(sample,)``.
+    flights : Flights
+        What became of the draws.
+    endurance_h : ndarray
+        Longest flight of the first draws [h], infinite if perpetual.
+    sobol : dict
+        Indices of the excess time by input; empty where inputs are correlated.
+    nominal_excess_time_h : float
+        Excess time with every input as the files give it [h].
+    required_h : float
+        Excess time that the mission asks for [h].
+    seed : int
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    inputs: UncertainInputs
+    values: dict[str, FloatArray]
+    flights: Flights
+    endurance_h: FloatArray
+    sobol: dict[str, SobolIndex]
+    nominal_excess_time_h: float
+    required_h: float
+    seed: int
+
+    @property
+    def samples(self) -> int:
+        """Number of draws."""
+        return len(self.flights.excess_time_h)
+
+    @cached_property
+    def probability_perpetual(self) -> Proportion:
+        """Probability of perpetual flight in every scenario."""
+        return Proportion.of(self.flights.excess_time_h > 0.0)
+
+    @cached_property
+    def probability_required(self) -> Proportion:
+        """Probability of the required excess time in every scenario."""
+        excess = self.flights.excess_time_h
+        return Proportion.of((excess > 0.0) & (excess >= self.required_h))
+
+    def headline(self) -> str:
+        """Aircraft, mission and probability in one line."""
+        return (
+            f"{self.aircraft.name} on {self.mission.name}: perpetual flight in "
+            f"{100 * self.probability_perpetual.value:.1f} % of {self.samples} draws"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Whole analysis, JSON-ready."""
+        return {
+            "aircraft": self.aircraft.name,
+            "mission": self.mission.name,
+            "mission_is_default": False,
+            "model": self.solar.model,
+            "correction": self.solar.correction,
+            "samples": self.samples,
+            "seed": self.seed,
+            "probability_perpetual": vars(self.probability_perpetual),
+            "required_excess_time_h": self.required_h,
+            "probability_required": vars(self.probability_required),
+            "nominal_excess_time_h": finite(self.nominal_excess_time_h),
+            "excess_time_h": _percentiles(self.flights.excess_time_h),
+            "minimum_state_of_charge": _percentiles(self.flights.minimum_state_of_charge),
+            "endurance_h": _percentiles(self.endurance_h),
+            "sobol": {key: vars(index) for key, index in self.sobol.items()},
+            "inputs": [
+                {
+                    "key": one.key,
+                    "nominal": one.nominal,
+                    "distribution": one.distribution.distribution,
+                    "percentiles": _percentiles(self.values[one.key]),
+                }
+                for one in self.inputs.inputs
+            ],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a draw: its inputs, excess time, least state of charge, mass and power."""
+        import pandas as pd
+
+        flown = self.flights
+        return pd.DataFrame(
+            {
+                **self.values,
+                "excess_time_h": flown.excess_time_h,
+                "minimum_state_of_charge": flown.minimum_state_of_charge,
+                "total_mass_kg": flown.total_mass_kg,
+                "propulsion_power_w": flown.propulsion_power_w,
+            }
+        )
+
+    def summary(self) -> Summary:
+        """What the terminal shows."""
+        record = self.to_dict()
+        excess, charge = record["excess_time_h"], record["minimum_state_of_charge"]
+        rows = [("probability of perpetual flight", self.probability_perpetual.text())]
+        if self.required_h > 0.0:
+            label = f"probability of {self.required_h:g} h of excess time"
+            rows.append((label, self.probability_required.text()))
+        rows += [
+            (
+                "excess time with the files' values",
+                hours(record["nominal_excess_time_h"], UNLIMITED),
+            ),
+            ("excess time: 10, 50, 90 % of draws", _three(excess, UNLIMITED)),
+            ("endurance", _three(record["endurance_h"], UNLIMITED)),
+            (
+                "minimum state of charge",
+                ", ".join(f"{100 * charge[p]:.1f} %" for p in PERCENTILES),
+            ),
+        ]
+        blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
+        text = f"{record['model']}, correction: {record['correction']}; seed {self.seed}."
+        if not self.inputs.independent:
+            text += " Inputs are correlated: shares of the variance are not defined."
+        blocks.append(Line(text, "faint"))
+        return Summary(tuple(blocks))
+
+    def input_table(self) -> Table:
+        """Inputs with their spread and their shares of the excess time's variance."""
+        order = sorted(
+            self.inputs.inputs,
+            key=lambda one: -self.sobol[one.key].total if one.key in self.sobol else 0.0,
+        )
+        rows = []
+        for one in order:
+            low, high = np.percentile(self.values[one.key], [10.0, 90.0])
+            index = self.sobol.get(one.key)
+            rows.append(
+                (
+                    one.label,
+                    f"{one.nominal:.4g}",
+                    f"{low:.4g} to {high:.4g}",
+                    None if index is None else 100.0 * index.first,
+                    None if index is None else 100.0 * index.total,
+                )
+            )
+        columns = (
+            Column("input"),
+            Column("nominal"),
+            Column("spread", "10 to 90 %"),
+            Column("first", "of the variance, alone", "%", ".0f"),
+            Column("total", "with others", "%", ".0f"),
+        )
+        return Table("what the excess time depends on", columns, tuple(rows))
+
+
+def analyse_uncertainty(
+    aircraft: Aircraft,
+    mission: Mission,
+    *,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    samples: int = DEFAULT_SAMPLES,
+    seed: int = 0,
+    model_error: bool = True,
+) -> UncertaintyAnalysis:
+    """Fly an aircraft under draws of the inputs that its file and the mission's call uncertain.
+
+    Parameters
+    ----------
+    aircraft, mission
+        With their ``uncertainty``.
+    model : {"CAM", "CDM", "VM", "FM"}
+        Solar power model.
+    correction : {"none", "report", "loiter"}
+        Correction of the model's systematic error.
+    samples : int
+        Draws, points of a scrambled Sobol sequence: 64 to 1,048,576, rounded up to a power of two.
+    seed : int
+        The same seed gives the same draws.
+    model_error : bool
+        Whether the RMS error of the solar model, after its correction, is an input as well.
+
+    Returns
+    -------
+    UncertaintyAnalysis
+
+    Raises
+    ------
+    InputError
+        For inputs that are no numbers of the files, spreads that make a value impossible, and
+        correlations that contradict each other.
+    TypeError
+        For what is no aircraft or mission.
+    ValueError
+        For an unknown model, a number of samples out of range, no uncertain input at all, or one
+        that cannot be varied.
+    """
+    check_subjects(aircraft, mission)
+    if not _LEAST_SAMPLES <= samples <= _MOST_SAMPLES:
+        raise ValueError(
+            f"samples must be from {_LEAST_SAMPLES} to {_MOST_SAMPLES} (got {samples})"
+        )
+    solar = SolarModel(model, correction)
+    inputs = uncertain_inputs(aircraft, mission, solar, model_error=model_error)
+    if not len(inputs):
+        raise ValueError(
+            f"neither {aircraft.name} nor {mission.name} has an uncertain input: give them "
+            "uncertainty.inputs"
+        )
+    study = Propagation(aircraft, mission, solar)
+    study.check([one.key for one in inputs.inputs])
+    values = inputs.values(_sobol_points(len(inputs), samples, seed))
+    few = {key: value[:_ENDURANCE_SAMPLES] for key, value in values.items()}
+    nominal = {one.key: np.array([one.nominal]) for one in inputs.inputs}
+    return UncertaintyAnalysis(
+        aircraft=aircraft,
+        mission=mission,
+        solar=solar,
+        inputs=inputs,
+        values=values,
+        flights=study.flights(values),
+        endurance_h=study.endurance_h(few),
+        sobol=_sobol_indices(study, inputs, samples, seed) if inputs.independent else {},
+        nominal_excess_time_h=float(study.flights(nominal).excess_time_h[0]),
+        required_h=mission.required_excess_time_h,
+        seed=seed,
+    )
+
+
+def _sobol_points(dimension: int, samples: int, seed: int) -> FloatArray:
+    """Points of the unit cube, shape ``(input, sample)``: Owen's scrambling of Sobol's sequence."""
+    from scipy.stats import qmc
+
+    power = math.ceil(math.log2(samples))
+    return np.ascontiguousarray(qmc.Sobol(dimension, rng=seed).random_base2(power).T)
+
+
+def _sobol_indices(
+    study: Propagation, inputs: UncertainInputs, samples: int, seed: int
+) -> dict[str, SobolIndex]:
+    """Indices of the excess time (Saltelli et al. 2010, Computer Physics Communications 181).
+
+    Unlimited excess time counts as the largest finite one.
+    """
+    from scipy.stats import sobol_indices, uniform
+
+    def excess(shares: FloatArray) -> FloatArray:
+        found = study.flights(inputs.values(shares)).excess_time_h
+        known = np.isfinite(found)
+        return np.where(known, found, np.max(found[known], initial=0.0))
+
+    each = max(2 ** int(math.log2(samples / (len(inputs) + 2))), 16)
+    found = sobol_indices(func=excess, n=each, dists=[uniform()] * len(inputs), rng=seed)
+    first, total = (np.nan_to_num(np.ravel(v)) for v in (found.first_order, found.total_order))
+    return {
+        one.key: SobolIndex(float(f), float(t))
+        for one, f, t in zip(inputs.inputs, first, total, strict=True)
+    }
+
+
+def _percentiles(values: FloatArray) -> dict[str, float | None]:
+    """P10, P50 and P90, each a draw that occurred; null where infinite."""
+    return {
+        name: finite(np.percentile(values, at, method="inverted_cdf"))
+        for name, at in PERCENTILES.items()
+    }
+
+
+def _three(record: dict[str, float | None], unlimited: str) -> str:
+    return ", ".join(hours(record[p], unlimited) for p in PERCENTILES)

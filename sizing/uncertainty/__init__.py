@@ -1,0 +1,1 @@
+"""Uncertain inputs: what they are, and what they make of a flight."""

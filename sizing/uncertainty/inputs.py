@@ -1,0 +1,193 @@
+"""Uncertain inputs of an aircraft on a mission, and draws of them.
+
+Draws are points of the unit cube, one axis an input: quantiles turn them into values, and a
+Gaussian copula ties inputs together (Nelsen, R. B. (2006), An Introduction to Copulas, section
+2.3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from missions.files.errors import InputError, Problem
+from missions.files.overrides import with_values
+from missions.mission import Mission
+from missions.uncertainty import Distribution, Normal
+from sizing.aircraft import Aircraft
+from sizing.parameters import MISSION_PREFIX, catalogue, parameter_value
+from sizing.sunlight import SolarModel
+from solar.types import FloatArray
+
+# Factor on the power of the solar model, whose error was measured in flight.
+SOLAR_MODEL = "solar_model"
+# Share of draws beyond which a distribution is cut off, and that must be possible.
+_TAIL = 1e-4
+
+
+@dataclass(frozen=True)
+class UncertainInput:
+    """An input that scatters.
+
+    Attributes
+    ----------
+    key : str
+        In the aircraft's file, behind ``mission.`` in the mission's, or :data:`SOLAR_MODEL`.
+    nominal : float
+        Value that the file gives.
+    distribution : Distribution
+        How it scatters.
+    """
+
+    key: str
+    nominal: float
+    distribution: Distribution
+
+    @property
+    def label(self) -> str:
+        """Input in words."""
+        if self.key == SOLAR_MODEL:
+            return "error of the solar model"
+        known = catalogue().get(self.key)
+        return known.label if known else self.key.replace("_", " ").replace(".", ", ")
+
+    def values(self, share: FloatArray) -> FloatArray:
+        """Values below which shares of all draws lie; the tails are cut off."""
+        return self.distribution.values(np.clip(share, _TAIL, 1.0 - _TAIL), self.nominal)
+
+
+@dataclass(frozen=True)
+class UncertainInputs:
+    """All uncertain inputs of a case.
+
+    Attributes
+    ----------
+    inputs : tuple of UncertainInput
+    correlation : ndarray, shape (input, input)
+        Of their normal scores [-].
+    """
+
+    inputs: tuple[UncertainInput, ...]
+    correlation: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.inputs)
+
+    @property
+    def independent(self) -> bool:
+        """Whether no input goes with another."""
+        return bool(np.array_equal(self.correlation, np.eye(len(self))))
+
+    @cached_property
+    def _root(self) -> FloatArray:
+        return np.asarray(np.linalg.cholesky(self.correlation), float)
+
+    def values(self, shares: FloatArray) -> dict[str, FloatArray]:
+        """Values of all inputs at points of the unit cube.
+
+        Parameters
+        ----------
+        shares : ndarray, shape (input, sample)
+            Independent shares, 0 to 1.
+
+        Returns
+        -------
+        dict
+            Values of each input by its key, shape ``(sample,)``.
+        """
+        if not self.independent:
+            from scipy.special import ndtr, ndtri
+
+            shares = ndtr(self._root @ ndtri(np.clip(shares, 1e-12, 1.0 - 1e-12)))
+        return {one.key: one.values(share) for one, share in zip(self.inputs, shares, strict=True)}
+
+
+def uncertain_inputs(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, *, model_error: bool = True
+) -> UncertainInputs:
+    """Collect and check the uncertain inputs that aircraft and mission name.
+
+    Parameters
+    ----------
+    aircraft, mission
+        With their ``uncertainty``.
+    solar : SolarModel
+        Solar power model, whose RMS error is an input of its own.
+    model_error : bool
+        Whether that error counts.
+
+    Returns
+    -------
+    UncertainInputs
+
+    Raises
+    ------
+    InputError
+        For a key that is no number, a spread that makes a value impossible, or correlations that
+        contradict each other.
+    """
+    found: list[UncertainInput] = []
+    problems: list[Problem] = []
+    pairs: list[tuple[str, str, float]] = []
+    for owner, prefix in ((aircraft, ""), (mission, MISSION_PREFIX)):
+        if owner.uncertainty is None:
+            continue
+        for key, distribution in owner.uncertainty.inputs.items():
+            nominal = parameter_value(owner, None, key)
+            place = f"uncertainty.inputs.{key}"
+            if nominal is None:
+                message = "is no key of the file that holds a number"
+                problems.append(Problem(owner.name, None, None, place, message))
+                continue
+            one = UncertainInput(prefix + key, nominal, distribution)
+            problems += _impossible(owner, key, one)
+            found.append(one)
+        pairs += [
+            (prefix + c.between[0], prefix + c.between[1], c.coefficient)
+            for c in owner.uncertainty.correlations
+        ]
+    if model_error and solar.rms_relative > 0.0:
+        found.append(UncertainInput(SOLAR_MODEL, 1.0, Normal(sigma=solar.rms_relative)))
+    correlation, wrong = _correlations(aircraft.name, [one.key for one in found], pairs)
+    if problems or wrong:
+        raise InputError([*problems, *wrong])
+    return UncertainInputs(tuple(found), correlation)
+
+
+def _impossible(owner: Aircraft | Mission, key: str, one: UncertainInput) -> list[Problem]:
+    """What is wrong with the ends of a distribution, by the rules of the file."""
+    problems = []
+    for share, end in ((_TAIL, "lowest"), (1.0 - _TAIL, "highest")):
+        value = float(one.values(np.array([share]))[0])
+        try:
+            with_values(owner, {key: value})
+        except InputError as error:
+            message = (
+                f"scatters to impossible values, the {end} in {1 / _TAIL:.0f} draws is {value:g}: "
+                f"{error.problems[0].message}"
+            )
+            place = f"uncertainty.inputs.{key}"
+            problems.append(Problem(owner.name, None, None, place, message))
+            break
+    return problems
+
+
+def _correlations(
+    source: str, keys: list[str], pairs: list[tuple[str, str, float]]
+) -> tuple[FloatArray, list[Problem]]:
+    """Matrix of the correlations, and what is wrong with them."""
+    matrix, problems = np.eye(len(keys)), []
+    for first, second, coefficient in pairs:
+        unknown = [key for key in (first, second) if key not in keys]
+        if unknown:
+            message = f"{unknown[0]} is no uncertain input; there are: {', '.join(keys)}"
+            problems.append(Problem(source, None, None, "uncertainty.correlations", message))
+            continue
+        i, j = keys.index(first), keys.index(second)
+        matrix[i, j] = matrix[j, i] = coefficient
+    if len(keys) and np.linalg.eigvalsh(matrix).min() <= 1e-10:
+        message = "contradict each other: their matrix is not positive definite"
+        problems.append(Problem(source, None, None, "uncertainty.correlations", message))
+    return matrix, problems

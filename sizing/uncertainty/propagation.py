@@ -1,0 +1,316 @@
+"""Flights of many draws of uncertain inputs at once.
+
+The formulas of the sizing take arrays where they take numbers: a draw is an element of a batch, as
+a design is. Solar power of CDM, CAM and VM is linear in what scatters, so that the sky is computed
+once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import (
+    Design,
+    FlightConditions,
+    load_profile,
+    measured_design,
+    parametric_design,
+    variables_of,
+)
+from sizing.energy.battery import Store
+from sizing.energy.cycle import simulate_cycle
+from sizing.energy.endurance import longest_flight
+from sizing.energy.power_balance import blocks
+from sizing.parameters import with_parameter
+from sizing.sunlight import SolarDay, SolarModel, solar_day
+from sizing.uncertainty.inputs import SOLAR_MODEL
+from solar.types import FloatArray
+
+# Draws simulated at once: a day of each array stays small.
+_DRAWS_AT_ONCE = 2048
+_TOLERANCE = 1e-10  # relative, of the total mass
+# Keys of the modules and the sky that the specific power is rescaled for.
+_SUN_KEYS = (
+    "modules.efficiency_stc",
+    "modules.mppt_efficiency",
+    "modules.camber_efficiency",
+    "modules.diffuse_efficiency",
+    "modules.temperature_coefficient_per_k",
+    "mission.clearness",
+    "mission.air.module_temperature_c",
+    "mission.air.ambient_temperature_c",
+    "mission.air.temperature_offset_k",
+    SOLAR_MODEL,
+)
+# Keys that move the sun itself, or what no batch can carry.
+_FIXED = ("mission.latitude_deg", "mission.altitude_m", "mission.longitude_deg", "mission.dates")
+
+
+@dataclass(frozen=True)
+class Flights:
+    """What becomes of the draws, the worst scenario of each; arrays of shape ``(sample,)``.
+
+    Attributes
+    ----------
+    excess_time_h : ndarray
+        Excess time [h]; infinite where it is unlimited.
+    minimum_state_of_charge : ndarray
+        Of the converged cycle [-].
+    total_mass_kg, propulsion_power_w : ndarray
+        Of the design that is drawn [kg, W].
+    worst : ndarray of int
+        Scenario with the least excess time.
+    """
+
+    excess_time_h: FloatArray
+    minimum_state_of_charge: FloatArray
+    total_mass_kg: FloatArray
+    propulsion_power_w: FloatArray
+    worst: FloatArray
+
+
+class Propagation:
+    """Flights of an aircraft on a mission under draws of its inputs.
+
+    Parameters
+    ----------
+    aircraft, mission
+        As their files give them.
+    solar : SolarModel
+        Solar power model and its correction.
+    """
+
+    def __init__(self, aircraft: Aircraft, mission: Mission, solar: SolarModel) -> None:
+        self.aircraft, self.mission, self.solar = aircraft, mission, solar
+        self.day = solar_day(aircraft, mission, solar)
+        self._direct: FloatArray | None = None
+
+    def check(self, keys: list[str]) -> None:
+        """Refuse inputs that this propagation cannot vary.
+
+        Raises
+        ------
+        ValueError
+            That names them.
+        """
+        for key in keys:
+            if key.startswith(_FIXED) or key.startswith("modules.geometry"):
+                raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
+            if key in _SUN_KEYS[2:5] and self.solar.model in ("VM", "FM"):
+                raise ValueError(f"{key} varies with CDM and CAM alone (got {self.solar.model})")
+
+    def flights(self, values: dict[str, FloatArray]) -> Flights:
+        """Fly all draws.
+
+        Parameters
+        ----------
+        values : dict
+            Values of every input by its key, shape ``(sample,)``.
+
+        Returns
+        -------
+        Flights
+        """
+        count = len(next(iter(values.values()))) if values else 1
+        parts = [
+            self._block({key: value[some] for key, value in values.items()})
+            for some in blocks(count, _DRAWS_AT_ONCE)
+        ]
+        return Flights(
+            *(
+                np.concatenate([getattr(part, name) for part in parts])
+                for name in Flights.__dataclass_fields__
+            )
+        )
+
+    def endurance_h(self, values: dict[str, FloatArray]) -> FloatArray:
+        """Longest flight of every draw in its worst scenario [h], infinite if perpetual."""
+        flown = self.flights(values)
+        count = len(flown.excess_time_h)
+        hours = np.full(count, np.inf)
+        short = np.flatnonzero(flown.excess_time_h <= 0.0)
+        if not len(short):
+            return hours
+        some = {key: value[short] for key, value in values.items()}
+        case = self._case(some)
+        for scenario in range(len(self.day.scenarios)):
+            at = np.flatnonzero(flown.worst[short] == scenario)
+            if not len(at):
+                continue
+            solar_w, load_w = self._powers(case, scenario)
+            store = case.store.select(at)
+            found = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
+            hours[short[at]] = found.endurance_h
+        return hours
+
+    def _block(self, values: dict[str, FloatArray]) -> Flights:
+        case = self._case(values)
+        excess, charge = [], []
+        for scenario in range(len(self.day.scenarios)):
+            solar_w, load_w = self._powers(case, scenario)
+            cycle = simulate_cycle(
+                self.day.time_h,
+                solar_w,
+                load_w,
+                case.store,
+                nominal_load_w=case.nominal_w,
+                keep_trajectory=False,
+            )
+            flies = np.isfinite(case.mass_kg)
+            excess.append(np.where(flies, cycle.excess_time_h, -24.0))
+            charge.append(np.where(flies, cycle.minimum_state_of_charge, 0.0))
+        worst = np.argmin(excess, axis=0)
+        rows = np.arange(case.count)
+        return Flights(
+            excess_time_h=np.asarray(excess)[worst, rows],
+            minimum_state_of_charge=np.asarray(charge)[worst, rows],
+            total_mass_kg=case.mass_kg,
+            propulsion_power_w=case.propulsion_w,
+            worst=worst.astype(float),
+        )
+
+    def _case(self, values: dict[str, FloatArray]) -> _Case:
+        craft, mission = self.aircraft, self.mission
+        for key, value in values.items():
+            if key != SOLAR_MODEL:
+                craft, mission = with_parameter(craft, mission, key, value)
+        count = len(next(iter(values.values()))) if values else 1
+        design = _drawn_design(craft, mission, count)
+
+        def each(value: object) -> FloatArray:
+            return np.array(np.broadcast_to(np.asarray(value, float), (count,)))
+
+        power_w = each(design.propulsion_power_w)
+        flies = np.isfinite(power_w)
+        design = design._replace(
+            propulsion_power_w=np.where(flies, power_w, 1e12),
+            constant_power_w=each(design.constant_power_w),
+        )
+        energy_wh = each(design.battery_energy_wh)
+        store = Store.of(craft.battery, energy_wh)
+        return _Case(
+            craft,
+            mission,
+            design,
+            store,
+            mass_kg=each(design.total_mass_kg),
+            propulsion_w=power_w,
+            nominal_w=each(design.nominal_load_w(mission)),
+            solar_factor=each(values.get(SOLAR_MODEL, 1.0)),
+            count=count,
+        )
+
+    def _powers(self, case: _Case, scenario: int) -> tuple[FloatArray, FloatArray]:
+        """Solar power and load of every draw in a scenario [W], shape ``(sample, time)``."""
+        day = self.day
+        area = np.asarray(case.craft.modules.area_m2, float)
+        factors = self._light_factors(case)
+        power = factors[0][:, np.newaxis] * day.specific_power_w_per_m2[scenario]
+        if factors[1] is not None:
+            direct = self._direct_power()[scenario]
+            power = power + factors[1][:, np.newaxis] * direct
+        solar_w = np.broadcast_to(area, (case.count,))[:, np.newaxis] * np.maximum(power, 0.0)
+        load_w = self._load_w(case, scenario)
+        return solar_w, load_w
+
+    def _load_w(self, case: _Case, scenario: int) -> FloatArray:
+        trouble = case.mission.turbulence
+        day, design = self.day, case.design
+        if np.ndim(trouble.all_day) == 0 and np.ndim(trouble.thermal) == 0:
+            rise, down = day.sunrise_h[scenario], day.sunset_h[scenario]
+            load = load_profile(day.time_h, design, case.mission, rise, down)
+            return np.asarray(np.broadcast_to(load, (case.count, len(day.time_h))))
+        from sizing.design import thermal_shape
+
+        shape = thermal_shape(day.time_h, day.sunrise_h[scenario], day.sunset_h[scenario])
+        all_day, thermal = (
+            np.broadcast_to(np.asarray(value, float), (case.count,))[:, np.newaxis]
+            for value in (trouble.all_day, trouble.thermal)
+        )
+        propulsion = np.asarray(design.propulsion_power_w)[:, np.newaxis]
+        constant = np.asarray(design.constant_power_w)[:, np.newaxis]
+        return np.asarray(propulsion * (1.0 + all_day + thermal * shape) + constant)
+
+    def _light_factors(self, case: _Case) -> tuple[FloatArray, FloatArray | None]:
+        """Factor on the nominal specific power, and what is added per nominal direct part.
+
+        With direct part ``D`` and diffuse part ``F`` of the nominal power, that of a draw is
+        ``k (c D + f F) = k f (D + F) + k (c - f) D``: ``k`` from efficiencies, temperature and
+        clearness, ``c`` from the camber, ``f`` from the efficiency of diffuse light.
+        """
+        was, now = self.aircraft.modules, case.craft.modules
+        warm_was = was.temperature_efficiency(self.mission.module_temperature_c())
+        warm = now.temperature_efficiency(case.mission.module_temperature_c())
+        k = (
+            case.solar_factor
+            * (now.efficiency_stc / was.efficiency_stc)
+            * (now.mppt_efficiency / was.mppt_efficiency)
+            * (warm / warm_was)
+            * (case.mission.pessimistic_clearness / self.mission.pessimistic_clearness)
+        )
+        camber = np.asarray(now.camber_efficiency / was.camber_efficiency, float)
+        if self.solar.model == "CDM":  # camber takes from all light, diffuse light has no own
+            return np.asarray(k * camber), None
+        diffuse = np.asarray(now.diffuse_efficiency / was.diffuse_efficiency, float)
+        if camber.ndim == 0 and diffuse.ndim == 0:
+            return np.asarray(k), None
+        return np.asarray(k * diffuse), np.asarray(k * (camber - diffuse))
+
+    def _direct_power(self) -> FloatArray:
+        """Direct part of the nominal specific power [W/m2], shape ``(scenario, time)``."""
+        if self._direct is None:
+            # A diffuse efficiency that halves its part tells what that part is.
+            half = 0.5 * self.aircraft.modules.diffuse_efficiency
+            craft, _ = with_parameter(
+                self.aircraft, self.mission, "modules.diffuse_efficiency", half
+            )
+            halved: SolarDay = solar_day(craft, self.mission, self.solar)
+            whole = self.day.specific_power_w_per_m2
+            self._direct = 2.0 * halved.specific_power_w_per_m2 - whole
+        return self._direct
+
+
+@dataclass(frozen=True)
+class _Case:
+    """Aircraft and mission of a batch of draws, and what follows from them."""
+
+    craft: Aircraft
+    mission: Mission
+    design: Design
+    store: Store
+    mass_kg: FloatArray
+    propulsion_w: FloatArray
+    nominal_w: FloatArray
+    solar_factor: FloatArray
+    count: int
+
+
+def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
+    """Design of every draw; its mass budget closes again, infinite where it cannot."""
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        return measured_design(aircraft, mission)
+    variables = variables_of(aircraft)
+    conditions = FlightConditions.of(mission)
+    mass = np.broadcast_to(np.asarray(3.0 * variables.battery_mass_kg, float), (count,))
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        for _ in range(200):
+            closing = parametric_design(aircraft, conditions, variables, mass)
+            budget = np.asarray(closing.masses.total_kg, float)
+            again = np.asarray(
+                parametric_design(aircraft, conditions, variables, budget).masses.total_kg, float
+            )
+            # Aitken's step to the fixed point; plain iteration where it leads nowhere.
+            gain = again - 2.0 * budget + mass
+            leap = mass - (budget - mass) ** 2 / np.where(gain == 0.0, 1.0, gain)
+            sound = np.isfinite(leap) & (leap > 0.0) & (gain != 0.0)
+            following = np.where(sound, leap, again)
+            following = np.where(again < 1e6, following, np.inf)
+            done = np.abs(following - mass) <= _TOLERANCE * mass
+            mass = following
+            if np.all(done | np.isinf(mass)):
+                break
+    return parametric_design(aircraft, conditions, variables, mass)
