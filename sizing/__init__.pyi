@@ -28,6 +28,8 @@ from .results.sizing import SizingStudy as SizingStudy
 from .results.sizing import size as size
 from .results.tables import Summary as Summary
 from .results.tables import Table as Table
+from .results.uncertainty import UncertaintyAnalysis as UncertaintyAnalysis
+from .results.uncertainty import analyse_uncertainty as analyse_uncertainty
 from .results.weather import WeatherAnalysis as WeatherAnalysis
 from .results.weather import analyse_weather as analyse_weather
 from .sunlight import SolarDay as SolarDay

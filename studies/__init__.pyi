@@ -21,4 +21,5 @@ from .output.plots import save_figure as save_figure
 from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep
 from .sweeps.study import sweep as sweep
+from .uncertainty.plots import plot_uncertainty as plot_uncertainty
 from .weather.plots import plot_weather as plot_weather

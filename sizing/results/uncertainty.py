@@ -324,7 +324,8 @@ def _sobol_indices(
         return np.where(known, found, np.max(found[known], initial=0.0))
 
     each = max(2 ** int(math.log2(samples / (len(inputs) + 2))), 16)
-    found = sobol_indices(func=excess, n=each, dists=[uniform()] * len(inputs), rng=seed)
+    shares: Any = [uniform()] * len(inputs)
+    found = sobol_indices(func=excess, n=each, dists=shares, rng=seed)
     first, total = (np.nan_to_num(np.ravel(v)) for v in (found.first_order, found.total_order))
     return {
         one.key: SobolIndex(float(f), float(t))

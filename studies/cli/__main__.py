@@ -47,6 +47,9 @@ _COMMANDS = {
     "show": _Lazy("files", "show", "The file of a shipped aircraft or mission."),
     "size": _Lazy("size", "size", "The best design for a mission."),
     "sweep": _Lazy("sweep", "sweep", "Trade study: vary keys, judge or size."),
+    "uncertainty": _Lazy(
+        "uncertainty", "uncertainty", "How likely it flies perpetually when inputs scatter."
+    ),
     "validate": _Lazy("files", "validate", "Everything that is wrong with files."),
     "verify": _Lazy("verify", "verify", "The solar power models against a flight log."),
 }

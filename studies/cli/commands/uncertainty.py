@@ -1,0 +1,112 @@
+"""The command ``solar-uav uncertainty``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from studies.cli.options import check_image, mission_option, solar_options
+
+if TYPE_CHECKING:
+    from missions.files.errors import InputError
+    from studies.cli.files import Case
+
+
+@click.command()
+@click.argument("aircraft")
+@mission_option()
+@click.option(
+    "--samples",
+    type=click.IntRange(64, 2**20),
+    default=8192,
+    show_default=True,
+    help="Draws of all uncertain inputs, rounded up to a power of two.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**31),
+    default=0,
+    show_default=True,
+    help="The same seed gives the same draws.",
+)
+@click.option(
+    "--no-model-error",
+    is_flag=True,
+    help="Leave out the error of the solar power model, which is an input by itself.",
+)
+@click.option("--csv", "csv_file", type=click.Path(), help="Write the draws as CSV.")
+@click.option("--plot", "plot_file", type=click.Path(), help="Draw them (png, svg, pdf).")
+@solar_options
+def uncertainty(
+    aircraft: str,
+    mission: str,
+    samples: int,
+    seed: int,
+    no_model_error: bool,
+    csv_file: str | None,
+    plot_file: str | None,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Find how likely AIRCRAFT (name, file or folder) flies perpetually when its inputs scatter."""
+    from missions.files.errors import InputError
+    from sizing.results.uncertainty import analyse_uncertainty
+    from studies.cli.checks import check_outputs, refuse_climb, require_path
+    from studies.cli.files import load
+    from studies.cli.outputs import tell, write_results
+    from studies.output.formats import csv_bytes
+    from studies.uncertainty.plots import plot_uncertainty
+
+    check_image(plot_file)
+    check_outputs(csv=csv_file, plot=plot_file)
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    refuse_climb(case, "uncertainty")
+    require_path(case)
+    try:
+        result = analyse_uncertainty(
+            case.aircraft,
+            case.mission,
+            model=case.solar.model,
+            correction=case.solar.correction,
+            samples=samples,
+            seed=seed,
+            model_error=not no_model_error,
+        )
+    except InputError as error:
+        raise _placed(case, error) from error
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    write_results(
+        csv_file,
+        lambda: csv_bytes(result.to_frame()),
+        plot_file,
+        lambda: plot_uncertainty(result),
+    )
+    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
+
+
+def _placed(case: Case, error: InputError) -> InputError:
+    """Error with the lines of the files that its keys stand on."""
+    from missions.files.errors import InputError, Problem
+
+    placed = []
+    for problem in error.problems:
+        first, _, rest = problem.key.partition(".")
+        second, _, key = rest.partition(".")
+        found = problem
+        for owner, document in (
+            (case.aircraft.name, case.craft.document),
+            (case.mission.name, case.where.document),
+        ):
+            if owner != problem.source:
+                continue
+            path = (first, second, key) if key else (first, second)
+            mark = document.key_marks.get(path)
+            line, column = mark or (None, None)
+            found = Problem(document.source, line, column, problem.key, problem.message)
+            break
+        placed.append(found)
+    return InputError(placed)

@@ -1,0 +1,1 @@
+"""Figure of flights under uncertain inputs."""
