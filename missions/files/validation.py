@@ -30,7 +30,7 @@ __all__ = ["located_error", "unknown_key", "validate"]
 M = TypeVar("M", bound=BaseModel)
 
 # Keys that tell one kind of record from another (the discriminators of unions).
-_KIND_KEYS = ("kind", "model")
+_KIND_KEYS = ("kind", "model", "distribution")
 
 
 def validate(document: Document, model: type[M]) -> M:

@@ -17,7 +17,7 @@ from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation
 from solar.names import CorrectionName, ModelName
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,7 +39,7 @@ class Proportion:
     high: float
 
     @classmethod
-    def of(cls, marks: FloatArray) -> Proportion:
+    def of(cls, marks: BoolArray) -> Proportion:
         """Share of true values.
 
         Interval: Wilson, E. B. (1927), Probable inference, the law of succession, and statistical
@@ -323,6 +323,8 @@ def _sobol_indices(
         known = np.isfinite(found)
         return np.where(known, found, np.max(found[known], initial=0.0))
 
+    if len(inputs) == 1:  # the whole variance is its own
+        return {inputs.inputs[0].key: SobolIndex(1.0, 1.0)}
     each = max(2 ** int(math.log2(samples / (len(inputs) + 2))), 16)
     shares: Any = [uniform()] * len(inputs)
     found = sobol_indices(func=excess, n=each, dists=shares, rng=seed)

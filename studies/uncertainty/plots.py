@@ -99,6 +99,8 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
             )  # fmt: skip
     axes.axvline(centre, color=DARK_GREY)
     axes.set_yticks(range(len(rows)), [row[0].label for row in rows])
-    axes.set_xlabel("mean excess time [h]: lowest fifth of draws (plain), highest (hatched)")
+    axes.set_xlabel(
+        "mean excess time [h] of an input's lowest fifth (plain)\nand of its highest (hatched)"
+    )
     if analysis.sobol:
         axes.text(1.01, 1.01, "variance", transform=axes.transAxes, fontsize="small", va="bottom")

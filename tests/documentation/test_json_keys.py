@@ -49,6 +49,11 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         ],
         set(),
     ),
+    "uncertainty": (
+        "uncertainty.md",
+        [[DESIGN, *SUMMER, "--samples", "64"]],
+        set(),
+    ),
     "analyse --weather": (
         "weather.md",
         [[AS2, "--weather", "colorado-2023"]],

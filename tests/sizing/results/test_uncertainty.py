@@ -1,0 +1,128 @@
+import json
+import math
+
+import numpy as np
+import pytest
+
+import sizing
+from missions.files.errors import InputError
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.results.uncertainty import Proportion
+
+DESIGN = load_aircraft("atlantiksolar-design")
+MISSION = load_mission("rafz-july")
+
+
+def with_inputs(inputs, correlations=(), name="atlantiksolar-as2"):
+    section = {"inputs": inputs, "correlations": list(correlations)}
+    return load_aircraft(name, {"uncertainty": section})
+
+
+@pytest.fixture(scope="module")
+def analysis():
+    return sizing.analyse_uncertainty(DESIGN, MISSION, samples=1024)
+
+
+def test_the_record_agrees_with_the_draws(analysis):
+    record = json.loads(json.dumps(analysis.to_dict(), allow_nan=False))
+    frame = analysis.to_frame()
+    assert record["samples"] == len(frame) == 1024
+    share = float((frame["excess_time_h"] > 0.0).mean())
+    found = record["probability_perpetual"]
+    assert found["low"] <= share == found["value"] <= found["high"]
+    median = record["excess_time_h"]["p50"]
+    assert (frame["excess_time_h"] <= median).mean() == pytest.approx(0.5, abs=1e-3)
+    assert record["inputs"][0]["key"] == "battery.specific_energy_wh_per_kg"
+    # The files' values stand in the middle of all inputs but for curvature.
+    assert record["nominal_excess_time_h"] == pytest.approx(median, abs=0.1)
+    first = sum(index["first"] for index in record["sobol"].values())
+    # Nearly additive; the estimate of 128 points an input scatters by some per cent.
+    assert first == pytest.approx(1.0, abs=0.1)
+
+
+def test_the_same_seed_gives_the_same_numbers_and_another_one_others():
+    runs = [
+        sizing.analyse_uncertainty(DESIGN, MISSION, samples=128, seed=seed) for seed in (3, 3, 4)
+    ]
+    same, again, other = (run.flights.excess_time_h for run in runs)
+    assert np.array_equal(same, again)
+    assert not np.array_equal(same, other)
+
+
+def test_draws_have_the_spread_that_was_asked_for():
+    aircraft = with_inputs({"battery.specific_energy_wh_per_kg": {"relative_sigma": 0.04}})
+    found = sizing.analyse_uncertainty(aircraft, MISSION, samples=4096, model_error=False)
+    values = found.values["battery.specific_energy_wh_per_kg"]
+    nominal = aircraft.battery.specific_energy_wh_per_kg
+    assert values.mean() == pytest.approx(nominal, rel=1e-4)
+    # Cut off at a ten-thousandth on either side.
+    assert values.std() == pytest.approx(0.04 * nominal, rel=5e-3)
+    assert found.sobol["battery.specific_energy_wh_per_kg"].total == 1.0
+
+
+def test_correlated_inputs_go_together_and_have_no_indices():
+    keys = ["battery.specific_energy_wh_per_kg", "modules.efficiency_stc"]
+    inputs = dict.fromkeys(keys, {"relative_sigma": 0.03})
+    pair = {"between": keys, "coefficient": 0.7}
+    found = sizing.analyse_uncertainty(with_inputs(inputs, [pair]), MISSION, samples=2048)
+    scatter = np.corrcoef(*(found.values[key] for key in keys))[0, 1]
+    assert scatter == pytest.approx(0.7, abs=0.02)  # of normal scores it is that of the values
+    assert found.sobol == {}
+    assert "Inputs are correlated" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "correlations", "message"),
+    [
+        ({"battery.mass": {"sigma": 1}}, [], "battery.mass: is no key of the file that holds a nu"),
+        ({"name": {"sigma": 1}}, [], "name: is no key of the file that holds a number"),
+        (
+            {"modules.efficiency_stc": {"relative_sigma": 0.8}},
+            [],
+            "scatters to impossible values, the lowest in 10000 draws",
+        ),
+        (
+            {"modules.efficiency_stc": {"relative_sigma": 0.01}},
+            [{"between": ["modules.efficiency_stc", "battery.mass_kg"], "coefficient": 0.5}],
+            "battery.mass_kg is no uncertain input",
+        ),
+    ],
+)
+def test_impossible_inputs_are_refused(inputs, correlations, message):
+    with pytest.raises(InputError, match=message):
+        sizing.analyse_uncertainty(with_inputs(inputs, correlations), MISSION)
+
+
+def test_correlations_that_contradict_each_other_are_refused():
+    keys = ["battery.mass_kg", "modules.efficiency_stc", "power.avionics_w"]
+    inputs = dict.fromkeys(keys, {"relative_sigma": 0.01})
+    pairs = [
+        {"between": [keys[i], keys[j]], "coefficient": value}
+        for i, j, value in ((0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9))
+    ]
+    with pytest.raises(InputError, match="not positive definite"):
+        sizing.analyse_uncertainty(with_inputs(inputs, pairs), MISSION)
+
+
+def test_calls_are_checked():
+    with pytest.raises(ValueError, match="samples must be from 64"):
+        sizing.analyse_uncertainty(DESIGN, MISSION, samples=3)
+    bare = load_aircraft("atlantiksolar-as2")
+    with pytest.raises(ValueError, match="has an uncertain input"):
+        sizing.analyse_uncertainty(bare, MISSION, model_error=False)
+    with pytest.raises(TypeError, match="expected Aircraft"):
+        sizing.analyse_uncertainty("atlantiksolar-as2", MISSION)
+
+
+def test_the_interval_is_wilsons():
+    found = Proportion.of(np.arange(100) < 92)
+    # Wilson (1927), by scipy's binomtest.
+    from scipy.stats import binomtest
+
+    interval = binomtest(92, 100).proportion_ci(method="wilson")
+    assert (found.low, found.high) == (pytest.approx(interval.low), pytest.approx(interval.high))
+    never = Proportion.of(np.zeros(50, bool))
+    assert never.low == 0.0
+    assert 0.0 < never.high < 0.1
+    assert math.isclose(Proportion.of(np.ones(50, bool)).high, 1.0)

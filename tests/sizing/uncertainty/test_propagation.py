@@ -1,0 +1,109 @@
+import numpy as np
+import pytest
+
+import sizing
+from missions.files.overrides import with_values
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.parameters import MISSION_PREFIX, parameter_value
+from sizing.sunlight import SolarModel
+from sizing.uncertainty.inputs import SOLAR_MODEL
+from sizing.uncertainty.propagation import Propagation
+
+DESIGN = {
+    "battery.specific_energy_wh_per_kg": 0.04,
+    "battery.charge_efficiency": 0.02,
+    "modules.efficiency_stc": 0.05,
+    "modules.camber_efficiency": 0.01,
+    "modules.diffuse_efficiency": 0.05,
+    "modules.temperature_coefficient_per_k": 0.2,
+    "airframe.aerodynamics.profile_drag_coefficient": 0.08,
+    "airframe.propulsion.propeller_efficiency": 0.03,
+    "airframe.structure.calibration": 0.05,
+    "power.avionics_w": 0.1,
+    "mission.payload.mass_kg": 0.3,
+    "mission.turbulence.all_day": 0.3,
+}
+MEASURED = {
+    "battery.specific_energy_wh_per_kg": 0.04,
+    "battery.discharge_efficiency": 0.01,
+    "airframe.level_flight.electric_power_w": 0.1,
+    "modules.efficiency_stc": 0.03,
+    "mission.clearness": 0.1,
+    "mission.turbulence.thermal": 0.4,
+}
+MISSION = {"payload.mass_kg": 0.2, "turbulence": {"all_day": 0.1, "thermal": 0.2}, "clearness": 0.9}
+
+
+def drawn(aircraft, mission, spreads, count=5):
+    random = np.random.default_rng(7)
+    return {
+        key: parameter_value(aircraft, mission, key)
+        * (1.0 + spread * np.clip(random.standard_normal(count), -2.0, 2.0))
+        for key, spread in spreads.items()
+    }
+
+
+def alone(aircraft, mission, values, number):
+    """Aircraft and mission of one draw, validated as a file's."""
+    of_craft = {k: float(v[number]) for k, v in values.items() if not k.startswith(MISSION_PREFIX)}
+    of_mission = {
+        k.removeprefix(MISSION_PREFIX): float(v[number])
+        for k, v in values.items()
+        if k.startswith(MISSION_PREFIX)
+    }
+    return with_values(aircraft, of_craft), with_values(mission, of_mission)
+
+
+@pytest.mark.parametrize(
+    ("name", "spreads", "model"),
+    [
+        ("atlantiksolar-design", DESIGN, "CAM"),
+        ("atlantiksolar-design", {k: v for k, v in DESIGN.items() if "diffuse" not in k}, "CDM"),
+        ("atlantiksolar-as2", MEASURED, "CAM"),
+    ],
+)
+def test_draws_are_what_each_is_alone(name, spreads, model):
+    aircraft = load_aircraft(name)
+    mission = load_mission("central-europe-summer", MISSION)
+    values = drawn(aircraft, mission, spreads)
+    found = Propagation(aircraft, mission, SolarModel(model)).flights(values)
+    for number in range(5):
+        craft, where = alone(aircraft, mission, values, number)
+        analysis = sizing.analyse(craft, where, model=model)
+        # The mass budget closes to 1e-10, and the hours with it.
+        assert found.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=1e-6)
+        design = analysis.performance.design
+        assert found.total_mass_kg[number] == pytest.approx(design.total_mass_kg, rel=1e-8)
+
+
+def test_endurance_is_that_of_each_alone():
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
+    values = {"mission.clearness": np.array([0.35, 0.4, 1.0])}
+    hours = Propagation(aircraft, mission, SolarModel()).endurance_h(values)
+    for number in (0, 1):
+        craft, where = alone(aircraft, mission, values, number)
+        flight = sizing.analyse(craft, where).endurances[0]
+        assert hours[number] == pytest.approx(float(flight.endurance_h), abs=0.01)
+    assert np.isinf(hours[2])
+
+
+def test_the_models_error_is_a_factor_on_its_power():
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
+    study = Propagation(aircraft, mission, SolarModel())
+    one = study.flights({SOLAR_MODEL: np.array([0.9])})
+    other = study.flights({"mission.clearness": np.array([0.9])})
+    assert one.excess_time_h == pytest.approx(other.excess_time_h, abs=1e-9)
+
+
+def test_attitude_models_take_efficiencies_and_refuse_what_is_not_linear():
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-loiter")
+    study = Propagation(aircraft, mission, SolarModel("VM"))
+    values = {"modules.efficiency_stc": np.array([0.22, 0.237])}
+    craft, where = alone(aircraft, mission, values, 0)
+    alone_h = sizing.analyse(craft, where, model="VM").excess_time_h
+    assert study.flights(values).excess_time_h[0] == pytest.approx(alone_h, abs=1e-6)
+    with pytest.raises(ValueError, match="varies with CDM and CAM alone"):
+        study.check(["modules.camber_efficiency"])
+    with pytest.raises(ValueError, match="moves the sun"):
+        study.check(["mission.latitude_deg"])

@@ -1,0 +1,38 @@
+import csv
+import io
+
+DESIGN = "atlantiksolar-design"
+
+
+def test_probability_percentiles_and_causes(run, tmp_path):
+    table, figure = tmp_path / "draws.csv", tmp_path / "draws.png"
+    done = run("uncertainty", DESIGN, "--samples", "128", "--csv", table, "--plot", figure)
+    assert done.code == 0
+    assert "probability of perpetual flight" in done.out
+    rows = list(csv.DictReader(io.StringIO(table.read_text())))
+    assert len(rows) == 128
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+def test_json_has_what_scripts_need(run):
+    record = run("uncertainty", DESIGN, "--samples", "128", "--seed", "5", "--json").json()
+    assert set(record["probability_perpetual"]) == {"value", "low", "high"}
+    assert set(record["excess_time_h"]) == {"p10", "p50", "p90"}
+    assert set(record["sobol"]["modules.efficiency_stc"]) == {"first", "total"}
+    assert (record["samples"], record["seed"]) == (128, 5)
+
+
+def test_mistakes_name_file_and_line(run, tmp_path):
+    text = run("show", DESIGN).out.replace(
+        "modules.efficiency_stc: {relative_sigma: 0.015}",
+        "modules.efficiency_stc: {relative_sigma: 1.5}",
+    )
+    path = tmp_path / "wide.yaml"
+    path.write_text(text)
+    line = next(i for i, row in enumerate(text.split("\n"), 1) if "relative_sigma: 1.5" in row)
+    done = run("uncertainty", str(path))
+    assert done.code == 2
+    assert f"wide.yaml:{line}:5: uncertainty.inputs.modules.efficiency_stc" in done.err
+    bare = run("uncertainty", "atlantiksolar-as2", "--no-model-error")
+    assert bare.code == 2
+    assert "has an uncertain input" in bare.err
