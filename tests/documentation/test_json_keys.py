@@ -68,6 +68,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
 COMMON = {"aircraft", "mission", "mission_is_default"}
 # Whose keys are quantities, items or places, described as a whole.
 OPEN = {
+    "sobol",
     *("spar_caps", "spar_web"),
     *("others", "masses_kg", "quantities", "points", "status", "latitudes", "extrapolations"),
 }

@@ -63,7 +63,7 @@ def test_draws_have_the_spread_that_was_asked_for():
 
 def test_correlated_inputs_go_together_and_have_no_indices():
     keys = ["battery.specific_energy_wh_per_kg", "modules.efficiency_stc"]
-    inputs = dict.fromkeys(keys, {"relative_sigma": 0.03})
+    inputs = {key: {"relative_sigma": 0.03} for key in keys}
     pair = {"between": keys, "coefficient": 0.7}
     found = sizing.analyse_uncertainty(with_inputs(inputs, [pair]), MISSION, samples=2048)
     scatter = np.corrcoef(*(found.values[key] for key in keys))[0, 1]
@@ -96,7 +96,7 @@ def test_impossible_inputs_are_refused(inputs, correlations, message):
 
 def test_correlations_that_contradict_each_other_are_refused():
     keys = ["battery.mass_kg", "modules.efficiency_stc", "power.avionics_w"]
-    inputs = dict.fromkeys(keys, {"relative_sigma": 0.01})
+    inputs = {key: {"relative_sigma": 0.01} for key in keys}
     pairs = [
         {"between": [keys[i], keys[j]], "coefficient": value}
         for i, j, value in ((0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9))
