@@ -39,7 +39,20 @@ class Normal(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        """Values below which shares of all draws lie.
+
+        Parameters
+        ----------
+        share : ndarray
+            Shares, above 0 and below 1 [-].
+        nominal : float
+            Value of the file, in its unit.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of ``share``, in the unit of ``nominal``.
+        """
         from scipy.special import ndtri
 
         sigma = self.sigma if self.sigma is not None else (self.relative_sigma or 0.0) * nominal
@@ -53,7 +66,20 @@ class LogNormal(Record):
     relative_sigma: PositiveReal
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        """Values below which shares of all draws lie.
+
+        Parameters
+        ----------
+        share : ndarray
+            Shares, above 0 and below 1 [-].
+        nominal : float
+            Value of the file, in its unit.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of ``share``, in the unit of ``nominal``.
+        """
         from scipy.special import ndtri
 
         return np.asarray(nominal * np.exp(np.log1p(self.relative_sigma) * ndtri(share)))
@@ -73,7 +99,20 @@ class Uniform(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        """Values below which shares of all draws lie.
+
+        Parameters
+        ----------
+        share : ndarray
+            Shares, above 0 and below 1 [-].
+        nominal : float
+            Value of the file, in its unit.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of ``share``, in the unit of ``nominal``.
+        """
         return np.asarray(self.low + (self.high - self.low) * share)
 
 
@@ -94,7 +133,20 @@ class Triangular(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        """Values below which shares of all draws lie.
+
+        Parameters
+        ----------
+        share : ndarray
+            Shares, above 0 and below 1 [-].
+        nominal : float
+            Value of the file, in its unit.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of ``share``, in the unit of ``nominal``.
+        """
         peak = min(max(nominal if self.mode is None else self.mode, self.low), self.high)
         width, rise, fall = self.high - self.low, peak - self.low, self.high - peak
         return np.where(
@@ -111,7 +163,20 @@ class Data(Record):
     data: tuple[Real, ...] = Field(min_length=3)
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Value below which a share of all draws lies; ``share`` is above 0 and below 1."""
+        """Values below which shares of all draws lie.
+
+        Parameters
+        ----------
+        share : ndarray
+            Shares, above 0 and below 1 [-].
+        nominal : float
+            Value of the file, in its unit.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of ``share``, in the unit of ``nominal``.
+        """
         ordered = np.sort(np.asarray(self.data, float))
         places = (np.arange(len(ordered)) + 0.5) / len(ordered)
         return np.asarray(np.interp(share, places, ordered))

@@ -69,7 +69,7 @@ COMMON = {"aircraft", "mission", "mission_is_default"}
 # Whose keys are quantities, items or places, described as a whole.
 OPEN = {
     "sobol",
-    *("spar_caps", "spar_web"),
+    *("sobol", "spar_caps", "spar_web"),
     *("others", "masses_kg", "quantities", "points", "status", "latitudes", "extrapolations"),
 }
 
