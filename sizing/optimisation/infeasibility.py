@@ -24,7 +24,8 @@ from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-_GRID_POINTS = 9
+# Points of span, battery and modules each, by the number of other free variables.
+_GRID_POINTS = (9, 7, 6)
 _GRID_STEP_H = 0.5
 _FEW_POINTS = 3
 _PROMISING = 3
@@ -210,11 +211,12 @@ def _missed_of(aircraft: Aircraft, found: Performance) -> FloatArray:
 def _grid(aircraft: Aircraft) -> DesignVariables:
     """Designs on a grid, evenly spaced in their logarithm; a few values of what else is free."""
     space, airframe = aircraft.design_space, aircraft.airframe
+    shape, lift = space.aspect_ratio, space.lift_coefficient
+    points = _GRID_POINTS[(shape is not None) + (lift is not None)]
     axes = [
-        np.geomspace(r.minimum, r.maximum, _GRID_POINTS)
+        np.geomspace(r.minimum, r.maximum, points)
         for r in (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
     ]
-    shape, lift = space.aspect_ratio, space.lift_coefficient
     axes.append(
         np.array([airframe.aspect_ratio])
         if shape is None
