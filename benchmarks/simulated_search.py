@@ -71,12 +71,16 @@ _RANGE_EFFORT = Effort(drawn=60, population=20, generations=25, polishing=6)
 
 
 class Found(NamedTuple):
-    """Best design of a search: what it misses (0: feasible), its cost, and its shares."""
+    """Best design of a search: what it misses (0: feasible), its cost, and its variables.
+
+    ``cost_by_chance`` is that of the population that began at random, with coarse steps; NaN where
+    it has no feasible design.
+    """
 
     missed: float
     cost: float
-    shares: FloatArray
     variables: DesignVariables
+    cost_by_chance: float
 
     @property
     def feasible(self) -> bool:
@@ -282,14 +286,16 @@ def search(
     drawn = _latin_hypercube(rng, how.drawn, len(judge.axes))
     population = _Population(judge, rng, drawn, _COARSE_STEP_H).best(how.population)
     population.evolve(how.generations)
-    elite = population.best(how.population // 2).shares
-    around = _around(judge, rng, elite[0] if known is None else judge.shares(known), how.population)
-    last = _Population(judge, rng, np.vstack([elite, around]), DEFAULT_STEP_H)
+    elite = population.best(how.population // 2)
+    centre = elite.shares[0] if known is None else judge.shares(known)
+    around = _around(judge, rng, centre, how.population)
+    last = _Population(judge, rng, np.vstack([elite.shares, around]), DEFAULT_STEP_H)
     last = last.best(how.population)
     last.evolve(how.polishing)
     winner = last.best(1)
     variables = judge.variables(winner.shares).mapped(lambda v: float(np.asarray(v)[0]))
-    return Found(float(winner.missed[0]), float(winner.cost[0]), winner.shares[0], variables)
+    by_chance = float(elite.cost[0])
+    return Found(float(winner.missed[0]), float(winner.cost[0]), variables, by_chance)
 
 
 class _Population:

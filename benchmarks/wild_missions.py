@@ -20,6 +20,7 @@ import numpy as np
 
 from benchmarks.wild_problems import WildProblem, wild_problem
 from benchmarks.wild_verdicts import (
+    AGREE,
     BETTER,
     PASSED,
     at_the_edge,
@@ -29,6 +30,7 @@ from benchmarks.wild_verdicts import (
 )
 from missions.files.writing import to_yaml
 
+_NEAR = 0.02  # of an optimum, where a search with coarse steps counts as having found it
 _RELAXED_EVERY = 2  # of the infeasible problems, one in so many has its relaxations tried
 
 
@@ -123,11 +125,30 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
         lines.append(f"{status}: {np.mean(times):.3f} s of processor time on average")
     times = [row["search_cpu_s"] for row in rows]
     lines.append(f"search by simulation: {np.mean(times):.2f} s on average" if rows else "")
+    lines.append(_alone(rows))
     better = [-row["gain_percent"] for row in rows if row["verdict"] == BETTER]
     better = [gain for gain in better if isinstance(gain, float) and gain > 0.0]
     if better:
         lines.append(f"where the product is better, by {np.median(better):.2f} % in the median")
     return [text for text in lines if text]
+
+
+def _alone(rows: Iterable[dict[str, Any]]) -> str:
+    """How near the search comes to optima that it agrees with from random designs alone."""
+    pairs = [
+        (row["found_by_chance"], row["value"])
+        for row in rows
+        if row["status"] == "optimal" and row["verdict"] == AGREE and row["value"]
+    ]
+    near = [
+        one == value or (_numbers_both(one, value) and abs(one - value) <= _NEAR * abs(value))
+        for one, value in pairs
+    ]
+    return f"within {100 * _NEAR:g} % of the optimum by chance alone: {sum(near)} of {len(near)}"
+
+
+def _numbers_both(*values: Any) -> bool:
+    return all(isinstance(value, float) for value in values)
 
 
 def _counted(counter: Counter[str]) -> str:

@@ -135,6 +135,7 @@ def judged(
         "verdict": verdict,
         "gain_percent": _plain(gain),
         "found": _plain(_signed(judge, found.cost)) if found.feasible else None,
+        "found_by_chance": _plain(_signed(judge, found.cost_by_chance)),
         "missed": found.missed,
         "found_design": _plain_design(found.variables),
         "designs": judge.simulated,

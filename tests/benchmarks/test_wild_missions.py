@@ -138,8 +138,9 @@ def test_longest_run(objective: Objective, held: list[int], longest: int) -> Non
 def test_rows_are_kept_and_not_computed_again(tmp_path: Path) -> None:
     rows = tmp_path / "rows.jsonl"
     row = {"number": 0, "verdict": "agree", "status": "optimal", "product_cpu_s": 0.1}
-    row |= {"search_cpu_s": 1.0, "gain_percent": 0.0}
+    row |= {"search_cpu_s": 1.0, "gain_percent": 0.0, "value": 7.0, "found_by_chance": 7.1}
     rows.write_text(json.dumps(row) + "\n", encoding="utf-8")
     done = CliRunner().invoke(wild_missions.main, ["--count", "1", "--rows", str(rows)])
     assert done.exit_code == 0, done.output
     assert "1 problems: 1 optimal" in done.output
+    assert "by chance alone: 1 of 1" in done.output
