@@ -34,13 +34,17 @@ _NEAR = 0.02  # of an optimum, where a search with coarse steps counts as having
 _RELAXED_EVERY = 2  # of the infeasible problems, one in so many has its relaxations tried
 
 
-def row_of(number: int, seed: int = 0) -> tuple[dict[str, Any], WildProblem]:
+def row_of(
+    number: int, seed: int = 0, earlier: dict[str, Any] | None = None
+) -> tuple[dict[str, Any], WildProblem]:
     """Row of one problem, and the problem as it was sized.
 
     Parameters
     ----------
     number, seed : int
         Of the problem, and of the series.
+    earlier : dict, optional
+        Row of an earlier run: its required excess time and its design, without a new search.
 
     Returns
     -------
@@ -48,9 +52,10 @@ def row_of(number: int, seed: int = 0) -> tuple[dict[str, Any], WildProblem]:
         See :func:`benchmarks.wild_verdicts.judged`; ``relaxations`` where they were tried.
     WildProblem
     """
-    problem = at_the_edge(wild_problem(seed, number))
+    drawn = wild_problem(seed, number)
+    problem = at_the_edge(drawn) if earlier is None else drawn.requiring(earlier["required_h"])
     claim = claim_of(problem)
-    row = judged(problem, claim, seed=number)
+    row = judged(problem, claim, seed=number, earlier=earlier)
     single = not problem.objective.of_range
     if claim.status == "infeasible" and single and number % _RELAXED_EVERY == 0:
         row["relaxations"] = checked_relaxations(problem, claim)
@@ -176,6 +181,11 @@ def _kept(rows_file: Path | None) -> dict[int, dict[str, Any]]:
     "--rows", "rows_file", type=click.Path(path_type=Path), help="Keep rows here; go on from them."
 )
 @click.option(
+    "--against",
+    type=click.Path(path_type=Path, exists=True),
+    help="Rows of an earlier run; their designs stand for new searches.",
+)
+@click.option(
     "--cases", type=click.Path(path_type=Path), help="Folder for the files of problems that fail."
 )
 def main(
@@ -184,15 +194,17 @@ def main(
     seed: int,
     only: tuple[int, ...],
     rows_file: Path | None,
+    against: Path | None,
     cases: Path | None,
 ) -> None:
     """Size wild problems, search for better designs by simulation, print what does not agree."""
     numbers = _numbers(only, first, count)
     known = {} if only else _kept(rows_file)
+    earlier = _kept(against)
     for number in numbers:
         if number in known:
             continue
-        row, problem = row_of(number, seed)
+        row, problem = row_of(number, seed, earlier.get(number))
         known[number] = row
         if rows_file is not None:
             with rows_file.open("a", encoding="utf-8") as file:

@@ -95,7 +95,11 @@ def claim_of(problem: WildProblem) -> Claim:
 
 
 def judged(
-    problem: WildProblem, claim: Claim, seed: int = 0, effort: Effort | None = None
+    problem: WildProblem,
+    claim: Claim,
+    seed: int = 0,
+    effort: Effort | None = None,
+    earlier: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Verdict on a claim, by a search that is independent of it.
 
@@ -109,6 +113,8 @@ def judged(
         Of the search.
     effort : Effort, optional
         Length of the search.
+    earlier : dict, optional
+        Row of this very problem, whose design stands for a new search.
 
     Returns
     -------
@@ -117,7 +123,10 @@ def judged(
     """
     judge = judge_of(problem)
     begun = time.process_time()
-    found = search(judge, seed, claim.design or claim.nearest, effort)
+    if earlier is None:
+        found = search(judge, seed, claim.design or claim.nearest, effort)
+    else:
+        found = _recalled(judge, earlier)
     searched_s = time.process_time() - begun
     verdict, gain = _verdict(judge, claim, found)
     return {
@@ -164,6 +173,17 @@ def _verdict(judge: Judge, claim: Claim, found: Found) -> tuple[str, float | Non
     if gain > tolerance:
         return (FALSE_OPTIMUM if feasible else AGREE), percent
     return (BETTER if gain < -tolerance else AGREE), percent
+
+
+def _recalled(judge: Judge, earlier: dict[str, Any]) -> Found:
+    """Design that an earlier search found, simulated again."""
+    variables = DesignVariables(**earlier["found_design"])
+    value, _ = _at(judge, variables)
+    missed = earlier["missed"] if math.isnan(value) else 0.0
+    sign = -1.0 if judge.problem.objective.maximised else 1.0
+    by_chance = earlier.get("found_by_chance")
+    chance = sign * by_chance if isinstance(by_chance, float) else math.nan
+    return Found(missed, sign * value, variables, chance)
 
 
 def _at(

@@ -71,6 +71,10 @@ def test_a_heavier_design_is_a_false_optimum(truth: Claim) -> None:
     row = judged(PROBLEM, wrong, effort=SHORTEST)
     assert row["verdict"] == "false optimum"
     assert row["gain_percent"] > 1.0
+    # The design that was found is kept, and stands for a search.
+    again = judged(PROBLEM, wrong, earlier=row)
+    assert (again["verdict"], again["found"]) == (row["verdict"], row["found"])
+    assert judged(PROBLEM, truth, earlier=row)["verdict"] == "agree"
 
 
 def test_a_claim_of_infeasibility_is_refuted(truth: Claim) -> None:
