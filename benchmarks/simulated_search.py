@@ -22,10 +22,13 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import ROW_TOLERANCE, objective_value
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, solar_day
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
-FINE_STEP_H = 1.0 / 60.0
-_COARSE_STEP_H = 0.25
+# Next to where the battery runs empty the excess time jumps; steps of a minute are not always enough
+# to tell on which side a design is.
+FINE_STEP_H = 10.0 / 3600.0
+FINE_ALLOWANCE_H = 0.02  # of excess time, between the usual steps and the fine ones
+_COARSE_STEP_H, _FINE_RANGE_STEP_H = 0.25, 1.0 / 60.0
 _HEAVIEST_PAYLOAD_KG, _MOST_PAYLOAD_W = 500.0, 2e4
 # What an infeasible design misses without being able to carry itself: worse than any other.
 _CANNOT_FLY = 100.0
@@ -153,6 +156,17 @@ class Judge:
         )
         return np.where(kept, self.objective(perf), np.nan)
 
+    def confirms(self, shares: FloatArray) -> BoolArray:
+        """Whether designs stay feasible with fine steps, a few at a time."""
+        several = np.array_split(shares, -(-len(shares) // 8))
+        perfs = (self.performance(self.variables(some), self.fine_step_h) for some in several)
+        return np.concatenate([~np.isnan(self.value(perf, FINE_ALLOWANCE_H)) for perf in perfs])
+
+    @property
+    def fine_step_h(self) -> float:
+        """Time step that confirms a design [h]."""
+        return FINE_STEP_H
+
     def objective(self, perf: Performance) -> FloatArray:
         """Objective of designs whether or not they are feasible."""
         return objective_value(self.problem.objective, perf)
@@ -195,6 +209,11 @@ class RangeJudge(Judge):
         dates = np.asarray(mission.dates.days(), int)
         members = LATITUDES_DEG[::every]
         return Scenarios(np.repeat(members, len(dates)), np.tile(dates, len(members)))
+
+    @property
+    def fine_step_h(self) -> float:
+        """Time step that confirms a design [h]: of hundreds of scenarios, a coarser one."""
+        return _FINE_RANGE_STEP_H
 
     @property
     def season(self) -> bool:
@@ -292,7 +311,7 @@ def search(
     last = _Population(judge, rng, np.vstack([elite.shares, around]), DEFAULT_STEP_H)
     last = last.best(how.population)
     last.evolve(how.polishing)
-    winner = last.best(1)
+    winner = last.confirmed()
     variables = judge.variables(winner.shares).mapped(lambda v: float(np.asarray(v)[0]))
     by_chance = float(elite.cost[0])
     return Found(float(winner.missed[0]), float(winner.cost[0]), variables, by_chance)
@@ -317,6 +336,17 @@ class _Population:
         order = np.lexsort((self.cost, self.missed))[:count]
         said = self.missed[order], self.cost[order]
         return _Population(self.judge, self.rng, self.shares[order], self.step_h, said)
+
+    def confirmed(self) -> _Population:
+        """Best design of those that stay feasible with fine steps; the best one if none does."""
+        first = self.best(1)
+        if first.missed[0] > 0.0 or self.judge.confirms(first.shares)[0]:
+            return first
+        feasible = self.best(int(np.sum(self.missed == 0.0)))
+        fine = np.flatnonzero(self.judge.confirms(feasible.shares))
+        place = fine[:1] if fine.size else np.array([0])
+        said = feasible.missed[place], feasible.cost[place]
+        return _Population(self.judge, self.rng, feasible.shares[place], self.step_h, said)
 
     def evolve(self, generations: int) -> None:
         """Differential evolution, current to one of the best third, binomial crossover."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.simulated_search import FINE_STEP_H, Effort, Found, Judge, judge_of, search
+from benchmarks.simulated_search import FINE_ALLOWANCE_H, Effort, Found, Judge, judge_of, search
 from benchmarks.wild_problems import WildProblem
 from missions.files.overrides import with_values
 from sizing.design import DesignVariables
@@ -29,7 +29,6 @@ from sizing.sunlight import DEFAULT_STEP_H
 
 _EDGE = 0.999  # of the largest excess time
 _PAYLOAD_TOLERANCE = 0.001  # of the total mass or load, as in the cross-check
-_FINE_ALLOWANCE_H = 0.02  # of excess time, between steps of one and of five minutes
 _SAME = 1e-6  # relative, of what the product's own design is simulated to
 
 # Verdicts; all but the first two speak against the product.
@@ -190,9 +189,9 @@ def _at(
     judge: Judge, variables: DesignVariables, *, fine: bool = False
 ) -> tuple[float, Performance]:
     """Value of one design, NaN where it misses a requirement, and its performance."""
-    step_h = FINE_STEP_H if fine else DEFAULT_STEP_H
+    step_h = judge.fine_step_h if fine else DEFAULT_STEP_H
     perf = judge.performance(variables.mapped(lambda v: np.atleast_1d(float(v))), step_h)
-    value = judge.value(perf, _FINE_ALLOWANCE_H if fine else 0.0)
+    value = judge.value(perf, FINE_ALLOWANCE_H if fine else 0.0)
     return float(value[0]), perf
 
 
