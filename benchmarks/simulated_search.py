@@ -24,8 +24,8 @@ from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, solar_day
 from solar.types import BoolArray, FloatArray
 
-# Next to where the battery runs empty the excess time jumps; steps of a minute do not always tell on
-# which side a design is.
+# Next to where the battery runs empty the excess time jumps; steps of a minute do not always
+# tell on which side a design is.
 FINE_STEP_H = 10.0 / 3600.0
 FINE_ALLOWANCE_H = 0.02  # of excess time, between the usual steps and the fine ones
 _COARSE_STEP_H, _FINE_RANGE_STEP_H = 0.25, 1.0 / 60.0
