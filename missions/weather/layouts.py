@@ -12,6 +12,7 @@ import io
 import math
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -187,10 +188,21 @@ def _text(path: Path) -> str:
 
 
 def _epw(path: Path, source: str, iotools: Any) -> RawTable:
-    table, meta = iotools.read_epw(io.StringIO(_text(path)))
+    text = _text(path)
+    table, meta = iotools.read_epw(io.StringIO(text))
     place = str(meta.get("city", "")).strip()
     name = "" if place.lower() in ("unknown", "-") else place.title()
     site = Site(name, *_numbers(source, meta, "latitude", "longitude", "altitude", "TZ"))
+    instant = re.search(
+        r"^COMMENTS 2,Irradiance Time Offset \(h\): *(-?[\d.]+)", text, re.MULTILINE
+    )
+    if instant:
+        # PVGIS writes hours of universal time, whatever zone its head names, and counts the offset
+        # of its instants from the hour's number, which pvlib takes one from.
+        table.index = table.index.tz_localize(None).tz_localize("UTC")
+        offset_s = 3600.0 * (1.0 + float(instant[1]))
+        utc = replace(site, utc_offset_h=0.0)
+        return RawTable("EPW", utc, table, MIDDLE, offset_s=offset_s, first_line=9)
     # An hour of 1 is the first of the day, and pvlib gives its start.
     return RawTable("EPW", site, table, START, first_line=9)
 
@@ -230,7 +242,10 @@ def _pvgis_tmy(path: Path, source: str, iotools: Any) -> RawTable:
     content = io.StringIO(_text(path)) if kind == "json" else io.BytesIO(_text(path).encode())
     table, meta = iotools.read_pvgis_tmy(content, pvgis_format=kind)
     inputs = meta.get("inputs", {})
-    offset_h = float(inputs.get("irradiance time offset", 0.0) or 0.0)
+    # CSV has it among the inputs, JSON with the place.
+    place = inputs.get("location", {})
+    given = inputs.get("irradiance time offset", place.get("irradiance_time_offset"))
+    offset_h = float(given or 0.0)
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
     return RawTable(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -98,6 +99,40 @@ def write_pvgis_tmy(path: Path, record: Weather, years=None, offset_h=0.1761) ->
         lines.append(f"{stamp},15.0,50.0,{g:.2f},{b:.2f},{d:.2f},300.0,3.0,180.0,95000.0")
     lines += ["", "T2m: 2-m air temperature (degree Celsius)", "RH: relative humidity (%)", ""]
     path.write_text("\n".join(lines))
+    return path
+
+
+def write_pvgis_tmy_json(path: Path, record: Weather, offset_h=0.1761) -> Path:
+    """Typical year of PVGIS as JSON; its offset stands with the place."""
+    site = record.site
+    rows = [
+        {
+            "time(UTC)": f"{datetime(1970, 1, 1) + timedelta(seconds=float(t)):%Y%m%d:%H%M}",
+            **{"T2m": 15.0, "RH": 50.0, "G(h)": round(g, 2), "Gb(n)": round(b, 2)},
+            **{"Gd(h)": round(d, 2), "IR(h)": 300.0, "WS10m": 3.0, "WD10m": 180.0, "SP": 95000.0},
+        }
+        for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True)
+    ]
+    place = {"latitude": site.latitude_deg, "longitude": site.longitude_deg}
+    place |= {"elevation": site.altitude_m, "irradiance_time_offset": offset_h}
+    content = {
+        "inputs": {"location": place, "meteo_data": {"radiation_db": "PVGIS-SARAH3"}},
+        "outputs": {"months_selected": [{"month": 1, "year": 2018}], "tmy_hourly": rows},
+        "meta": {"inputs": {}, "outputs": {}},
+    }
+    path.write_text(json.dumps(content))
+    return path
+
+
+def write_pvgis_tmy_epw(path: Path, record: Weather, zone_h=1.0, offset_h=0.1761) -> Path:
+    """Typical year of PVGIS as EPW: hours of universal time under the zone of the country."""
+    write_epw(path, record, name="unknown")
+    lines = path.read_text("latin-1").split("\n")
+    fields = lines[0].split(",")
+    fields[8] = f"{zone_h:g}"
+    lines[0] = ",".join(fields)
+    lines[6] = f"COMMENTS 2,Irradiance Time Offset (h):{offset_h - 1.0:g}"
+    path.write_text("\n".join(lines), "latin-1")
     return path
 
 

@@ -12,6 +12,8 @@ from weather_files import (
     write_psm,
     write_pvgis_hourly,
     write_pvgis_tmy,
+    write_pvgis_tmy_epw,
+    write_pvgis_tmy_json,
 )
 
 from missions.files.errors import InputError
@@ -58,6 +60,18 @@ def test_pvgis_typical_year_has_instants_that_are_the_middles_of_their_hours(tmp
     found = load_weather(path)
     assert (found.layout, found.typical, found.site) == ("PVGIS typical year", True, site)
     assert found.start_s[0] - record.start_s[0] == pytest.approx(3600.0 * (0.1761 - 0.5))
+
+
+def test_pvgis_typical_year_has_the_same_times_in_every_format(tmp_path):
+    record = clear_record(365, first="2001-01-01", site=Site("", 45.0, 8.0, 250.0, 0.0))
+    table = load_weather(write_pvgis_tmy(tmp_path / "a.csv", record))
+    for path in (
+        write_pvgis_tmy_json(tmp_path / "a.json", record),
+        write_pvgis_tmy_epw(tmp_path / "a.epw", record),
+    ):
+        found = load_weather(path)
+        assert found.start_s == pytest.approx(table.start_s, abs=1e-6), path
+        same_light(found, table)
 
 
 def test_pvgis_hourly_takes_the_beam_back_to_its_normal(tmp_path):
