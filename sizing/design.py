@@ -26,7 +26,7 @@ from sizing.structures.loads import StructureInputs
 from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
-from solar.types import FloatArray
+from solar.types import FloatArray, IntArray
 
 
 class ImpossibleDesignError(ValueError):
@@ -426,9 +426,8 @@ def closed_design(
 ) -> Design:
     """Design whose mass budget adds up, for variables that may be arrays.
 
-    The budget grows faster than the mass it assumes, so the iteration from below climbs to the
-    lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
-    infinite. Only designs that have not settled are iterated on: few of a batch take long.
+    The lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
+    infinite. See :func:`lightest_mass_kg`.
 
     Parameters
     ----------
@@ -454,24 +453,71 @@ def closed_design(
     arrays = DesignVariables(**dict(zip(given, even, strict=True)))
     flat = arrays.mapped(np.ravel)
     conditions = FlightConditions.of(mission)
-    mass = np.array(flat.battery_mass_kg)
-    climbing = np.arange(mass.size)
+
+    def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
+        some = flat.mapped(itemgetter(designs))
+        closing = parametric_design(aircraft, conditions, some, assumed_kg)
+        return np.asarray(closing.masses.total_kg, float)
+
+    mass = lightest_mass_kg(
+        budget_kg, np.array(flat.battery_mass_kg), relative_tolerance=relative_tolerance
+    )
     with np.errstate(over="ignore", invalid="ignore"):
+        total = mass.reshape(np.shape(arrays.wingspan_m))
+        return parametric_design(aircraft, conditions, arrays, total)
+
+
+# A step along the secant is at most this much longer than the plain one.
+_LONGEST_STEP = 10.0
+
+
+def lightest_mass_kg(
+    budget_kg: Callable[[FloatArray, IntArray], FloatArray],
+    start_kg: FloatArray,
+    *,
+    relative_tolerance: float = 1e-13,
+) -> FloatArray:
+    """Lightest masses that equal the budgets which they lead to.
+
+    A budget grows faster than the mass it assumes: it is convex in it. From below, a step along the
+    secant of the last two budgets therefore never passes the lightest solution, and is longer than
+    the plain step to the budget itself. Only designs that have not settled are iterated on.
+
+    Parameters
+    ----------
+    budget_kg : callable
+        Budget [kg] for assumed masses [kg] of some designs, given by their indices.
+    start_kg : ndarray, shape (design,)
+        Masses below all solutions, such as that of a part [kg].
+    relative_tolerance : float
+        Largest change of the mass in the last iteration, relative to it [-].
+
+    Returns
+    -------
+    ndarray, shape (design,)
+        Infinite where there is none [kg].
+    """
+    mass = np.array(start_kg, float)
+    before, budget_before = np.full((2, mass.size), np.nan)
+    climbing = np.arange(mass.size)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for _ in range(2000):
-            some = flat.mapped(itemgetter(climbing))
             assumed = mass[climbing]
-            closing = parametric_design(aircraft, conditions, some, assumed)
-            budget = np.asarray(closing.masses.total_kg)
+            budget = budget_kg(assumed, climbing)
             budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
-            mass[climbing] = budget
             still = np.abs(budget - assumed) <= relative_tolerance * assumed
+            slope = (budget - budget_before[climbing]) / (assumed - before[climbing])
+            longer = np.clip(1.0 / (1.0 - slope), 1.0, _LONGEST_STEP)
+            # No secant yet, or one that leads nowhere: the plain step.
+            longer = np.where((slope > 0.0) & (slope < 1.0), longer, 1.0)
+            before[climbing], budget_before[climbing] = assumed, budget
             settled = still | np.isinf(budget)
+            mass[climbing] = np.where(settled, budget, assumed + longer * (budget - assumed))
             climbing = climbing[~settled]
             if climbing.size == 0:
                 break
         mass[climbing] = np.inf
-        total = mass.reshape(np.shape(arrays.wingspan_m))
-        return parametric_design(aircraft, conditions, arrays, total)
+    return mass
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:

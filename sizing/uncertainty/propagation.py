@@ -16,6 +16,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import (
     Design,
     FlightConditions,
+    lightest_mass_kg,
     load_profile,
     measured_design,
     parametric_design,
@@ -28,7 +29,7 @@ from sizing.energy.power_balance import blocks
 from sizing.parameters import with_parameter
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL
-from solar.types import FloatArray
+from solar.types import FloatArray, IntArray
 
 # Draws simulated at once: a day of each array stays small.
 _DRAWS_AT_ONCE = 2048
@@ -295,22 +296,15 @@ def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
         return measured_design(aircraft, mission)
     variables = variables_of(aircraft)
     conditions = FlightConditions.of(mission)
-    mass = np.broadcast_to(np.asarray(3.0 * variables.battery_mass_kg, float), (count,))
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for _ in range(200):
-            closing = parametric_design(aircraft, conditions, variables, mass)
-            budget = np.asarray(closing.masses.total_kg, float)
-            again = np.asarray(
-                parametric_design(aircraft, conditions, variables, budget).masses.total_kg, float
-            )
-            # Aitken's step to the fixed point; plain iteration where it leads nowhere.
-            gain = again - 2.0 * budget + mass
-            leap = mass - (budget - mass) ** 2 / np.where(gain == 0.0, 1.0, gain)
-            sound = np.isfinite(leap) & (leap > 0.0) & (gain != 0.0)
-            following = np.where(sound, leap, again)
-            following = np.where(again < 1e6, following, np.inf)
-            done = np.abs(following - mass) <= _TOLERANCE * mass
-            mass = following
-            if np.all(done | np.isinf(mass)):
-                break
-    return parametric_design(aircraft, conditions, variables, mass)
+
+    def budget_kg(assumed_kg: FloatArray, draws: IntArray) -> FloatArray:
+        # What is drawn is an array of all draws: it cannot be taken apart.
+        every = np.ones(count)
+        every[draws] = assumed_kg
+        closing = parametric_design(aircraft, conditions, variables, every)
+        return np.broadcast_to(np.asarray(closing.masses.total_kg, float), (count,))[draws]
+
+    start_kg = np.broadcast_to(np.asarray(variables.battery_mass_kg, float), (count,))
+    mass = lightest_mass_kg(budget_kg, start_kg, relative_tolerance=_TOLERANCE)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return parametric_design(aircraft, conditions, variables, mass)

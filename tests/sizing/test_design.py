@@ -15,6 +15,7 @@ from sizing.design import (
     closed_design,
     constant_power_w,
     design_of,
+    lightest_mass_kg,
     load_profile,
     measured_design,
     parametric_design,
@@ -23,6 +24,7 @@ from sizing.design import (
 )
 from sizing.energy.cycle import Status
 from sizing.performance import performance_of_designs
+from solar.types import FloatArray, IntArray
 
 
 def altitude_of_density(density: float) -> float:
@@ -280,3 +282,23 @@ def test_polar_night_has_no_thermals() -> None:
     # the node on noon.
     shape = thermal_shape(np.linspace(0.0, 24.0, 289), 12.0, 12.0)
     assert np.all(np.asarray(shape) == 0.0)
+
+
+def test_the_lightest_of_two_masses_is_found_however_slowly_it_is_climbed_to() -> None:
+    """Next to the largest design that closes, plain iteration takes thousands of rounds."""
+    # Solutions at 10 and 40; with 20.01 they nearly meet, and beyond there is none.
+    calls = 0
+
+    def budget_kg(mass_kg: FloatArray, designs: IntArray) -> FloatArray:
+        nonlocal calls
+        calls += 1
+        fixed = np.array([8.0, 12.5 - 1e-7, 12.6])[designs]
+        return fixed + 0.02 * mass_kg**2
+
+    found = lightest_mass_kg(budget_kg, np.ones(3))
+    for mass, fixed in zip(found[:2], (8.0, 12.5 - 1e-7), strict=True):
+        lower = (1.0 - np.sqrt(1.0 - 0.08 * fixed)) / 0.04
+        # Where both solutions meet, the equation itself holds no more digits.
+        assert mass == pytest.approx(lower, rel=1e-6)
+    assert np.isinf(found[2])
+    assert calls < 2000
