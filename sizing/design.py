@@ -468,7 +468,7 @@ def closed_design(
 
 
 # A step along the secant is at most this much longer than the plain one.
-_LONGEST_STEP = 10.0
+_LONGEST_STEP = 1000.0
 
 
 def lightest_mass_kg(
