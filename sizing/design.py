@@ -467,8 +467,9 @@ def closed_design(
         return parametric_design(aircraft, conditions, arrays, total)
 
 
-# A step along the secant is at most this much longer than the plain one.
-_LONGEST_STEP = 1000.0
+# Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
+# closes, a long step might pass the lightest solution and find a heavier one.
+_STEEPEST = 0.8
 
 
 def lightest_mass_kg(
@@ -479,9 +480,10 @@ def lightest_mass_kg(
 ) -> FloatArray:
     """Lightest masses that equal the budgets which they lead to.
 
-    A budget grows faster than the mass it assumes: it is convex in it. From below, a step along the
-    secant of the last two budgets therefore never passes the lightest solution, and is longer than
-    the plain step to the budget itself. Only designs that have not settled are iterated on.
+    Steps to the budget itself climb from below to the lightest solution. Where a budget is convex
+    in the mass it assumes, which it nearly always is, a step along the secant of the last two never
+    passes that solution either, and is longer. Where it is not, or is steep, steps are plain ones.
+    Only designs that have not settled are iterated on.
 
     Parameters
     ----------
@@ -498,7 +500,7 @@ def lightest_mass_kg(
         Infinite where there is none [kg].
     """
     mass = np.array(start_kg, float)
-    before, budget_before = np.full((2, mass.size), np.nan)
+    before, budget_before, slope_before = np.full((3, mass.size), np.nan)
     climbing = np.arange(mass.size)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for _ in range(2000):
@@ -507,10 +509,12 @@ def lightest_mass_kg(
             budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
             still = np.abs(budget - assumed) <= relative_tolerance * assumed
             slope = (budget - budget_before[climbing]) / (assumed - before[climbing])
-            longer = np.clip(1.0 / (1.0 - slope), 1.0, _LONGEST_STEP)
-            # No secant yet, or one that leads nowhere: the plain step.
-            longer = np.where((slope > 0.0) & (slope < 1.0), longer, 1.0)
+            convex = slope >= slope_before[climbing]
+            # No two secants yet, or ones that lead nowhere: the plain step.
+            sound = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
+            longer = np.where(sound, 1.0 / (1.0 - slope), 1.0)
             before[climbing], budget_before[climbing] = assumed, budget
+            slope_before[climbing] = slope
             settled = still | np.isinf(budget)
             mass[climbing] = np.where(settled, budget, assumed + longer * (budget - assumed))
             climbing = climbing[~settled]
