@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions.air import ZERO_CELSIUS_K
+from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import Weather
@@ -73,7 +74,7 @@ class DayAxis:
         skip = 0 if near else round(to_midnight_h / light.step_h)
         count = (len(light.time_s) - skip) // per_day
         if count < 1:
-            raise ValueError("the record is shorter than a day")
+            raise ValueError("is shorter than a day from one solar midnight to the next")
         first = skip + per_day * np.arange(count)
         nodes = np.minimum(first[:, np.newaxis] + np.arange(per_day + 1), len(light.time_s) - 1)
         noon = light.day_of_year[nodes[:, per_day // 2]]
@@ -194,12 +195,16 @@ def weather_performance(
     ------
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
+    InputError
+        If the record is shorter than a day.
     ValueError
-        If the model lacks the aircraft's module geometry or the mission's flight path, or the
-        record is shorter than a day.
+        If the model lacks the aircraft's module geometry or the mission's flight path.
     """
     light = light_at_altitude(weather, mission.altitude_m, step_s=step_s)
-    axis = DayAxis.of(light)
+    try:
+        axis = DayAxis.of(light)
+    except ValueError as error:
+        raise file_error(weather.source, str(error)) from error
     design = design_of(aircraft, mission)
     runs = [
         _run(aircraft, mission, solar, design, light, axis, kind)

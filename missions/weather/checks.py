@@ -8,11 +8,11 @@ filled rows follow the clear sky, not the clock: what is carried over is the sha
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from missions.files.errors import InputError, Problem, file_error
+from missions.files.errors import InputError, Problem, file_error, shown
 from missions.weather.layouts import END, RawTable
 from missions.weather.record import (
     SECONDS_PER_DAY,
@@ -26,14 +26,12 @@ from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizo
 from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
 from solar.types import BoolArray, FloatArray, IntArray
 
-if TYPE_CHECKING:
-    pass
-
 # Up to here a gap is bridged between its neighbours; a longer one takes the day next to it.
 SHORT_GAP_H = 3.0
 LONGEST_GAP_H = 120.0
 MAXIMUM_FILLED = 0.1  # share of a record that may be filled
 MAXIMUM_DAYS = 366 * 60
+EARLIEST_YEAR, LATEST_YEAR = 1900, 2200
 LIGHT = ("ghi", "dni", "dhi")
 _NIGHT_NOISE = 20.0  # light in darkness up to here is the noise of an instrument [W/m2]
 _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
@@ -64,7 +62,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     interval_s = _interval_s(time_s, source)
     start_s = time_s + raw.offset_s - raw.passed * interval_s
     values = {
-        name: np.asarray(raw.table[name].to_numpy(float, na_value=np.nan), float)
+        name: _numbers(raw, name, source, lines)
         for name in (*LIGHT, "temp_air", "wind_speed")
         if name in raw.table
     }
@@ -97,6 +95,21 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     return replace(weather, repairs=tuple(repairs))
 
 
+def _numbers(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArray:
+    """Values of a column, NaN where there is none; text is an error that names its line."""
+    import pandas as pd
+
+    column = raw.table[name]
+    values = np.asarray(pd.to_numeric(column, errors="coerce"), float)
+    text = np.flatnonzero(np.isnan(values) & column.notna().to_numpy())
+    if len(text):
+        at = int(text[0])
+        more = f" (and {len(text) - 1} more rows)" if len(text) > 1 else ""
+        message = f"must be a number (got {shown(str(column.iloc[at]))}){more}"
+        raise InputError([Problem(source, int(lines[at]) or None, None, name, message)])
+    return values
+
+
 def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
     """Universal time of the rows [s], their lines, and whether it is a typical year."""
     import pandas as pd
@@ -105,6 +118,12 @@ def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
     if len(index) < 24:
         raise file_error(source, f"has {len(index)} rows: a record has at least a day of them")
     lines = np.arange(len(index)) + raw.first_line if raw.first_line else np.zeros(len(index), int)
+    wrong = np.flatnonzero(~((index.year >= EARLIEST_YEAR) & (index.year <= LATEST_YEAR)))
+    if len(wrong):
+        at = int(wrong[0])
+        got = "no time" if index[at] is pd.NaT else str(index[at].year)
+        message = f"years must be from {EARLIEST_YEAR} to {LATEST_YEAR} (got {got})"
+        raise InputError([Problem(source, int(lines[at]) or None, None, "time", message)])
     utc = index.tz_convert("UTC") if index.tz is not None else index.tz_localize("UTC")
     time_s = utc.tz_localize(None).to_numpy("datetime64[ns]").astype(np.int64) / 1e9
     backwards = np.flatnonzero(np.diff(time_s) <= 0.0)

@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from missions.files.errors import InputError, Problem, file_error
+from missions.files.errors import InputError, Problem, file_error, printable, shortened
 from missions.weather.record import Site
 
 if TYPE_CHECKING:
@@ -87,13 +87,14 @@ def read_layout(path: Path, source: str) -> RawTable:
         "BSRN": _bsrn,
     }.get(layout)
     try:
-        return _plain(path, source) if read is None else read(path, source, _iotools(source))
+        raw = _plain(path, source) if read is None else read(path, source, _iotools(source))
+        return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
     except InputError:
         raise
     except (RecursionError, MemoryError):
         raise
     except Exception as error:  # of a reader that was given a damaged file
-        reason = " ".join(str(error).split())[:160]
+        reason = printable(" ".join(str(error).split())[:160])
         raise file_error(
             source, f"is no readable {layout} file: {type(error).__name__}: {reason}"
         ) from error
@@ -169,7 +170,7 @@ def _head(path: Path, source: str) -> list[str]:
         raise file_error(source, "is empty")
     if b"\0" in start:
         raise file_error(source, "is no text file")
-    return [line.strip("\r") for line in _decoded(start).split("\n")]
+    return _decoded(start).splitlines()
 
 
 def _decoded(content: bytes) -> str:
@@ -184,7 +185,7 @@ def _text(path: Path) -> str:
     import gzip
 
     content = gzip.decompress(path.read_bytes()) if path.suffix == ".gz" else path.read_bytes()
-    return _decoded(content)
+    return _decoded(content).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _epw(path: Path, source: str, iotools: Any) -> RawTable:
@@ -297,7 +298,7 @@ def _slope_deg(inputs: dict[str, Any]) -> float | None:
 
 def _psm(path: Path, source: str, iotools: Any) -> RawTable:
     # pandas 3 refuses the columns without a name, and pvlib's reader with them.
-    lines = _text(path).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = _text(path).split("\n")
     lines[2] = lines[2].rstrip(", ")
     table, meta = iotools.read_nsrdb_psm4(io.StringIO("\n".join(lines)), map_variables=True)
     city = str(meta.get("City", "")).strip(" -")
@@ -364,7 +365,7 @@ def _plain(path: Path, source: str) -> RawTable:
     """Plain CSV with its site in comment lines."""
     import pandas as pd
 
-    lines = _text(path).replace("\r\n", "\n").split("\n")
+    lines = _text(path).split("\n")
     meta, problems = _site_lines(lines, source)
     begin = next((i for i, line in enumerate(lines) if line and not line.startswith("#")), None)
     if begin is None:

@@ -142,3 +142,19 @@ def test_day_of_year_counts_dates_alike_in_leap_years():
     dates = ["2001-03-01T00:00", "2004-03-01T00:00", "2004-02-29T12:00", "2004-12-31T18:00"]
     seconds = np.array(dates, "datetime64[s]").astype(float)
     assert day_of_year(seconds) == pytest.approx([60.0, 60.0, 59.5, 365.75])
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("ghi", "24:00", r"a.csv:15: ghi: must be a number \(got '24:00'\)$"),
+        ("dhi", "0.1-4", r"a.csv:15: dhi: must be a number \(got '0.1-4'\)$"),
+        ("time", "1677-06-20T09:00Z", r"a.csv:15: time: years must be from 1900 to 2200 .got 1677"),
+    ],
+)
+def test_text_among_numbers_and_impossible_years_name_their_line(tmp_path, name, text, message):
+    def changed(rows):
+        return [*rows[:9], with_fields(rows[9], **{name: text}), *rows[10:]]
+
+    with pytest.raises(InputError, match=message):
+        load(tmp_path, clear_record(2), rows=changed)

@@ -190,3 +190,22 @@ def test_mistakes_in_a_plain_table_have_their_lines(tmp_path):
 
     with pytest.raises(InputError, match=r"b.csv:11: time_utc: must be ISO 8601 .*'yesterday'"):
         load_weather(write_plain(tmp_path / "b.csv", record, rows=with_a_bad_time))
+
+
+@pytest.mark.parametrize("ends", ["\r\n", "\r"])
+@pytest.mark.parametrize("write", [write_plain, write_epw, write_psm])
+def test_lines_may_end_as_on_any_machine(tmp_path, write, ends):
+    record = clear_record(2, interval_s=1800.0 if write is write_psm else 3600.0)
+    path = write(tmp_path / "a.csv", record)
+    light = load_weather(path).ghi
+    path.write_bytes(path.read_bytes().replace(b"\n", ends.encode()))
+    assert load_weather(path).ghi == pytest.approx(light)
+
+
+def test_names_and_reasons_are_printable(tmp_path):
+    path = write_epw(tmp_path / "a.epw", clear_record(2), name="\x1b[31mRed")
+    assert load_weather(path).site.name == "\\x1b[31Mred"
+    path.write_bytes(path.read_bytes().replace(b"2001,6,20,3,", b"2001,6,\x1b,3,"))
+    with pytest.raises(InputError) as told:
+        load_weather(path)
+    assert str(told.value).isprintable()
