@@ -293,12 +293,12 @@ def _dawn_h(balance: PowerBalance) -> FloatArray:
 
 def _closes(carried: CarriedDays, dawn_h: FloatArray) -> BoolArray:
     """Whether the battery lasts from each day's dawn to the next one's."""
-    energy = carried.run.energy_at_nodes_wh()
-    time = carried.balance.time_h[:, np.newaxis]
-    empty = energy <= 1e-12 * carried.store.battery_energy_wh
-    late = np.any(empty & (time > dawn_h), axis=0)
-    early = np.any(empty & (time <= dawn_h), axis=0)
-    return np.asarray(~(late | np.append(early[1:], False)))
+    before, after = carried.runs_empty()
+    # A day without a dawn begins at its middle, in the midst of a deficit.
+    dark = np.flatnonzero(~np.any(carried.balance.net_w > 0.0, axis=0) & after)
+    empty_h = carried.hour_at_level(carried.unserved_level_wh()[dark], dark)
+    before[dark] = empty_h <= dawn_h[dark]
+    return np.asarray(~(after | np.append(before[1:], False)))
 
 
 def _at(carried: CarriedDays, hour: FloatArray) -> FloatArray:

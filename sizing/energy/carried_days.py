@@ -51,6 +51,20 @@ class CarriedDays:
         energy = self.run.energy_at_nodes_wh()
         return energy.reshape(len(energy), -1, self.days)
 
+    def runs_empty(self) -> tuple[BoolArray, BoolArray]:
+        """Whether each day's battery runs empty before its first surplus, and after it.
+
+        Of shape ``(element,)`` each. Where no surplus comes, all of the day is after it.
+        """
+        run = self.run
+        least = -_SHORT * self.store.battery_energy_wh
+        short = run.drained_wh < least
+        surplus = np.isfinite(self.day.deficit_before_surplus_wh)
+        first = surplus & (np.cumsum(surplus, axis=0) == 1)
+        before = np.any(short & first, axis=0)
+        after = np.any(short & surplus & ~first, axis=0) | (run.midnight_wh < least)
+        return before, after
+
     def unserved_level_wh(self) -> FloatArray:
         """Cumulative deficit at which each day's battery first ran empty [Wh]; NaN if it did not.
 

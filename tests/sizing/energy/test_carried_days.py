@@ -85,6 +85,28 @@ def test_energy_is_conserved(clearness, energy):
     assert stored == pytest.approx(charged - delivered / eta, abs=1e-9 * energy * len(clearness))
 
 
+def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
+    balance = days_of([1.0, 1.0])
+    solar = balance.net_w[:, 0] > 0.0
+    night_wh = balance.deficit_wh[:, 0].sum() / 0.97  # of an evening and the morning after it
+    for share, runs_empty in ((0.9999, True), (1.0001, False)):
+        its_store = store(share * night_wh, 2)
+        carried = carried_over(balance, its_store, its_store.battery_energy_wh[:1], 2)
+        before, after = carried.runs_empty()
+        assert carried.energy_wh()[np.argmax(solar) :, 0, :].min() > 0.0
+        assert before.tolist() == [False, runs_empty]
+        assert not after.any()
+
+
+@settings(max_examples=20)
+@given(clearness=clearness_of_days, energy=st.floats(100.0, 4000.0))
+def test_batteries_run_empty_where_a_load_is_not_met(clearness, energy):
+    balance, its_store = days_of(clearness), store(energy, len(clearness))
+    carried = carried_over(balance, its_store, np.array([energy]), len(clearness))
+    _, unserved = step_by_step(balance, its_store, energy)
+    assert np.logical_or(*carried.runs_empty()) == pytest.approx(unserved > 1e-9 * energy)
+
+
 def test_the_same_day_again_and_again_becomes_the_repeated_day():
     for peak_w in (150.0, 165.0, 200.0):
         days = 120
