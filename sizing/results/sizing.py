@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from sizing.optimisation.sensitivity import (
     sensitivities,
 )
 from sizing.performance import Performance, performance_of_designs
+from sizing.reliability import Reliability, check_reliability, size_reliably
 from sizing.results.analysis import uncertainty_record
 from sizing.results.notes import extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
@@ -65,6 +66,8 @@ class SizingStudy(Result):
         Optimality cross-check by simulation, where asked for.
     without_margins : Performance or None
         Optimum without the mission's uncertainty margins, where it has any.
+    reliability : Reliability or None
+        Probability of the required excess time, where one was asked for.
     """
 
     aircraft: Aircraft
@@ -79,6 +82,7 @@ class SizingStudy(Result):
     multipliers: list[ConstraintMultiplier] | None = field(default=None)
     cross_check: CrossCheck | None = None
     without_margins: Performance | None = None
+    reliability: Reliability | None = None
 
     @property
     def status(self) -> SizingStatus:
@@ -193,6 +197,8 @@ class SizingStudy(Result):
             record["cross_check"] = finite_values(self.cross_check.__dict__)
         if self.without_margins is not None:
             record["as_assumed"] = _reached(self.without_margins)
+        if self.reliability is not None:
+            record["reliability"] = finite_values(self.reliability.to_dict())
         return record
 
     def to_frame(self) -> pd.DataFrame:
@@ -248,6 +254,7 @@ def size(
     correction: CorrectionName = "none",
     with_sensitivities: bool = False,
     with_cross_check: bool = False,
+    reliability: float | None = None,
 ) -> SizingStudy:
     """Find the best design of a parametric aircraft for a mission, or say why there is none.
 
@@ -270,6 +277,9 @@ def size(
         Also what each technology parameter and constraint is worth.
     with_cross_check : bool
         Also try to beat the optimum with thousands of other designs in the simulator.
+    reliability : float, optional
+        Least probability that every scenario has the required excess time when the inputs scatter
+        as the ``uncertainty`` of aircraft and mission says; above 0 and below 1.
 
     Returns
     -------
@@ -279,8 +289,11 @@ def size(
     ------
     TypeError
         For a measured aircraft, or what is no aircraft or mission.
+    InputError
+        With a reliability, for uncertain inputs that contradict the files' rules.
     ValueError
-        For an unknown objective, model or correction, or an impossible required excess time.
+        For an unknown objective, model or correction, an impossible required excess time, or a
+        reliability without uncertain inputs, of a range, or with sensitivities or a cross-check.
     """
     check_subjects(aircraft, mission)
     wanted, solar = checked_objective(objective), SolarModel(model, correction)
@@ -289,6 +302,11 @@ def size(
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
         required_excess_time_h = other.required_excess_time_h
     problems = SizingProblems(aircraft)
+    if reliability is not None:
+        if with_sensitivities or with_cross_check:
+            raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
+        wish = _Wish(wanted, required_excess_time_h, reliability)
+        return _reliable(aircraft, mission, solar, wish, problems)
     coverage = None
     options: dict[str, Any] = {
         "required_excess_time_h": required_excess_time_h,
@@ -311,6 +329,39 @@ def size(
         multipliers=constraint_multipliers(result) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         without_margins=_without_margins(*asked),
+    )
+
+
+class _Wish(NamedTuple):
+    """What a reliable design is sized for."""
+
+    objective: Objective
+    required_excess_time_h: float | None
+    reliability: float
+
+
+def _reliable(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, wish: _Wish, problems: SizingProblems
+) -> SizingStudy:
+    """Sizing for a probability."""
+    if wish.required_excess_time_h is not None:
+        update = {"required_excess_time_h": wish.required_excess_time_h}
+        mission = with_values(mission, update)
+    check_reliability(aircraft, mission, wish.objective, solar, wish.reliability)
+    result, found = size_reliably(
+        *(aircraft, mission, wish.objective, solar),
+        reliability=wish.reliability,
+        problems=problems,
+    )
+    asked = (aircraft, mission, result, solar)
+    # What would help is known of a sizing that fails without uncertainty as well.
+    failed = result.status is SizingStatus.infeasible and found is None
+    low, high = _under_model_error(*asked)
+    return SizingStudy(
+        *(aircraft, mission, solar, result, low, high),
+        relaxations=tuple(relaxations(*asked, problems=problems)) if failed else (),
+        without_margins=_without_margins(*asked),
+        reliability=found,
     )
 
 

@@ -11,6 +11,7 @@ from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import hours
@@ -46,6 +47,8 @@ def summary(study: SizingStudy) -> Summary:
     if record["structure"] is not None:
         blocks.append(record["structure"]["text"])
     blocks += _confidence(study, record)
+    if study.reliability is not None:
+        blocks.append(reliability_text(study.reliability, study))
     if study.coverage is not None and study.coverage.first is not None:
         blocks.append(_range_text(record["range"]))
     solver = study.result.solver
@@ -71,6 +74,8 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     if study.result.active_constraints:
         blocks.append("  held back by: " + "; ".join(study.result.active_constraints))
     blocks += extrapolation_blocks(study.extrapolations)
+    if study.reliability is not None:
+        return [*blocks, reliability_text(study.reliability, study)]
     if study.status is not SizingStatus.infeasible or study.coverage is not None:
         return blocks
     if not study.relaxations:
@@ -124,7 +129,8 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
         blocks.append(Line(uncertainty_line(record), "faint"))
         low = record["uncertainty"]["excess_time_low_h"]
         required = max(study.result.required_excess_time_h, 0.0)
-        if low is not None and low < required and not study.mission.uncertainty_margins.given:
+        guarded = study.mission.uncertainty_margins.given or study.reliability is not None
+        if low is not None and low < required and not guarded:
             what = "ends perpetual flight" if low <= 0.0 else f"misses the required {required:g} h"
             text = (
                 f"on the edge: one RMS error less solar power {what}; to size with that margin: "
@@ -135,6 +141,32 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
         reached = hours(record["as_assumed"]["excess_time_h"], UNLIMITED)
         blocks.append(f"without the mission's uncertainty margins the excess time is {reached}")
     return blocks
+
+
+def reliability_text(found: Reliability, study: SizingStudy) -> str:
+    """How reliable the design is, and what the optimum without uncertainty is.
+
+    Parameters
+    ----------
+    found : Reliability
+    study : SizingStudy
+
+    Returns
+    -------
+    str
+    """
+    hours_h = study.result.required_excess_time_h
+    what = f"{hours_h:g} h of excess time" if hours_h > 0.0 else "perpetual flight"
+    objective = study.objective
+    reached = found.achieved.text()
+    if not study.feasible:
+        reached = f"of the nearest design {reached}"
+    return (
+        f"reliability ({what} in every scenario): {reached} of {found.samples} draws; asked for "
+        f"{100 * found.required:g} %. The optimum without uncertainty, {objective.label} "
+        f"{with_unit(found.nominal_objective, '.4g', objective)}, has "
+        f"{100 * found.nominal.value:.1f} %"
+    )
 
 
 def _range_text(found: dict[str, Any]) -> str:

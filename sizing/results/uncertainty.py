@@ -15,9 +15,10 @@ from sizing.results.records import check_subjects, finite, hours
 from sizing.results.tables import UNLIMITED, Column, Line, Result, Summary, Table, facts
 from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
-from sizing.uncertainty.propagation import Flights, Propagation
+from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
+from sizing.uncertainty.samples import Proportion, sobol_points
 from solar.names import CorrectionName, ModelName
-from solar.types import BoolArray, FloatArray
+from solar.types import FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,37 +27,7 @@ DEFAULT_SAMPLES = 8192
 _LEAST_SAMPLES, _MOST_SAMPLES = 64, 2**20
 # Draws whose endurance is searched for: a launch of each is refined.
 _ENDURANCE_SAMPLES = 1024
-_CONFIDENCE_Z = 1.959964  # of 95 %
 PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
-
-
-@dataclass(frozen=True)
-class Proportion:
-    """Share of draws with a property, and its interval of 95 % confidence."""
-
-    value: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, marks: BoolArray) -> Proportion:
-        """Share of true values.
-
-        Interval: Wilson, E. B. (1927), Probable inference, the law of succession, and statistical
-        inference, J. Am. Stat. Assoc. 22, 209-212. It holds for independent draws; of the more even
-        points of a Sobol sequence it is on the safe side.
-        """
-        count, z = len(marks), _CONFIDENCE_Z
-        share = float(np.mean(marks))
-        centre = (share + z * z / (2.0 * count)) / (1.0 + z * z / count)
-        half = z * math.sqrt(share * (1.0 - share) / count + z * z / (4.0 * count * count))
-        half /= 1.0 + z * z / count
-        return cls(share, max(centre - half, 0.0), min(centre + half, 1.0))
-
-    def text(self) -> str:
-        """Share and interval in per cent."""
-        value, low, high = (100.0 * v for v in (self.value, self.low, self.high))
-        return f"{value:.1f} % (95 % between {low:.1f} and {high:.1f} %)"
 
 
 @dataclass(frozen=True)
@@ -281,9 +252,9 @@ def analyse_uncertainty(
             f"neither {aircraft.name} nor {mission.name} has an uncertain input: give them "
             "uncertainty.inputs"
         )
+    check_inputs(inputs, solar)
     study = Propagation(aircraft, mission, solar)
-    study.check([one.key for one in inputs.inputs])
-    values = inputs.values(_sobol_points(len(inputs), samples, seed))
+    values = inputs.values(sobol_points(len(inputs), samples, seed))
     few = {key: value[:_ENDURANCE_SAMPLES] for key, value in values.items()}
     nominal = {one.key: np.array([one.nominal]) for one in inputs.inputs}
     return UncertaintyAnalysis(
@@ -299,14 +270,6 @@ def analyse_uncertainty(
         required_h=mission.required_excess_time_h,
         seed=seed,
     )
-
-
-def _sobol_points(dimension: int, samples: int, seed: int) -> FloatArray:
-    """Points of the unit cube, shape ``(input, sample)``: Owen's scrambling of Sobol's sequence."""
-    from scipy.stats import qmc
-
-    power = math.ceil(math.log2(samples))
-    return np.ascontiguousarray(qmc.Sobol(dimension, rng=seed).random_base2(power).T)
 
 
 def _sobol_indices(

@@ -28,7 +28,7 @@ from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
 from sizing.parameters import with_parameter
 from sizing.sunlight import SolarDay, SolarModel, solar_day
-from sizing.uncertainty.inputs import SOLAR_MODEL
+from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from solar.types import FloatArray, IntArray
 
 # Draws simulated at once: a day of each array stays small.
@@ -74,6 +74,27 @@ class Flights:
     worst: FloatArray
 
 
+def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
+    """Refuse inputs that a propagation cannot vary.
+
+    Parameters
+    ----------
+    inputs : UncertainInputs
+    solar : SolarModel
+        Solar power model.
+
+    Raises
+    ------
+    ValueError
+        That names them.
+    """
+    for key in (one.key for one in inputs.inputs):
+        if key.startswith(_FIXED) or key.startswith("modules.geometry"):
+            raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
+        if key in _SUN_KEYS[2:5] and solar.model in ("VM", "FM"):
+            raise ValueError(f"{key} varies with CDM and CAM alone (got {solar.model})")
+
+
 class Propagation:
     """Flights of an aircraft on a mission under draws of its inputs.
 
@@ -83,26 +104,21 @@ class Propagation:
         As their files give them.
     solar : SolarModel
         Solar power model and its correction.
+    day : SolarDay, optional
+        Sun of that aircraft on that mission, where it is known already.
     """
 
-    def __init__(self, aircraft: Aircraft, mission: Mission, solar: SolarModel) -> None:
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        solar: SolarModel,
+        *,
+        day: SolarDay | None = None,
+    ) -> None:
         self.aircraft, self.mission, self.solar = aircraft, mission, solar
-        self.day = solar_day(aircraft, mission, solar)
+        self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: FloatArray | None = None
-
-    def check(self, keys: list[str]) -> None:
-        """Refuse inputs that this propagation cannot vary.
-
-        Raises
-        ------
-        ValueError
-            That names them.
-        """
-        for key in keys:
-            if key.startswith(_FIXED) or key.startswith("modules.geometry"):
-                raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
-            if key in _SUN_KEYS[2:5] and self.solar.model in ("VM", "FM"):
-                raise ValueError(f"{key} varies with CDM and CAM alone (got {self.solar.model})")
 
     def flights(self, values: dict[str, FloatArray]) -> Flights:
         """Fly all draws.
@@ -147,6 +163,31 @@ class Propagation:
             found = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
             hours[short[at]] = found.endurance_h
         return hours
+
+    def income_and_storage(
+        self, values: dict[str, FloatArray], scenario: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Solar energy and battery energy of every draw over its load.
+
+        Parameters
+        ----------
+        values : dict
+            Values of every input by its key, shape ``(sample,)``.
+        scenario : int
+            Whose sun.
+
+        Returns
+        -------
+        (ndarray, ndarray)
+            Energy that a day returns and that the battery delivers, over the day's load [-].
+        """
+        case = self._case(values)
+        solar_w, load_w = self._powers(case, scenario)
+        battery = case.craft.battery
+        load = np.mean(load_w, axis=-1) / np.asarray(battery.discharge_efficiency, float)
+        energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
+        income = np.mean(solar_w, axis=-1) * battery.charge_efficiency / load
+        return np.asarray(income), np.asarray(energy_wh / (24.0 * load))
 
     def _block(self, values: dict[str, FloatArray]) -> Flights:
         case = self._case(values)
@@ -269,7 +310,8 @@ class Propagation:
             craft, _ = with_parameter(
                 self.aircraft, self.mission, "modules.diffuse_efficiency", half
             )
-            halved: SolarDay = solar_day(craft, self.mission, self.solar)
+            scenarios = self.day.scenarios
+            halved = solar_day(craft, self.mission, self.solar, scenarios=scenarios)
             whole = self.day.specific_power_w_per_m2
             self._direct = 2.0 * halved.specific_power_w_per_m2 - whole
         return self._direct

@@ -49,6 +49,13 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     is_flag=True,
     help="Try to beat the optimum with thousands of other designs in the simulator.",
 )
+@click.option(
+    "--reliability",
+    type=RealRange(0.0, 1.0, unit="as a fraction"),
+    metavar="PROBABILITY",
+    help="Least probability of the required excess time in every scenario when the uncertain inputs "
+    "of aircraft and mission scatter, for instance 0.95.",
+)
 @solar_options
 def size(
     aircraft: str,
@@ -58,6 +65,7 @@ def size(
     out_dir: str | None,
     with_sensitivities: bool,
     with_cross_check: bool,
+    reliability: float | None,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -95,13 +103,15 @@ def size(
         if not out_dir:
             raise click.BadParameter("needs the name of a folder", param_hint="--out")
         check_writable_folder(Path(out_dir))
-    study = sizing.size(
-        *(case.aircraft, case.mission, asked),
-        model=case.solar.model,
-        correction=case.solar.correction,
-        with_sensitivities=with_sensitivities,
-        with_cross_check=with_cross_check,
-    )
+    with input_errors_of(case):
+        study = sizing.size(
+            *(case.aircraft, case.mission, asked),
+            model=case.solar.model,
+            correction=case.solar.correction,
+            with_sensitivities=with_sensitivities,
+            with_cross_check=with_cross_check,
+            reliability=reliability,
+        )
     record = case.named(study.to_dict())
     written = out_dir if study.feasible else None
     if written is not None:
