@@ -176,7 +176,6 @@ def size_reliably(
     *,
     reliability: float,
     problems: SizingProblems,
-    samples: int = SEARCH_SAMPLES,
 ) -> tuple[SizingResult, Reliability | None]:
     """Find the best design that has the required excess time with a given probability.
 
@@ -189,15 +188,13 @@ def size_reliably(
         Least probability of the required excess time in every scenario [-].
     problems : SizingProblems
         Programs of this very aircraft.
-    samples : int
-        Draws of the search; those of the verification are others.
 
     Returns
     -------
     (SizingResult, Reliability)
         Reliability is None where there is no design even without uncertainty.
     """
-    search = _ReliableSizing(aircraft, mission, objective, solar, reliability, problems, samples)
+    search = _ReliableSizing(aircraft, mission, objective, solar, reliability, problems)
     return search.run()
 
 
@@ -212,13 +209,12 @@ class _ReliableSizing:
         solar: SolarModel,
         required: float,
         problems: SizingProblems,
-        samples: int,
     ) -> None:
         self.aircraft, self.mission, self.objective = aircraft, mission, objective
         self.solar, self.required, self.problems = solar, required, problems
         self.day = solar_day(aircraft, mission, solar)
         self.count = len(uncertain_inputs(aircraft, mission, solar))
-        self.shares = sobol_points(self.count, samples, _SEARCH_SEED)
+        self.shares = sobol_points(self.count, SEARCH_SAMPLES, _SEARCH_SEED)
         self.trials: list[_Trial] = []
         self.start: DesignVariables | None = None
         self.telling = np.arange(len(self.day.scenarios))  # scenarios that draws are flown in

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import click
 
+from missions.files.errors import InputError, Problem
 from missions.files.validation import located_error
 from missions.flight_path import orbit
 from sizing.aircraft import MeasuredAirframe
@@ -141,3 +144,44 @@ def check_outputs(**options: str | None) -> None:
         if place in taken:
             raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
         taken[place] = option
+
+
+@contextmanager
+def uncertain_inputs_of(case: Case) -> Iterator[None]:
+    """Tell what is wrong with uncertain inputs by the lines of the files.
+
+    Raises
+    ------
+    InputError
+        With file and line.
+    click.UsageError
+        For what no line is to blame for.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise _placed(case, error) from error
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def _placed(case: Case, error: InputError) -> InputError:
+    """Error with the lines of the files that its keys stand on."""
+    placed = []
+    for problem in error.problems:
+        first, _, rest = problem.key.partition(".")
+        second, _, key = rest.partition(".")
+        found = problem
+        for owner, document in (
+            (case.aircraft.name, case.craft.document),
+            (case.mission.name, case.where.document),
+        ):
+            if owner != problem.source:
+                continue
+            path = (first, second, key) if key else (first, second)
+            mark = document.key_marks.get(path)
+            line, column = mark or (None, None)
+            found = Problem(document.source, line, column, problem.key, problem.message)
+            break
+        placed.append(found)
+    return InputError(placed)

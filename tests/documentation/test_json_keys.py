@@ -30,6 +30,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [DESIGN, *SUMMER, "--sensitivities", "--cross-check"],
             ["sky-sailor", *SUMMER, "--required-excess-time", "12"],
             [DESIGN, *SUMMER, "--set", "mission.uncertainty_margins.battery_capacity=0.9"],
+            [DESIGN, "--mission", "rafz-july", "--reliability", "0.4"],
         ],
         {"range"},
     ),

@@ -10,6 +10,7 @@ import click
 from solar.names import OBJECTIVE_NAMES
 from studies.cli.options import (
     EXIT_FAILED,
+    RealRange,
     mission_option,
     out_option,
     required_time_option,
@@ -51,10 +52,10 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
 )
 @click.option(
     "--reliability",
-    type=RealRange(0.0, 1.0, unit="as a fraction"),
+    type=RealRange(0.0, 1.0, unit="the interval from 0 to 1"),
     metavar="PROBABILITY",
-    help="Least probability of the required excess time in every scenario when the uncertain inputs "
-    "of aircraft and mission scatter, for instance 0.95.",
+    help="Least probability of the required excess time in every scenario when the uncertain "
+    "inputs of aircraft and mission scatter, for instance 0.95.",
 )
 @solar_options
 def size(
@@ -74,12 +75,14 @@ def size(
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
     from missions.files.writing import check_writable_folder
     from sizing.optimisation.objectives import Objective
+    from sizing.reliability import check_reliability
     from sizing.results import sizing
     from studies.cli.checks import (
         refuse_climb,
         refuse_polar_night,
         require_parametric,
         require_path,
+        uncertain_inputs_of,
     )
     from studies.cli.files import load
     from studies.cli.outputs import tell
@@ -91,6 +94,8 @@ def size(
         raise click.UsageError(
             f"{objective} counts days or degrees: it has no sensitivities and no cross-check"
         )
+    if reliability is not None and (with_sensitivities or with_cross_check):
+        raise click.UsageError("--sensitivities and --cross-check know of no --reliability")
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     if required_h is not None:
         case = case.with_mission(required_excess_time_h=required_h)
@@ -99,19 +104,21 @@ def size(
     if not asked.of_range:
         refuse_polar_night(case)
     require_path(case)
+    if reliability is not None:
+        with uncertain_inputs_of(case):
+            check_reliability(case.aircraft, case.mission, asked, case.solar, reliability)
     if out_dir is not None:
         if not out_dir:
             raise click.BadParameter("needs the name of a folder", param_hint="--out")
         check_writable_folder(Path(out_dir))
-    with input_errors_of(case):
-        study = sizing.size(
-            *(case.aircraft, case.mission, asked),
-            model=case.solar.model,
-            correction=case.solar.correction,
-            with_sensitivities=with_sensitivities,
-            with_cross_check=with_cross_check,
-            reliability=reliability,
-        )
+    study = sizing.size(
+        *(case.aircraft, case.mission, asked),
+        model=case.solar.model,
+        correction=case.solar.correction,
+        with_sensitivities=with_sensitivities,
+        with_cross_check=with_cross_check,
+        reliability=reliability,
+    )
     record = case.named(study.to_dict())
     written = out_dir if study.feasible else None
     if written is not None:

@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from studies.cli.options import check_image, mission_option, solar_options
-
-if TYPE_CHECKING:
-    from missions.files.errors import InputError
-    from studies.cli.files import Case
 
 
 @click.command()
@@ -52,9 +46,13 @@ def uncertainty(
     as_json: bool,
 ) -> None:
     """Find how likely AIRCRAFT (name, file or folder) flies perpetually when its inputs scatter."""
-    from missions.files.errors import InputError
     from sizing.results.uncertainty import analyse_uncertainty
-    from studies.cli.checks import check_outputs, refuse_climb, require_path
+    from studies.cli.checks import (
+        check_outputs,
+        refuse_climb,
+        require_path,
+        uncertain_inputs_of,
+    )
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.output.formats import csv_bytes
@@ -65,7 +63,7 @@ def uncertainty(
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     refuse_climb(case, "uncertainty")
     require_path(case)
-    try:
+    with uncertain_inputs_of(case):
         result = analyse_uncertainty(
             case.aircraft,
             case.mission,
@@ -75,10 +73,6 @@ def uncertainty(
             seed=seed,
             model_error=not no_model_error,
         )
-    except InputError as error:
-        raise _placed(case, error) from error
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     write_results(
         csv_file,
         lambda: csv_bytes(result.to_frame()),
@@ -86,27 +80,3 @@ def uncertainty(
         lambda: plot_uncertainty(result),
     )
     tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
-
-
-def _placed(case: Case, error: InputError) -> InputError:
-    """Error with the lines of the files that its keys stand on."""
-    from missions.files.errors import InputError, Problem
-
-    placed = []
-    for problem in error.problems:
-        first, _, rest = problem.key.partition(".")
-        second, _, key = rest.partition(".")
-        found = problem
-        for owner, document in (
-            (case.aircraft.name, case.craft.document),
-            (case.mission.name, case.where.document),
-        ):
-            if owner != problem.source:
-                continue
-            path = (first, second, key) if key else (first, second)
-            mark = document.key_marks.get(path)
-            line, column = mark or (None, None)
-            found = Problem(document.source, line, column, problem.key, problem.message)
-            break
-        placed.append(found)
-    return InputError(placed)

@@ -4,11 +4,12 @@ import pytest
 import sizing
 from missions.files.overrides import with_values
 from missions.library import load_mission
+from missions.uncertainty import Normal
 from sizing.library import load_aircraft
 from sizing.parameters import MISSION_PREFIX, parameter_value
 from sizing.sunlight import SolarModel
-from sizing.uncertainty.inputs import SOLAR_MODEL
-from sizing.uncertainty.propagation import Propagation
+from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInput, UncertainInputs
+from sizing.uncertainty.propagation import Propagation, check_inputs
 
 DESIGN = {
     "battery.specific_energy_wh_per_kg": 0.04,
@@ -96,6 +97,10 @@ def test_the_models_error_is_a_factor_on_its_power():
     assert one.excess_time_h == pytest.approx(other.excess_time_h, abs=1e-9)
 
 
+def scattering(key):
+    return UncertainInputs((UncertainInput(key, 1.0, Normal(sigma=0.1)),), np.eye(1))
+
+
 def test_attitude_models_take_efficiencies_and_refuse_what_is_not_linear():
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-loiter")
     study = Propagation(aircraft, mission, SolarModel("VM"))
@@ -104,6 +109,6 @@ def test_attitude_models_take_efficiencies_and_refuse_what_is_not_linear():
     alone_h = sizing.analyse(craft, where, model="VM").excess_time_h
     assert study.flights(values).excess_time_h[0] == pytest.approx(alone_h, abs=1e-6)
     with pytest.raises(ValueError, match="varies with CDM and CAM alone"):
-        study.check(["modules.camber_efficiency"])
+        check_inputs(scattering("modules.camber_efficiency"), SolarModel("VM"))
     with pytest.raises(ValueError, match="moves the sun"):
-        study.check(["mission.latitude_deg"])
+        check_inputs(scattering("mission.latitude_deg"), SolarModel("VM"))

@@ -292,3 +292,30 @@ def test_old_name_of_the_cross_check_is_refused_with_the_new_one(run: Run) -> No
     outcome = run("size", DESIGN, "-m", "rafz-july", "--certify")
     assert outcome.code == 2
     assert "--cross-check" in outcome.err
+
+
+def test_reliability_is_kept_in_the_folder(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sizing.reliability.SEARCH_SAMPLES", 1024)
+    asked = ("--objective", "min_wingspan", "--required-excess-time", "3", "--reliability", "0.8")
+    folder = tmp_path / "reliable"
+    record = run("size", DESIGN, "-m", "rafz-july", *asked, "--out", str(folder), "--json").json()
+    assert set(record["reliability"]) >= {"required", "achieved", "low", "high", "samples"}
+    again = run("uncertainty", str(folder), "--samples", "1024", "--json").json()
+    reached = record["reliability"]["achieved"]
+    assert again["probability_required"]["value"] == pytest.approx(reached, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        (("--reliability", "1.5"), "1.5 is not in the range"),
+        (("--reliability", "1"), "must be above 0 and below 1"),
+        (("--reliability", "0.9", "--sensitivities"), "know of no --reliability"),
+    ],
+)
+def test_reliability_that_cannot_be_asked(run: Run, asked: tuple[str, ...], message: str) -> None:
+    outcome = run("size", DESIGN, "-m", "rafz-july", *asked)
+    assert outcome.code == 2
+    assert message in outcome.err

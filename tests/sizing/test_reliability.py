@@ -1,0 +1,169 @@
+import functools
+import json
+
+import numpy as np
+import pytest
+
+import sizing
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.reliability import _next_index
+from sizing.uncertainty.inputs import uncertain_inputs
+
+DESIGN = load_aircraft("atlantiksolar-design")
+MISSION = load_mission("rafz-july", {"required_excess_time_h": 3.0})
+ENERGY = "battery.specific_energy_wh_per_kg"
+
+
+def with_inputs(**inputs):
+    return load_aircraft("atlantiksolar-design", {"uncertainty": {"inputs": inputs}})
+
+
+@pytest.fixture(autouse=True)
+def _few_draws(monkeypatch):
+    monkeypatch.setattr("sizing.reliability.SEARCH_SAMPLES", 1024)
+    monkeypatch.setattr("sizing.reliability.VERIFICATION_SAMPLES", 4000)
+
+
+def sized(reliability, objective="min_wingspan", aircraft=DESIGN, mission=MISSION, **options):
+    return sizing.size(aircraft, mission, objective, reliability=reliability, **options)
+
+
+@pytest.fixture(scope="module")
+def reliable():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sizing.reliability.SEARCH_SAMPLES", 1024)
+        patch.setattr("sizing.reliability.VERIFICATION_SAMPLES", 4000)
+        return sized(0.9)
+
+
+def test_other_draws_and_the_analysis_of_the_sized_aircraft_confirm_it(reliable):
+    found = reliable.reliability
+    assert reliable.status.name == "optimal"
+    # 1,024 draws of the search know the probability to about one per cent.
+    assert found.achieved.value == pytest.approx(0.9, abs=0.02)
+    assert found.achieved.low < found.achieved.value < found.achieved.high
+    again = sizing.analyse_uncertainty(
+        reliable.sized_aircraft(), reliable.sized_mission(), samples=2048, seed=5
+    )
+    assert again.probability_required.value == pytest.approx(found.achieved.value, abs=0.015)
+    assert again.nominal_excess_time_h == pytest.approx(
+        reliable.scenarios()["excess_time_h"].min(), abs=1e-6
+    )
+
+
+def test_it_costs_span_and_the_nominal_optimum_is_told(reliable):
+    nominal = sizing.size(DESIGN, MISSION, "min_wingspan")
+    found = reliable.reliability
+    assert found.nominal_objective == pytest.approx(nominal.variables.wingspan_m, rel=1e-6)
+    assert found.nominal.value < 0.5
+    # The mass budget of what is returned is that of the files' values.
+    assert reliable.variables.wingspan_m > 1.03 * nominal.variables.wingspan_m
+    masses = sum(reliable.design.masses)
+    assert masses == pytest.approx(reliable.design.total_mass_kg, rel=1e-8)
+
+
+def test_record_and_text(reliable):
+    record = json.loads(json.dumps(reliable.to_dict(), allow_nan=False))["reliability"]
+    assert record["required"] == 0.9
+    assert record["low"] <= record["achieved"] <= record["high"]
+    assert record["samples"] == 4000
+    text = " ".join(str(reliable).split())
+    assert "reliability (3 h of excess time in every scenario)" in text
+    assert "asked for 90 %" in text
+
+
+def test_no_smaller_design_nearby_is_as_reliable(reliable):
+    """Neighbours with 1.5 % less span, battery and modules varied, all fly fewer draws."""
+    best = reliable.variables
+    shares = []
+    for battery in (0.94, 0.97, 1.0, 1.03):
+        for area in (0.95, 1.0):
+            values = {
+                "airframe.wingspan_m": 0.985 * best.wingspan_m,
+                "battery.mass_kg": battery * best.battery_mass_kg,
+                "modules.area_m2": area * 0.985**2 * best.module_area_m2,
+            }
+            craft = load_aircraft("atlantiksolar-design", values)
+            flown = sizing.analyse_uncertainty(craft, MISSION, samples=512)
+            shares.append(flown.probability_required.value)
+    assert max(shares) < 0.9
+
+
+def test_what_is_reliable_already_stays_as_it_is():
+    mission = load_mission("rafz-july")
+    nominal = sizing.size(DESIGN, mission, "max_excess_time")
+    found = sized(0.9, "max_excess_time", mission=mission)
+    assert found.variables.chosen() == pytest.approx(nominal.variables.chosen(), rel=1e-5)
+    assert found.reliability.achieved.value == found.reliability.nominal.value > 0.9
+
+
+def test_one_uncertain_number_has_an_exact_answer(monkeypatch):
+    """With the battery's specific energy alone, 95 % is the design for its 5 % quantile."""
+    alone = functools.partial(uncertain_inputs, model_error=False)
+    monkeypatch.setattr("sizing.reliability.uncertain_inputs", alone)
+    found = sized(0.95, "min_mass", aircraft=with_inputs(**{ENERGY: {"relative_sigma": 0.05}}))
+    quantile = DESIGN.battery.specific_energy_wh_per_kg * (1.0 - 0.05 * 1.6449)
+    worse = load_aircraft("atlantiksolar-design", {ENERGY: quantile})
+    by_hand = sizing.size(worse, MISSION, "min_mass")
+    assert found.design.total_mass_kg == pytest.approx(by_hand.design.total_mass_kg, rel=5e-3)
+
+
+def test_out_of_reach_says_what_is_reached():
+    found = sized(0.95, "min_mass", required_excess_time_h=16.0)
+    assert found.status.name == "infeasible"
+    (missed,) = found.result.violations
+    assert missed.requirement == "reliability"
+    assert "a reliability of 95 % is out of reach: the most reliable design" in missed.text
+    assert 0.5 < found.reliability.achieved.value < 0.75
+    assert found.to_dict()["nearest"]["wingspan_m"] > 10.0
+
+
+def test_infeasible_without_uncertainty_is_told_as_ever():
+    found = sized(0.95, "min_mass", required_excess_time_h=40.0)
+    assert found.status.name == "infeasible"
+    assert found.reliability is None
+    assert found.relaxations
+
+
+def test_payload_and_several_scenarios():
+    mission = load_mission("central-europe-summer", {"required_excess_time_h": 2.0})
+    found = sized(0.8, "max_payload_mass", mission=mission)
+    assert found.feasible
+    assert found.reliability.achieved.value == pytest.approx(0.8, abs=0.03)
+    assert found.result.objective_value < found.reliability.nominal_objective
+    assert found.sized_mission().payload.mass_kg == pytest.approx(found.result.objective_value)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        ({"reliability": 0.0}, "above 0 and below 1"),
+        ({"reliability": float("nan")}, "above 0 and below 1"),
+        ({"objective": "longest_season"}, "longest_season counts days or degrees"),
+        ({"aircraft": load_aircraft("sky-sailor")}, "has an uncertain input: a reliability needs"),
+        ({"with_cross_check": True}, "know of no reliability"),
+        (
+            {"aircraft": with_inputs(**{"mission.x": {"sigma": 1}})},
+            "is no key of the file that holds a number",
+        ),
+        (
+            {
+                "aircraft": with_inputs(
+                    **{"battery.mass_kg": {"distribution": "uniform", "low": 2.0, "high": 4.0}}
+                )
+            },
+            "must be normal or lognormal, around what is chosen",
+        ),
+    ],
+)
+def test_what_cannot_be_asked(call, message):
+    with pytest.raises(ValueError, match=message):
+        sized(**({"reliability": 0.9} | call))
+
+
+def test_next_index_stays_between_what_was_tried():
+    tried = [(1.0, 0.8), (2.0, 1.9)]
+    assert 1.0 < _next_index(tried, 1.3) < 2.0
+    assert _next_index(tried[:1], 1.3) == pytest.approx(1.5)
+    assert np.isfinite(_next_index([(1.0, 3.0), (1.0, 3.0)], 1.3))
