@@ -114,7 +114,7 @@ class Collocation:
             update={"payload": mission.payload.model_copy(update={"mass_kg": 0.0})}
         )
         design = parametric_design(aircraft, empty, variables, total_kg)
-        conditions = FlightConditions.of(empty)
+        conditions = FlightConditions.of(empty, aircraft)
         rows = {one.name: one.value for one in design_requirements(aircraft, design, conditions)}
         opti.subject_to(rows.pop("mass_budget") == payload_kg / total_kg)
         opti.subject_to([value >= 0.0 for value in rows.values()])

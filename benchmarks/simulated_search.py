@@ -97,7 +97,7 @@ class Judge:
     def __init__(self, problem: WildProblem) -> None:
         self.problem = problem
         self.axes = axes_of(problem)
-        self.conditions = FlightConditions.of(problem.mission)
+        self.conditions = FlightConditions.of(problem.mission, problem.aircraft)
         self.days: dict[float, SolarDay] = {}
         self.simulated = 0
 

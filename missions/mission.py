@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
@@ -403,7 +403,9 @@ class Mission(Record):
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
         if self.air.module_temperature_c is not None:
             return self.air.module_temperature_c
-        return float(self.air_state().temperature_c)
+        temperature_c = self.air_state().temperature_c
+        # Draws of uncertain inputs are arrays.
+        return float(temperature_c) if temperature_c.ndim == 0 else cast("float", temperature_c)
 
     def scenarios(self) -> Scenarios:
         """Every latitude on every day that stands for the dates, latitude by latitude."""

@@ -78,7 +78,8 @@ class Design(NamedTuple):
     """A design and what follows from it; numbers, arrays or symbols.
 
     ``propulsion_power_w`` is electric, of level flight in calm air; ``constant_power_w`` is what
-    avionics and payload draw; ``airspeed_m_per_s`` may be unknown (None) for a measured aircraft.
+    avionics, payload and the battery's heater draw; ``airspeed_m_per_s`` may be unknown (None) for
+    a measured aircraft.
     """
 
     variables: DesignVariables
@@ -113,11 +114,26 @@ class FlightConditions(NamedTuple):
     turbulence: Value
     wind_m_per_s: Value
     battery_capacity_fraction: Value
+    battery_heater_w: Value
 
     @classmethod
-    def of(cls, mission: Mission) -> FlightConditions:
-        """Conditions of a mission."""
+    def of(cls, mission: Mission, aircraft: Aircraft) -> FlightConditions:
+        """Conditions of a mission, and what its air and age leave of an aircraft's battery.
+
+        Parameters
+        ----------
+        mission : Mission
+            Air, payload, turbulence, wind and margins.
+        aircraft : Aircraft
+            Whose battery it is.
+
+        Returns
+        -------
+        FlightConditions
+            Numbers, or arrays where inputs are.
+        """
         air = mission.air_state()
+        battery, air_c = aircraft.battery, _number(air.temperature_c)
         return cls(
             density_kg_per_m3=_number(air.density_kg_per_m3),
             dynamic_viscosity=_number(air.dynamic_viscosity_pa_s),
@@ -125,7 +141,10 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=mission.wind_m_per_s,
-            battery_capacity_fraction=mission.uncertainty_margins.battery_capacity,
+            battery_capacity_fraction=_number(
+                mission.uncertainty_margins.battery_capacity * battery.capacity_fraction(air_c)
+            ),
+            battery_heater_w=_number(battery.heater_w(air_c)),
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -137,7 +156,7 @@ class FlightConditions(NamedTuple):
         )
 
 
-def _number(value: FloatArray) -> Value:
+def _number(value: Value) -> Value:
     """Array without a dimension as the number that it is; others as they are."""
     return float(value) if np.ndim(value) == 0 else value
 
@@ -204,7 +223,9 @@ def parametric_design(
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    given = mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission)
+    given = (
+        mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
+    )
     air = given.with_payload_of(variables)
     aerodynamics = flown_at(airframe.aerodynamics, variables.lift_coefficient)
     shaft_w = level_flight_power_w(
@@ -237,7 +258,7 @@ def parametric_design(
         * aircraft.battery.specific_energy_wh_per_kg
         * air.battery_capacity_fraction,
         propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
         airspeed_m_per_s=airspeed,
     )
 
@@ -362,7 +383,7 @@ def _sized_rib_wing(
         return None
     if not isinstance(airframe.structure, RibWingStructure):
         return None
-    air, mass_kg = FlightConditions.of(mission), design.total_mass_kg
+    air, mass_kg = FlightConditions.of(mission, aircraft), design.total_mass_kg
     airspeed = design.airspeed_m_per_s
     return airframe.structure, _structure_inputs(aircraft, design.variables, air, mass_kg, airspeed)
 
@@ -385,7 +406,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
     """
     airframe = aircraft.airframe
     assert isinstance(airframe, MeasuredAirframe)
-    air = FlightConditions.of(mission)
+    air = FlightConditions.of(mission, aircraft)
     battery_kg = aircraft.battery.mass_kg
     total_kg = airframe.mass_without_battery_kg + battery_kg + mission.payload.mass_kg
     flight = airframe.level_flight
@@ -412,7 +433,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
         airspeed_m_per_s=airspeed,
     )
 
@@ -452,7 +473,7 @@ def closed_design(
     even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
     arrays = DesignVariables(**dict(zip(given, even, strict=True)))
     flat = arrays.mapped(np.ravel)
-    conditions = FlightConditions.of(mission)
+    conditions = FlightConditions.of(mission, aircraft)
 
     def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
         some = flat.mapped(itemgetter(designs))

@@ -353,7 +353,7 @@ class _ReliableSizing:
         perf = performance_of_designs(
             self.aircraft, self.mission, variables, self.solar, day=self.day
         )
-        conditions = FlightConditions.of(self.mission)
+        conditions = FlightConditions.of(self.mission, self.aircraft)
         sound = meets_requirements(self.aircraft, perf.design, conditions, tolerance=_ROW_TOLERANCE)
         value = float(objective_value(self.objective, perf))
         study, inputs = self._study(perf)

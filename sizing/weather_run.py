@@ -2,7 +2,8 @@
 
 Not the repeated day: every day has its own light and temperature, and a day begins with what the
 day before has left in the battery. An empty battery ends a flight; the run goes on from empty, so
-that every day of the record is judged by what came before it.
+that every day of the record is judged by what came before it. A battery whose capacity depends on
+its temperature has each day that of the day's mean air, and keeps its state of charge over night.
 """
 
 from __future__ import annotations
@@ -227,10 +228,11 @@ def _run(
         light.day_of_year, light.time_solar_h, light.cos_zenith, irradiance, ambient_c, module_c
     )
     power = aircraft.modules.area_m2 * power_in_light(aircraft, mission, solar, lit)
-    load = _load_w(design, mission, axis, ambient_c[axis.nodes])
+    air_c = ambient_c[axis.nodes]
+    load = _load_w(design, mission, axis, air_c) + _more_heater_w(aircraft, mission, air_c)
     solar_w = power[axis.nodes]
     balance = PowerBalance.of(axis.time_h, solar_w, load)
-    energy_wh = np.full(len(axis), float(design.battery_energy_wh))
+    energy_wh = design.battery_energy_wh * _capacity_of_days(aircraft, mission, air_c)
     store = Store.of(aircraft.battery, energy_wh)
     carried = carried_over(balance, store, energy_wh[:1], len(axis))
     dawn_h = _dawn_h(balance)
@@ -276,6 +278,20 @@ def _load_w(design: Design, mission: Mission, axis: DayAxis, ambient_c: FloatArr
     assumed_k = float(mission.air_state().temperature_k)
     thinner = np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k)
     return np.asarray(constant + (profile - constant) * thinner)
+
+
+def _more_heater_w(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:
+    """Heater of each day's battery beyond that of the mission's air [W], shape ``(day, 1)``."""
+    heater_w = aircraft.battery.heater_w
+    mean_c, assumed_c = np.mean(air_c, axis=1, keepdims=True), mission.air_state().temperature_c
+    return np.asarray(heater_w(mean_c) - heater_w(assumed_c) + np.zeros(mean_c.shape))
+
+
+def _capacity_of_days(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:
+    """Capacity at the mean air temperature of each day over that in the mission's air [-]."""
+    fraction = aircraft.battery.capacity_fraction
+    of_days = fraction(np.mean(air_c, axis=1)) / fraction(mission.air_state().temperature_c)
+    return np.asarray(of_days * np.ones(len(air_c)))
 
 
 def _dawn_h(balance: PowerBalance) -> FloatArray:

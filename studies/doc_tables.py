@@ -13,6 +13,7 @@ from pathlib import Path
 
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
+from sizing.energy.battery_condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
 from sizing.results.tables import Column, Table
 from sizing.validity.ranges import ranges
@@ -57,6 +58,23 @@ def _ranges() -> str:
     return _markdown(Table("", columns, tuple(rows)))
 
 
+def _battery_life() -> str:
+    """Cycles to the end of a battery's life, a cycle a day."""
+    temperatures_c = (0.0, 10.0, 25.0, 35.0)
+    columns = (
+        Column("depth of discharge"),
+        *(Column(f"at_{t:.0f}", f"stored at {t:.0f} C") for t in temperatures_c),
+    )
+    rows = []
+    for depth in (0.2, 0.4, 0.6, 0.8, 1.0):
+        lives = (
+            cycles_to_end_of_life(Ageing(depth_of_discharge=depth, temperature_c=t))
+            for t in temperatures_c
+        )
+        rows.append((f"{100.0 * depth:.0f} %", *(f"{life:.0f}" for life in lives)))
+    return _markdown(Table("", columns, tuple(rows)))
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", lambda: _markdown(published().table())),
     "flights": ("validation.md", lambda: _markdown(facts_table())),
@@ -76,6 +94,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
         lambda: _markdown(transfer_table(transferred_errors(*reference()))),
     ),
     "light": ("altitude.md", _light),
+    "battery-life": ("battery.md", _battery_life),
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),

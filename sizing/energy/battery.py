@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
+from sizing.energy.battery_condition import Ageing, BatteryTemperature, InternalResistance
+from sizing.smooth import Value
 from solar.schema import Fraction, PositiveReal, Record, UnitInterval
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -156,18 +158,56 @@ class ChargeClock:
 
 
 class Battery(Record):
-    """A battery pack described by its mass."""
+    """A battery pack described by its mass.
+
+    Temperature, internal resistance and ageing are those of :mod:`sizing.energy.battery_condition`;
+    a battery without them is the same in any air and at any age.
+    """
 
     mass_kg: PositiveReal
     specific_energy_wh_per_kg: PositiveReal
     charge_efficiency: Fraction = 0.95
     discharge_efficiency: Fraction = 0.97
     charge_limit: ChargeLimit = NoChargeLimit()
+    temperature: BatteryTemperature | None = None
+    resistance: InternalResistance | None = None
+    ageing: Ageing | None = None
 
     @property
     def battery_energy_wh(self) -> float:
-        """Energy at full charge [Wh]."""
+        """Energy at full charge, new and warm [Wh]."""
         return self.mass_kg * self.specific_energy_wh_per_kg
+
+    @property
+    def mean_charge_efficiency(self) -> Value:
+        """Charge efficiency of a flight: of the internal resistance if given, else the file's."""
+        if self.resistance is None:
+            return self.charge_efficiency
+        return self.resistance.charge_efficiency(self._resistance_factor)
+
+    @property
+    def mean_discharge_efficiency(self) -> Value:
+        """Discharge efficiency of a flight: as :attr:`mean_charge_efficiency`."""
+        if self.resistance is None:
+            return self.discharge_efficiency
+        return self.resistance.discharge_efficiency(self._resistance_factor)
+
+    @property
+    def _resistance_factor(self) -> Value:
+        return 1.0 if self.ageing is None else self.ageing.resistance_factor()
+
+    def capacity_fraction(self, air_c: Value) -> Value:
+        """Capacity in air of a temperature [C], and at its age, over the new and warm one [-]."""
+        fraction: Value = 1.0
+        if self.temperature is not None:
+            fraction = fraction * self.temperature.capacity_fraction(air_c)
+        if self.ageing is not None:
+            fraction = fraction * self.ageing.capacity_fraction()
+        return fraction
+
+    def heater_w(self, air_c: Value) -> Value:
+        """Power that its heater draws in air of a temperature [C]; 0 without a heater [W]."""
+        return 0.0 if self.temperature is None else self.temperature.heater_w(air_c)
 
 
 @dataclass(frozen=True)
@@ -208,8 +248,8 @@ class Store:
         energy = battery.battery_energy_wh if battery_energy_wh is None else battery_energy_wh
         return cls(
             battery_energy_wh=np.asarray(energy, float),
-            charge_efficiency=battery.charge_efficiency,
-            discharge_efficiency=battery.discharge_efficiency,
+            charge_efficiency=battery.mean_charge_efficiency,
+            discharge_efficiency=battery.mean_discharge_efficiency,
             clock=ChargeClock.of(battery.charge_limit),
         )
 

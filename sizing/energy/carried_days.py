@@ -140,7 +140,7 @@ def carried_over(
     known = np.zeros(alike.shape, bool)
     known[:, 0] = True
     known[:, 1:] = alike[:, :-1]
-    energy[:, 1:] = np.where(alike[:, :-1], from_full[:, :-1], 0.0)
+    energy[:, 1:] = np.where(alike[:, :-1], from_full[:, :-1] * _next_over_own(full, days), 0.0)
     _march_open_days(brief, store, energy, known)
     return CarriedDays(balance, day, store, days, day.run(store, energy.reshape(-1)))
 
@@ -150,13 +150,24 @@ def _march_open_days(
 ) -> None:
     """March the days whose end is not known yet, in place, always those that may be marched."""
     days = known.shape[1]
+    capacity = _next_over_own(store.battery_energy_wh, days)
     while not known.all():
         ready = known[:, :-1] & ~known[:, 1:]
         craft, number = np.nonzero(ready)
         cells = craft * days + number
         end = day.select(cells).end_wh(store.select(cells), energy_wh[craft, number])
-        energy_wh[craft, number + 1] = end
+        energy_wh[craft, number + 1] = end * capacity[craft, number]
         known[craft, number + 1] = True
+
+
+def _next_over_own(full_wh: FloatArray, days: int) -> FloatArray:
+    """Energy at full charge of the next day's battery over that of each day's own [-].
+
+    A battery that is colder the next day keeps its state of charge, not its energy. Shape
+    ``(aircraft, days - 1)``.
+    """
+    full = full_wh.reshape(-1, days)
+    return np.asarray(full[:, 1:] / full[:, :-1])
 
 
 def flight_hours(
@@ -188,6 +199,7 @@ def flight_hours(
     outlasts = np.zeros(days, bool)
     flying, energy, now = launched.copy(), np.array(launch_wh, float), launched.copy()
     eta = store.discharge_efficiency
+    capacity = _next_over_own(store.battery_energy_wh, days)[0]
     follower = np.full(days, -1)
     seen: dict[tuple[int, float], int] = {}
     while len(flying):
@@ -210,7 +222,7 @@ def flight_hours(
         outlasts[flying[last]] = True
         goes_on = ~ended & ~last
         flying, now = flying[goes_on], now[goes_on] + 1
-        energy = np.maximum(midnight[goes_on], 0.0)
+        energy = np.maximum(midnight[goes_on], 0.0) * capacity[now - 1]
         settled = np.zeros(len(now))
         # Flights that have become equal share the rest of their way.
         keep = np.ones(len(flying), bool)

@@ -170,7 +170,7 @@ class _Judge:
         kept = kept & meets_requirements(
             self.aircraft,
             perf.design,
-            FlightConditions.of(self.mission),
+            FlightConditions.of(self.mission, self.aircraft),
             tolerance=ROW_TOLERANCE,
         )
         return np.where(kept, objective_value(self.objective, perf), np.nan)

@@ -129,7 +129,9 @@ def cycle_function(battery: Battery) -> ca.Function:
     propulsion power [W], state of charge at dawn, and the sun as :func:`sun_parameters` gives it.
     """
     return _cycle_function(
-        battery.charge_limit, battery.charge_efficiency, battery.discharge_efficiency
+        battery.charge_limit,
+        float(battery.mean_charge_efficiency),
+        float(battery.mean_discharge_efficiency),
     )
 
 

@@ -125,7 +125,7 @@ def violations(
     texts = {
         one.name: one.text
         for one in design_requirements(
-            aircraft, nearest.design, FlightConditions.of(nearest.mission)
+            aircraft, nearest.design, FlightConditions.of(nearest.mission, aircraft)
         )
     } | {
         "battery_capacity": f"the battery cannot carry the night at {where}: short by {{missed}} "
@@ -200,7 +200,7 @@ def _missed_of(aircraft: Aircraft, found: Performance) -> FloatArray:
     """Sum of what closed designs miss their requirements by, relative."""
     mass_kg = np.asarray(found.design.total_mass_kg)
     heaviest_kg = aircraft.design_space.maximum_total_mass_kg or np.inf
-    conditions = FlightConditions.of(found.mission)
+    conditions = FlightConditions.of(found.mission, aircraft)
     with np.errstate(invalid="ignore"):
         missed = np.maximum(mass_kg / heaviest_kg - 1.0, 0.0)
         for row in design_requirements(aircraft, found.design, conditions)[1:]:  # mass is closed

@@ -344,7 +344,7 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
         for k, one in enumerate(requirements)
     ]
     cycle = cycle_function(aircraft.battery)
-    usable_h = capacity_wh * aircraft.battery.discharge_efficiency / nominal_w
+    usable_h = capacity_wh * aircraft.battery.mean_discharge_efficiency / nominal_w
     for i in range(blocks):
         deficit, charged = cycle(
             lit_area, capacity_wh, nominal_w, propulsion_w, dawn_soc[i], sun[:, i]

@@ -508,7 +508,7 @@ class _Relaxations:
 
 def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:
     """Whether a design keeps every requirement besides the excess time."""
-    conditions = FlightConditions.of(mission)
+    conditions = FlightConditions.of(mission, aircraft)
     met = meets_requirements(aircraft, perf.design, conditions, tolerance=_ROW_TOLERANCE)
     return bool(np.all(met))
 

@@ -215,7 +215,7 @@ class _Lagrangian:
         lit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
             self._weights(problem),
-            FlightConditions.of(mission),
+            FlightConditions.of(mission, aircraft),
             sun_parameters(day, mission, lit),
             margin=self.optimum.instance.margin,
         )

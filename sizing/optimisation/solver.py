@@ -244,7 +244,7 @@ class ProgramSolver:
         self, problems: SizingProblems, mission: Mission, solar: SolarModel, day: SolarDay
     ) -> None:
         self.problems, self.mission, self.solar, self.day = problems, mission, solar, day
-        self.conditions = FlightConditions.of(mission)
+        self.conditions = FlightConditions.of(mission, problems.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
         self.message = ""

@@ -16,6 +16,7 @@ from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
 from sizing.replay import CalendarRun, calendar_run
+from sizing.results.battery import battery_record
 from sizing.results.notes import extrapolation_records
 from sizing.results.records import check_subjects, finite
 from sizing.results.tables import Result, Summary
@@ -139,6 +140,9 @@ class Analysis(Result):
             "version": __version__,
             "scenarios": records,
         }
+        condition = battery_record(self.aircraft, self.mission)
+        if condition is not None:
+            result["battery_condition"] = condition
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)
         return result

@@ -10,6 +10,7 @@ from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.results.analysis import Analysis, flight_record, scenario_record
+from sizing.results.battery import battery_line
 from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
@@ -42,6 +43,9 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(scenario_table(record["scenarios"]))
     if analysis.flight is not None:
         blocks.append(flight_table(flight_record(analysis.flight)))
+    condition = battery_line(analysis.aircraft, analysis.mission)
+    if condition is not None:
+        blocks.append(condition)
     slow = settling_line(analysis)
     if slow is not None:
         blocks.append(Line(slow, "warning"))

@@ -30,6 +30,7 @@ from sizing.optimisation.sensitivity import (
 from sizing.performance import Performance, performance_of_designs
 from sizing.reliability import Reliability, check_reliability, size_reliably
 from sizing.results.analysis import uncertainty_record
+from sizing.results.battery import battery_record
 from sizing.results.notes import extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, Summary
@@ -435,10 +436,13 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
         },
         "version": __version__,
     }
+    condition = battery_record(aircraft, mission)
+    if condition is not None:
+        record["battery_condition"] = condition
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
     record["quantities"] = record["structure"] = None
     if result.design is not None:
-        conditions = FlightConditions.of(mission).with_payload_of(result.design.variables)
+        conditions = FlightConditions.of(mission, aircraft).with_payload_of(result.design.variables)
         flown = DesignInFlight(aircraft, result.design, conditions)
         record["quantities"] = _quantities(flown)
         sized = structure_assessment(aircraft, mission, result.design)

@@ -13,6 +13,7 @@ from sizing.optimisation.result import RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
+from sizing.results.battery import battery_line
 from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
@@ -124,7 +125,9 @@ def _mass_table(record: dict[str, Any]) -> Table:
 
 def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     """How far the answer may be trusted: ranges of the models, their error, margins."""
-    blocks = extrapolation_blocks(study.extrapolations)
+    condition = battery_line(study.aircraft, study.mission)
+    blocks: list[Any] = [] if condition is None else [condition]
+    blocks += extrapolation_blocks(study.extrapolations)
     if record["uncertainty"] is not None:
         blocks.append(Line(uncertainty_line(record), "faint"))
         low = record["uncertainty"]["excess_time_low_h"]

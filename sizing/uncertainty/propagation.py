@@ -184,9 +184,9 @@ class Propagation:
         case = self._case(values)
         solar_w, load_w = self._powers(case, scenario)
         battery = case.craft.battery
-        load = np.mean(load_w, axis=-1) / np.asarray(battery.discharge_efficiency, float)
+        load = np.mean(load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
         energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
-        income = np.mean(solar_w, axis=-1) * battery.charge_efficiency / load
+        income = np.mean(solar_w, axis=-1) * battery.mean_charge_efficiency / load
         return np.asarray(income), np.asarray(energy_wh / (24.0 * load))
 
     def _block(self, values: dict[str, FloatArray]) -> Flights:
@@ -337,7 +337,7 @@ def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, mission)
     variables = variables_of(aircraft)
-    conditions = FlightConditions.of(mission)
+    conditions = FlightConditions.of(mission, aircraft)
 
     def budget_kg(assumed_kg: FloatArray, draws: IntArray) -> FloatArray:
         # What is drawn is an array of all draws: it cannot be taken apart.

@@ -13,7 +13,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, FlightConditions, structure_parts
-from sizing.energy.battery import RuleChargeLimit, TableChargeLimit
+from sizing.energy.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.performance import Performance
 from sizing.structures.rib_wing import RibWingStructure
@@ -43,11 +43,12 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
     ------
     Check
     """
-    conditions = FlightConditions.of(mission).with_payload_of(design.variables)
+    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     loading = np.asarray(design.total_mass_kg) / design.wing_area_m2
     yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
     load_w = design.nominal_load_w(mission)
     yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
+    yield from _battery_checks(aircraft.battery, mission)
     yield from altitude_check(mission, mission.altitude_m)
     if design.airspeed_m_per_s is not None:
         ends = (mission.wind_m_per_s, None)
@@ -57,6 +58,15 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
         yield from _measured_checks(airframe, conditions, design)
     else:
         yield from _parametric_checks(DesignInFlight(aircraft, design, conditions), mission)
+
+
+def _battery_checks(battery: Battery, mission: Mission) -> Iterator[Check]:
+    if battery.temperature is not None:
+        pack_c = battery.temperature.pack_c(mission.air_state().temperature_c)
+        yield Check.of("pack_temperature_c", "battery", pack_c)
+    if battery.ageing is not None:
+        left = battery.ageing.capacity_fraction()
+        yield Check.of("aged_capacity_fraction", "battery", left)
 
 
 def altitude_check(mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
@@ -265,7 +275,9 @@ def charge_rate_check(
         for value in (design.nominal_load_w(mission), design.battery_energy_wh)
     )
     with np.errstate(invalid="ignore"):
-        rate = aircraft.battery.charge_efficiency * np.maximum(peak_w - load_w, 0.0) / energy_wh
+        rate = (
+            aircraft.battery.mean_charge_efficiency * np.maximum(peak_w - load_w, 0.0) / energy_wh
+        )
     limit = aircraft.battery.charge_limit
     if isinstance(limit, RuleChargeLimit):
         rate = np.minimum(rate, limit.c_rate_per_h)

@@ -263,7 +263,7 @@ class _Missed(NamedTuple):
 def _missed(aircraft: Aircraft, mission: Mission, found: Performance) -> dict[str, _Missed]:
     """Requirements on a design that sizing has as well."""
     design = found.design
-    conditions = FlightConditions.of(mission).with_payload_of(design.variables)
+    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     with np.errstate(invalid="ignore"):
         rows = {
             one.name: (np.asarray(one.value), one.text)

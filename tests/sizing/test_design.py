@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
-from builders import AS2, DESIGN, SKY_SAILOR, mission
+from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -311,3 +311,18 @@ def test_the_lightest_of_two_masses_is_found_in_few_rounds() -> None:
 
     assert lightest_mass_kg(counted, np.ones(1)) == pytest.approx(mass_kg, rel=1e-12)
     assert rounds <= plain // 2
+
+
+def test_air_and_age_reach_the_capacity_and_the_heater_the_load():
+    craft = aircraft(
+        "atlantiksolar-as2",
+        "battery.temperature={held_c: 10, heat_loss_w_per_k: 0.4}",
+        "battery.ageing={seasons_flown: 1}",
+    )
+    cold = mission(
+        air={"ambient_temperature_c": -5.0}, uncertainty_margins={"battery_capacity": 0.9}
+    )
+    plain, flown = design_of(AS2, cold), design_of(craft, cold)
+    left = 0.88 * craft.battery.ageing.capacity_fraction()
+    assert flown.battery_energy_wh == pytest.approx(left * plain.battery_energy_wh, rel=1e-12)
+    assert flown.constant_power_w == pytest.approx(plain.constant_power_w + 0.4 * 15.0, rel=1e-12)

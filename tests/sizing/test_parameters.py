@@ -28,6 +28,7 @@ _ENDINGS = {
     "_kg_per_m2": "kg/m2",
     "_kg_per_w": "kg/W",
     "_m_per_s": "m/s",
+    "_w_per_k": "W/K",
     "_per_k": "1/K",
     "_per_h": "1/h",
     "_wh": "Wh",
@@ -36,6 +37,9 @@ _ENDINGS = {
     "_pa": "Pa",
     "_deg": "deg",
     "_days": "days",
+    ".months": "months",
+    "_k": "K",
+    "_c": "C",
     "_m": "m",
     "_w": "W",
     "_h": "h",
@@ -44,7 +48,13 @@ _ENDINGS = {
 
 def aircraft() -> list[Aircraft]:
     bound = "design_space.maximum_total_mass_kg=50"
-    return [load_aircraft(name, [bound]) for name in ("atlantiksolar-design", "sky-sailor")]
+    battery = [
+        "battery.temperature={held_c: 5, heat_loss_w_per_k: 0.4, heater_power_w: 9}",
+        "battery.resistance={loss_at_1c: 0.05, discharge_rate_per_h: 0.1, charge_rate_per_h: 0.2}",
+        "battery.ageing={}",
+    ]
+    names = ("atlantiksolar-design", "sky-sailor")
+    return [load_aircraft(name, [bound, *battery]) for name in names]
 
 
 @pytest.mark.parametrize("one", catalogue().values(), ids=lambda one: one.key)

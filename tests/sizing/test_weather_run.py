@@ -133,3 +133,39 @@ def test_a_record_shorter_than_a_day_is_refused():
     record = clear_record(1, site=Site("", 40.0, 179.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="shorter than a day"):
         weather_performance(AS2, mission_at(record), record)
+
+
+def test_a_battery_in_a_record_has_the_temperature_of_each_day():
+    record = clear_record(4, first="2001-07-14", interval_s=3600.0)
+    air_c = np.repeat([25.0, 0.0, -10.0, 25.0], 24)
+    record = replace(record, temperature_c=air_c)
+    craft = load_aircraft("atlantiksolar-as2", ["battery.temperature={}"])
+    mission = mission_at(record, air={"ambient_temperature_c": 25.0})
+    new = weather_performance(AS2, mission, record, step_s=1800.0).recorded
+    run = weather_performance(craft, mission, record, step_s=1800.0).recorded
+    full_wh = run.carried.store.battery_energy_wh / new.carried.store.battery_energy_wh
+    # Days are cut at solar midnight, at most an hour from that of the clock.
+    assert full_wh == pytest.approx([1.0, 0.8, 0.75, 1.0], abs=0.02)
+    assert np.all(full_wh <= 1.0)
+    charge = run.state_of_charge()
+    # The last node of a day is the first of the next.
+    assert charge[1:, 0] == pytest.approx(charge[:-1, -1], abs=1e-12)
+    assert np.all((charge >= 0.0) & (charge <= 1.0 + 1e-12))
+    assert np.all(charge[1:3].min(axis=1) < new.state_of_charge()[1:3].min(axis=1))
+    assert np.array_equal(new.load_w, run.load_w)
+
+
+def test_the_heater_of_a_cold_day_is_load():
+    record = clear_record(3, first="2001-07-14")
+    record = replace(record, temperature_c=np.full(72, -10.0))
+    heater = "battery.temperature={held_c: 10, heat_loss_w_per_k: 0.4}"
+    mission = mission_at(record, air={"ambient_temperature_c": 5.0})
+    done = [
+        weather_performance(craft, mission, record, step_s=1800.0)
+        for craft in (AS2, load_aircraft("atlantiksolar-as2", [heater]))
+    ]
+    heater_w = done[1].recorded.load_w - done[0].recorded.load_w
+    # A little colder than at the site, 45 m below.
+    lacking_k = 10.0 - float(done[0].light.temperature_c.mean())
+    assert 20.0 < lacking_k < 20.5
+    assert heater_w == pytest.approx(np.full((3, 49), 0.4 * lacking_k))

@@ -240,7 +240,7 @@ def test_limits_are_kept_and_cost_something(name: LimitedQuantity, side: str) ->
         design = result.design
         if design is None:
             return result, float("nan")
-        it = DesignInFlight(plane, design, FlightConditions.of(mission()))
+        it = DesignInFlight(plane, design, FlightConditions.of(mission(), plane))
         return result, float(QUANTITIES[name](it))
 
     free, unlimited = sized(aircraft(ratio))
@@ -259,7 +259,7 @@ def test_limits_are_kept_and_cost_something(name: LimitedQuantity, side: str) ->
 def test_every_quantity_has_a_formula_and_a_sound_value() -> None:
     plane, where = aircraft(), mission(payload={"mass_kg": 0.5})
     perf = performance(plane, where)
-    it = DesignInFlight(plane, perf.design, FlightConditions.of(where))
+    it = DesignInFlight(plane, perf.design, FlightConditions.of(where, plane))
     assert set(QUANTITIES) == set(get_args(LimitedQuantity))
     for quantity in QUANTITIES.values():
         assert float(quantity(it)) > 0.0

@@ -33,6 +33,21 @@ MEASURED = {
     "mission.clearness": 0.1,
     "mission.turbulence.thermal": 0.4,
 }
+AGED = [
+    "battery.temperature={held_c: 20, heat_loss_w_per_k: 0.3, ambient_offset_k: 2}",
+    "battery.resistance={loss_at_1c: 0.05, discharge_rate_per_h: 0.06, charge_rate_per_h: 0.2}",
+    "battery.ageing={cycles: 200, months: 6}",
+]
+BATTERY = {
+    "battery.temperature.held_c": 0.1,
+    "battery.temperature.ambient_offset_k": 0.5,
+    "battery.temperature.heat_loss_w_per_k": 0.2,
+    "battery.resistance.loss_at_1c": 0.2,
+    "battery.ageing.cycles": 0.3,
+    "battery.ageing.months": 0.3,
+    "battery.ageing.depth_of_discharge": 0.1,
+    "mission.air.ambient_temperature_c": 0.3,
+}
 MISSION = {"payload.mass_kg": 0.2, "turbulence": {"all_day": 0.1, "thermal": 0.2}, "clearness": 0.9}
 
 
@@ -62,11 +77,15 @@ def alone(aircraft, mission, values, number):
         ("atlantiksolar-design", DESIGN, "CAM"),
         ("atlantiksolar-design", {k: v for k, v in DESIGN.items() if "diffuse" not in k}, "CDM"),
         ("atlantiksolar-as2", MEASURED, "CAM"),
+        ("atlantiksolar-design", BATTERY, "CAM"),
+        ("atlantiksolar-as2", BATTERY, "CAM"),
     ],
 )
 def test_draws_are_what_each_is_alone(name, spreads, model):
-    aircraft = load_aircraft(name)
-    mission = load_mission("central-europe-summer", MISSION)
+    given = AGED if spreads is BATTERY else []
+    aircraft = load_aircraft(name, given)
+    cold = {"air": {"ambient_temperature_c": 10.0}} if given else {}
+    mission = load_mission("central-europe-summer", MISSION | cold)
     values = drawn(aircraft, mission, spreads)
     found = Propagation(aircraft, mission, SolarModel(model)).flights(values)
     for number in range(5):

@@ -226,7 +226,7 @@ def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
     aircraft = Aircraft.model_validate(data)
     base = variables_of(aircraft)._replace(wingspan_m=2.5, battery_mass_kg=0.3, module_area_m2=0.1)
     design = closed_design(aircraft, where, base)
-    it = DesignInFlight(aircraft, design, FlightConditions.of(where))
+    it = DesignInFlight(aircraft, design, FlightConditions.of(where, aircraft))
     assert float(it.reynolds_number) < 60000.0
     fenced = float(stall_margin_within_polar(it))
     assert fenced == pytest.approx(

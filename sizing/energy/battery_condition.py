@@ -1,0 +1,252 @@
+"""The battery as it is: its temperature, its internal resistance and its age.
+
+Three records that a battery may have; without them it delivers all of its energy, at the
+efficiencies of its file, in any air and at any age. Functions take floats or arrays.
+
+Sources
+-------
+Ageing: Schmalstieg, Kaebitz, Ecker, Sauer, "A holistic aging model for Li(NiMnCo)O2 based 18650
+lithium-ion batteries", Journal of Power Sources 257 (2014) 325-334; cell Sanyo UR18650E, cycled at
+1 C and 35 C.
+Capacity over temperature: Samsung SDI, specification of the cell INR18650-15L, section 7.5.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field, Strict, model_validator
+
+from missions.air import ZERO_CELSIUS_K
+from sizing.smooth import Value
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
+from solar.types import FloatArray
+
+Celsius = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
+_Offset = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
+_Held = Annotated[float, Strict(), Field(ge=-40.0, le=60.0, allow_inf_nan=False)]
+_Voltage = Annotated[float, Strict(), Field(ge=3.2, le=4.2, allow_inf_nan=False)]
+
+REFERENCE_C = 25.0
+END_OF_LIFE = 0.8
+_DAYS_PER_MONTH = 365.0 / 12.0
+_CELL_AH = 2.05  # nominal capacity of the cell of the ageing law
+# The law ends far above; draws of uncertain inputs must not end in a battery that is none.
+_LEAST = 0.001
+_LARGEST_LOSS = 0.5
+
+
+class BatteryTemperature(Record):
+    """Temperature of the pack, from the air and a heater, and its capacity over it.
+
+    The pack is ``ambient_offset_k`` warmer than the air. With ``held_c`` a heater keeps it from
+    getting colder, as far as ``heater_power_w`` goes, if that is given. What the heater draws the
+    pack loses to the air: ``heat_loss_w_per_k`` times the kelvins that it is heated by.
+    """
+
+    ambient_offset_k: _Offset = 0.0
+    held_c: _Held | None = None
+    heat_loss_w_per_k: PositiveReal | None = None
+    heater_power_w: PositiveReal | None = None
+    # Guaranteed at 6.7 C by the specification; taken for slow discharge too, which is pessimistic.
+    table_c: tuple[Celsius, ...] = Field(default=(-20.0, -10.0, 0.0, 25.0, 60.0), min_length=2)
+    table_capacity_fraction: tuple[Fraction, ...] = Field(
+        default=(0.60, 0.75, 0.80, 1.0, 1.0), min_length=2
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> BatteryTemperature:
+        if len(self.table_c) != len(self.table_capacity_fraction):
+            raise ValueError("table_c and table_capacity_fraction must have the same length")
+        if np.any(np.diff(self.table_c) <= 0.0):
+            raise ValueError("table_c must increase strictly")
+        if (self.held_c is None) != (self.heat_loss_w_per_k is None):
+            raise ValueError("a heater needs both held_c and heat_loss_w_per_k")
+        if self.heater_power_w is not None and self.held_c is None:
+            raise ValueError("heater_power_w needs held_c and heat_loss_w_per_k")
+        return self
+
+    def heater_w(self, air_c: Value) -> Value:
+        """Power of the heater in air of a temperature [W].
+
+        ``k (T_held - T_air - offset)`` where that is positive, at most ``heater_power_w``: the
+        steady heat that a pack of that temperature loses.
+        """
+        if self.held_c is None or self.heat_loss_w_per_k is None:
+            return 0.0 * air_c
+        lacking_k = np.maximum(self.held_c - (air_c + self.ambient_offset_k), 0.0)
+        power_w = self.heat_loss_w_per_k * lacking_k
+        return power_w if self.heater_power_w is None else np.minimum(power_w, self.heater_power_w)
+
+    def pack_c(self, air_c: Value) -> Value:
+        """Temperature of the pack in air of a temperature [C]."""
+        passive_c = air_c + self.ambient_offset_k
+        if self.heat_loss_w_per_k is None:
+            return passive_c
+        return passive_c + self.heater_w(air_c) / self.heat_loss_w_per_k
+
+    def capacity_fraction(self, air_c: Value) -> FloatArray:
+        """Capacity in air of a temperature over that of the table's 1 [-]; held beyond its ends."""
+        return np.asarray(np.interp(self.pack_c(air_c), self.table_c, self.table_capacity_fraction))
+
+
+class Ageing(Record):
+    """Calendar and cycle fade of a lithium-ion cell.
+
+    A cycle is a night and a day at ``depth_of_discharge``. Seasons flown count
+    ``cycles_per_season`` cycles and 12 months each, on top of ``cycles`` and ``months``.
+    """
+
+    cycles: NonNegativeReal = 0.0
+    months: NonNegativeReal = 0.0
+    seasons_flown: NonNegativeReal = 0.0
+    # A flight a day in the six months around midsummer; assumption.
+    cycles_per_season: NonNegativeReal = 180.0
+    # AtlantikSolar's 81 h flight of 2015 went down to 39 % state of charge.
+    depth_of_discharge: UnitInterval = 0.6
+    mean_voltage_v: _Voltage = 3.7
+    temperature_c: _Held = REFERENCE_C
+
+    @model_validator(mode="after")
+    def _check(self) -> Ageing:
+        if 1.0 - self.calendar_fade() - self.cycle_fade() <= _LEAST:
+            raise ValueError(
+                f"nothing is left of the battery after {float(self.total_cycles):g} cycles and "
+                f"{float(self.total_months):g} months"
+            )
+        return self
+
+    @property
+    def total_cycles(self) -> Value:
+        """Cycles, those of the seasons among them."""
+        return self.cycles + self.seasons_flown * self.cycles_per_season
+
+    @property
+    def total_months(self) -> Value:
+        """Age [months], seasons included."""
+        return self.months + 12.0 * self.seasons_flown
+
+    @property
+    def _days_075(self) -> Value:
+        return (self.total_months * _DAYS_PER_MONTH) ** 0.75
+
+    @property
+    def _throughput_ah(self) -> Value:
+        """Charge and discharge of the law's cell [Ah]."""
+        return self.total_cycles * 2.0 * self.depth_of_discharge * _CELL_AH
+
+    def calendar_fade(self) -> Value:
+        """Capacity lost by age: ``(7.543 V - 23.75) 1e6 exp(-6976/T) t^0.75``, t in days [-]."""
+        kelvin = self.temperature_c + ZERO_CELSIUS_K
+        rate = (7.543 * self.mean_voltage_v - 23.75) * 1e6 * np.exp(-6976.0 / kelvin)
+        return rate * self._days_075
+
+    def cycle_fade(self) -> Value:
+        """Capacity lost by cycling [-].
+
+        ``(7.348e-3 (V - 3.667)^2 + 7.6e-4 + 4.081e-3 DOD) Q^0.5``, Q the throughput in Ah of a
+        cell of 2.05 Ah.
+        """
+        rate = (
+            7.348e-3 * (self.mean_voltage_v - 3.667) ** 2
+            + 7.6e-4
+            + 4.081e-3 * self.depth_of_discharge
+        )
+        return rate * self._throughput_ah**0.5
+
+    def capacity_fraction(self) -> Value:
+        """Capacity left [-]."""
+        return np.maximum(1.0 - self.calendar_fade() - self.cycle_fade(), _LEAST)
+
+    def resistance_factor(self) -> Value:
+        """Internal resistance over that of the new cell [-].
+
+        ``1 + (5.270 V - 16.32) 1e5 exp(-5986/T) t^0.75 + b Q`` with ``b = 2.153e-4 (V - 3.725)^2 -
+        1.521e-5 + 2.798e-4 DOD``, at least 1.5e-5.
+        """
+        kelvin = self.temperature_c + ZERO_CELSIUS_K
+        by_age = (5.270 * self.mean_voltage_v - 16.32) * 1e5 * np.exp(-5986.0 / kelvin)
+        by_charge = np.maximum(
+            2.153e-4 * (self.mean_voltage_v - 3.725) ** 2
+            - 1.521e-5
+            + 2.798e-4 * self.depth_of_discharge,
+            1.5e-5,
+        )
+        return 1.0 + np.maximum(by_age, 0.0) * self._days_075 + by_charge * self._throughput_ah
+
+
+class InternalResistance(Record):
+    """Efficiencies from the voltage that the internal resistance takes, at the mean rates.
+
+    ``loss_at_1c`` is ``R I / V`` at 1 C and 25 C. The efficiencies are those of the mean rates of
+    a flight, which the file gives; they do not follow the current of the moment.
+    """
+
+    loss_at_1c: Fraction
+    discharge_rate_per_h: PositiveReal
+    charge_rate_per_h: PositiveReal
+    temperature_c: _Held = REFERENCE_C
+    # R(T)/R(25 C) = exp(B (1/T - 1/298 K)); B of 21 kJ/mol, ohmic and charge transfer together:
+    # assumption.
+    activation_k: NonNegativeReal = 2500.0
+
+    @model_validator(mode="after")
+    def _check(self) -> InternalResistance:
+        highest = max(self.discharge_rate_per_h, self.charge_rate_per_h)
+        lost = float(highest * self.loss_per_rate_h(1.0))
+        if lost > _LARGEST_LOSS:
+            raise ValueError(
+                f"loses {lost:.2f} of the voltage at {highest:g} 1/h: at most {_LARGEST_LOSS:g}"
+            )
+        return self
+
+    def loss_per_rate_h(self, ageing_factor: Value) -> Value:
+        """Share of the voltage lost for each 1/h of rate [h], of a resistance that has grown."""
+        kelvin = self.temperature_c + ZERO_CELSIUS_K
+        colder = 1.0 / kelvin - 1.0 / (REFERENCE_C + ZERO_CELSIUS_K)
+        return self.loss_at_1c * np.exp(self.activation_k * colder) * ageing_factor
+
+    def discharge_efficiency(self, ageing_factor: Value) -> Value:
+        """Delivered over drawn energy: ``1 - R I / V`` [-]."""
+        lost = self.loss_per_rate_h(ageing_factor) * self.discharge_rate_per_h
+        return np.maximum(1.0 - lost, _LEAST)
+
+    def charge_efficiency(self, ageing_factor: Value) -> Value:
+        """Stored over taken energy: ``1 / (1 + R I / V)`` [-]."""
+        return 1.0 / (1.0 + self.loss_per_rate_h(ageing_factor) * self.charge_rate_per_h)
+
+
+def cycles_to_end_of_life(
+    ageing: Ageing, *, end: float = END_OF_LIFE, cycles_per_month: float = 365.0 / 12.0
+) -> float:
+    """Cycles after which a battery has so much of its capacity left.
+
+    Parameters
+    ----------
+    ageing : Ageing
+        Depth of discharge, voltage and temperature; cycles and age so far play no part.
+    end : float
+        Capacity left at the end of life, below 1 [-].
+    cycles_per_month : float
+        How fast it is cycled, above 0 [1/month]; the calendar goes on meanwhile.
+
+    Returns
+    -------
+    float
+        Cycles of the depth of discharge, by bisection to 0.1 %.
+    """
+
+    def left(cycles: float) -> float:
+        aged = ageing.model_copy(
+            update={"cycles": cycles, "months": cycles / cycles_per_month, "seasons_flown": 0.0}
+        )
+        return float(1.0 - aged.calendar_fade() - aged.cycle_fade())
+
+    low, high = 0.0, 1.0
+    while left(high) > end:
+        low, high = high, 2.0 * high
+    while high - low > 1e-3 * high:
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if left(middle) > end else (low, middle)
+    return high
