@@ -379,8 +379,9 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     until = np.concatenate(
         (row + day.first + falls_first, np.full(len(dark), len(balance.time_h) - 1))
     )
-    lacking = -eta * np.concatenate((run.drained_wh[row, cells], midnight[dark]))
+    below_empty = np.concatenate((run.drained_wh[row, cells], midnight[dark]))
     cells = np.concatenate((cells, dark))
+    lacking = -np.broadcast_to(eta, (count,))[cells] * below_empty
     level = np.maximum(day.cumulative_deficit_wh[until, cells] - lacking, 0.0)
     number = np.minimum(interval_reaching(day.cumulative_deficit_wh, level, cells), until - 1)
     interval = balance.interval_of(number, cells)

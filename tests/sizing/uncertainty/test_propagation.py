@@ -116,6 +116,21 @@ def test_the_models_error_is_a_factor_on_its_power():
     assert one.excess_time_h == pytest.approx(other.excess_time_h, abs=1e-9)
 
 
+def test_efficiencies_of_batteries_that_run_empty_scatter_too():
+    aircraft = load_aircraft("atlantiksolar-design", {"battery.mass_kg": 1.2})
+    mission = load_mission("rafz-july")
+    keys = ("battery.charge_efficiency", "battery.discharge_efficiency")
+    values = {key: np.array([0.9, 0.97, 0.99]) for key in keys}
+    study = Propagation(aircraft, mission, SolarModel())
+    found, endurance = study.flights(values), study.endurance_h(values)
+    for number in range(3):
+        craft, where = alone(aircraft, mission, values, number)
+        analysis = sizing.analyse(craft, where)
+        assert found.excess_time_h[number] < 0.0
+        assert found.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=1e-6)
+        assert endurance[number] == pytest.approx(analysis.endurances[0].endurance_h, abs=1e-6)
+
+
 def scattering(key):
     return UncertainInputs((UncertainInput(key, 1.0, Normal(sigma=0.1)),), np.eye(1))
 
