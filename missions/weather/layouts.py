@@ -157,7 +157,8 @@ def _head(path: Path, source: str) -> list[str]:
 
     try:
         if not path.is_file():
-            problem = "is a folder" if path.is_dir() else "there is no such file"
+            other = "is no regular file" if path.exists() else "there is no such file"
+            problem = "is a folder" if path.is_dir() else other
             raise file_error(source, problem)
         if path.stat().st_size > MAXIMUM_BYTES:
             raise file_error(source, f"is larger than {MAXIMUM_BYTES // 1_000_000} MB")

@@ -117,6 +117,8 @@ def analyse(
         raise click.UsageError("give --day-of-year or --date, not both")
     if days is not None and weather_file is not None:
         raise click.UsageError("give --days or --weather, not both")
+    if weather_file is not None and latitude is not None:
+        raise click.UsageError("a weather record has its own place: give --latitude or --weather")
     check_image(plot_file)
     check_outputs(csv=csv_file, plot=plot_file)
     case = load(aircraft, mission, overrides, model=model, correction=correction)

@@ -37,4 +37,7 @@ def test_mistakes_end_with_two_and_one_line(run, tmp_path):
     far = run("analyse", AS2, "-m", "rafz-july", "--weather", "colorado-2023")
     assert far.code == 2
     assert "km from the mission rafz-july; allowed: up to 1000 km" in far.err
-    assert "Traceback" not in missing.err + far.err
+    moved = run("analyse", AS2, "--latitude", "10", "--weather", "colorado-2023")
+    assert moved.code == 2
+    assert "a weather record has its own place" in moved.err
+    assert "Traceback" not in missing.err + far.err + moved.err
