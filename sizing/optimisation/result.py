@@ -23,7 +23,7 @@ ABSOLUTE_TOLERANCE_H = 0.01
 # easing it by one per cent then gains a thousandth of what easing the hardest one does. The
 # interior-point method leaves multipliers on requirements that are merely close, its barrier over
 # the distance: below 0.0007 of the largest in 60 random sizings. Those that limit were above 0.01.
-_LIMITING_FRACTION = 1e-3
+LIMITING_FRACTION = 1e-3
 ROW_TOLERANCE = 1e-6  # of requirements, relative: the solver meets them to about 1e-8
 
 
@@ -145,7 +145,7 @@ def _least_multiplier(solution: Solution) -> float:
     inequality = [not row.equation for row in solution.constraints]
     rows = np.abs(solution.constraint_multipliers)[inequality]
     bounds = np.abs(list(solution.free_bound_multipliers().values()))
-    return _LIMITING_FRACTION * float(np.max(np.concatenate((rows, bounds))))
+    return LIMITING_FRACTION * float(np.max(np.concatenate((rows, bounds))))
 
 
 def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:

@@ -183,7 +183,8 @@ def scenario_table(records: list[dict[str, Any]]) -> Table:
 def flight_table(flight: dict[str, Any]) -> Table:
     """Replayed flight as a list of facts."""
     first_day = day_of_year(flight["launch"].split()[0])
-    rows = [("launch (local time)", flight["launch"])]
+    clock_time = flight["launch"].split()[1]
+    rows = [("launch (local time)", f"{date_label(first_day)} {clock_time}")]
     for clock in flight["full_charge_clock_h"]:
         rows.append(("full charge", clock_label(clock, first_day=first_day)))
     rows += [

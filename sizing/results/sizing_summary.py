@@ -9,7 +9,7 @@ from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import RELATIVE_TOLERANCE, SizingStatus
+from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
@@ -227,7 +227,7 @@ def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
 
 
 def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) -> Table:
-    """What relaxing each constraint gains, by its multiplier.
+    """What relaxing each constraint gains, by its multiplier, next to nothing left out.
 
     Parameters
     ----------
@@ -243,7 +243,8 @@ def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) ->
         Column("gain", f"gain in {objective.unit}", form=".3g"),
         Column("step", "per relaxation by"),
     )
-    rows = [(one.constraint, one.gain, one.step) for one in found]
+    least = LIMITING_FRACTION * max((abs(one.gain) for one in found), default=0.0)
+    rows = [(one.constraint, one.gain, one.step) for one in found if abs(one.gain) >= least]
     return Table("what relaxing a constraint gains", columns, tuple(rows))
 
 

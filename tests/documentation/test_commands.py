@@ -251,7 +251,7 @@ FOREIGN = {
     "performance.md": {"--markdown", "--json"},
     "maps.md": {"--long"},
     "scale.md": {"--scheduler"},
-    "validation.md": {"--count"},
+    "validation.md": {"--count", "--rows", "--cases"},
 }
 
 

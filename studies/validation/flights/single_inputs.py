@@ -86,7 +86,7 @@ class Explanation:
     def note(self) -> str:
         """What all inputs together could do."""
         unit = self.miss.quantity.unit
-        return f"all at the better end of their ranges: {self.together:.4g} {unit}"
+        return f"all at the end of their ranges nearer to it: {self.together:.4g} {unit}"
 
 
 @dataclass(frozen=True, repr=False)
