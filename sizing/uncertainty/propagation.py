@@ -91,6 +91,9 @@ def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
+        if key.startswith("battery.charge_limit"):
+            # The charger's table of times is one for all batteries of a batch.
+            raise ValueError(f"{key} is the same for all draws: vary it with `sweep`")
         if key in _SUN_KEYS[2:5] and solar.model in ("VM", "FM"):
             raise ValueError(f"{key} varies with CDM and CAM alone (got {solar.model})")
 

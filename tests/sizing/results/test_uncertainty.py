@@ -105,6 +105,17 @@ def test_correlations_that_contradict_each_other_are_refused():
         sizing.analyse_uncertainty(with_inputs(inputs, pairs), MISSION)
 
 
+def test_the_charge_limit_is_refused_in_words():
+    key = "battery.charge_limit.c_rate_per_h"
+    section = {"inputs": {key: {"relative_sigma": 0.1}}}
+    limit = {"kind": "rule", "c_rate_per_h": 0.5}
+    aircraft = load_aircraft(
+        "atlantiksolar-design", {"battery.charge_limit": limit, "uncertainty": section}
+    )
+    with pytest.raises(ValueError, match=f"{key} is the same for all draws"):
+        sizing.analyse_uncertainty(aircraft, MISSION)
+
+
 def test_calls_are_checked():
     with pytest.raises(ValueError, match="samples must be from 64"):
         sizing.analyse_uncertainty(DESIGN, MISSION, samples=3)
