@@ -22,9 +22,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from statistics import NormalDist
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -50,6 +50,7 @@ from sizing.uncertainty.propagation import Propagation, check_inputs
 from sizing.uncertainty.samples import Proportion, sobol_points
 from solar.types import BoolArray, FloatArray
 
+_NORMAL = NormalDist()
 SEARCH_SAMPLES = 8192
 VERIFICATION_SAMPLES = 10_000
 _SEARCH_SEED, _VERIFICATION_SEED = 20_040, 1_999  # any two that differ
@@ -260,23 +261,23 @@ class _ReliableSizing:
         found = []
         for values, own in zip(drawn, study.income_and_storage(plain, worst), strict=True):
             low, median = np.log(np.percentile(values / own, [10.0, 50.0]))
-            sigma = max(float((low - median) / ndtri(0.1)), _LEAST_SPREAD)
+            sigma = max(float((low - median) / _NORMAL.inv_cdf(0.1)), _LEAST_SPREAD)
             found.append((float(median), sigma))
         return found[0], found[1]
 
     def _margins(self, share: float, index: float) -> tuple[float, float]:
         """Factors on income and storage whose failures are those of a reliability index."""
-        failures = float(ndtr(-index))
+        failures = _NORMAL.cdf(-index)
         parts = (share * failures, (1.0 - share) * failures)
         income, storage = (
-            math.exp(median + sigma * float(ndtri(part)))
+            math.exp(median + sigma * _NORMAL.inv_cdf(part))
             for (median, sigma), part in zip(self._spread, parts, strict=True)
         )
         return income, storage
 
     def _search(self) -> None:
         """Try divisions of the failures between income and storage; go on beside the best."""
-        index, merits = float(ndtri(self.required)), {}
+        index, merits = _NORMAL.inv_cdf(self.required), {}
         half, less, more = _SHARES
         index, merits[half] = self._on_share(half, index)
         _, merits[less] = self._on_share(less, index)
@@ -292,7 +293,7 @@ class _ReliableSizing:
 
         Secants in the reliability index; where the margins leave no design, half the way back.
         """
-        wanted = float(ndtri(self.required + 0.5 * _BAND * (1.0 - self.required)))
+        wanted = _NORMAL.inv_cdf(self.required + 0.5 * _BAND * (1.0 - self.required))
         tried: list[tuple[float, float]] = []
         infeasible, merit = math.inf, -math.inf
         for _ in range(_TRIALS):
@@ -318,7 +319,7 @@ class _ReliableSizing:
 
     def _index(self, reliability: float) -> float:
         least = 0.5 / self.shares.shape[1]
-        return float(ndtri(min(max(reliability, least), 1.0 - least)))
+        return _NORMAL.inv_cdf(min(max(reliability, least), 1.0 - least))
 
     # --- sizing and flights ----------------------------------------------------------------
 
@@ -396,7 +397,7 @@ class _ReliableSizing:
     def _most_reliable(self) -> _Trial:
         """Most reliable design that is found, among those of largest excess time as well."""
         for share in _SHARES:
-            self._trial(share, float(ndtri(self.required)), Objective.max_excess_time)
+            self._trial(share, _NORMAL.inv_cdf(self.required), Objective.max_excess_time)
         sound = [one for one in self.trials if one.sound] or self.trials
         return max(sound, key=lambda one: one.reliability)
 
