@@ -70,15 +70,13 @@ class LogNormal(Record):
 
         Parameters
         ----------
-        share : ndarray
-            Shares, above 0 and below 1 [-].
-        nominal : float
-            Value of the file, in its unit.
+        share, nominal
+            As for :meth:`Normal.values`.
 
         Returns
         -------
         ndarray
-            Of the shape of ``share``, in the unit of ``nominal``.
+            As there.
         """
         from scipy.special import ndtri
 
@@ -103,15 +101,13 @@ class Uniform(Record):
 
         Parameters
         ----------
-        share : ndarray
-            Shares, above 0 and below 1 [-].
-        nominal : float
-            Value of the file, in its unit.
+        share, nominal
+            As for :meth:`Normal.values`.
 
         Returns
         -------
         ndarray
-            Of the shape of ``share``, in the unit of ``nominal``.
+            As there.
         """
         return np.asarray(self.low + (self.high - self.low) * share)
 
@@ -137,15 +133,13 @@ class Triangular(Record):
 
         Parameters
         ----------
-        share : ndarray
-            Shares, above 0 and below 1 [-].
-        nominal : float
-            Value of the file, in its unit.
+        share, nominal
+            As for :meth:`Normal.values`.
 
         Returns
         -------
         ndarray
-            Of the shape of ``share``, in the unit of ``nominal``.
+            As there.
         """
         peak = min(max(nominal if self.mode is None else self.mode, self.low), self.high)
         width, rise, fall = self.high - self.low, peak - self.low, self.high - peak
@@ -167,15 +161,13 @@ class Data(Record):
 
         Parameters
         ----------
-        share : ndarray
-            Shares, above 0 and below 1 [-].
-        nominal : float
-            Value of the file, in its unit.
+        share, nominal
+            As for :meth:`Normal.values`.
 
         Returns
         -------
         ndarray
-            Of the shape of ``share``, in the unit of ``nominal``.
+            As there.
         """
         ordered = np.sort(np.asarray(self.data, float))
         places = (np.arange(len(ordered)) + 0.5) / len(ordered)

@@ -593,7 +593,7 @@ def load_profile(
     design : Design
         Powers of the batch ``...``.
     mission : Mission
-        With its turbulence.
+        With its turbulence; draws of it are arrays of the batch.
     sunrise_h, sunset_h : array_like, shape (...)
         Between these there are thermals [solar h].
 
@@ -604,12 +604,16 @@ def load_profile(
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
-    steady = 1.0 + mission.turbulence.all_day
-    if mission.turbulence.thermal == 0.0:
+    all_day, most = (
+        np.asarray(value, float)[..., np.newaxis]
+        for value in (mission.turbulence.all_day, mission.turbulence.thermal)
+    )
+    steady = 1.0 + all_day
+    if not np.any(most):
         load = propulsion * steady + constant
         shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))
         return np.broadcast_to(load, shape)
-    thermal = mission.turbulence.thermal * thermal_shape(time_h, sunrise_h, sunset_h)
+    thermal = most * thermal_shape(time_h, sunrise_h, sunset_h)
     return propulsion * (steady + thermal) + constant
 
 

@@ -16,7 +16,7 @@ from missions.air import ZERO_CELSIUS_K
 from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
-from missions.weather.record import Weather
+from missions.weather.record import Weather, runs_of
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, load_profile
 from sizing.energy.battery import Store
@@ -207,44 +207,38 @@ def weather_performance(
     except ValueError as error:
         raise file_error(weather.source, str(error)) from error
     design = design_of(aircraft, mission)
-    runs = [
-        _run(aircraft, mission, solar, design, light, axis, kind)
-        for kind in (light.recorded, light.clear)
-    ]
-    return WeatherPerformance(weather, mission, design, solar, light, *runs)
-
-
-def _run(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    design: Design,
-    light: RecordedLight,
-    axis: DayAxis,
-    irradiance: Irradiance,
-) -> WeatherRun:
     ambient_c, module_c = _temperatures_c(mission, light)
-    lit = Lit(
-        light.day_of_year, light.time_solar_h, light.cos_zenith, irradiance, ambient_c, module_c
-    )
-    power = aircraft.modules.area_m2 * power_in_light(aircraft, mission, solar, lit)
     air_c = ambient_c[axis.nodes]
     load = _load_w(design, mission, axis, air_c) + _more_heater_w(aircraft, mission, air_c)
-    solar_w = power[axis.nodes]
-    balance = PowerBalance.of(axis.time_h, solar_w, load)
     energy_wh = design.battery_energy_wh * _capacity_of_days(aircraft, mission, air_c)
     store = Store.of(aircraft.battery, energy_wh)
+
+    def run(irradiance: Irradiance) -> WeatherRun:
+        lit = Lit(
+            light.day_of_year, light.time_solar_h, light.cos_zenith, irradiance, ambient_c, module_c
+        )
+        power = aircraft.modules.area_m2 * power_in_light(aircraft, mission, solar, lit)
+        return _run(axis, power[axis.nodes], load, store)
+
+    return WeatherPerformance(
+        weather, mission, design, solar, light, run(light.recorded), run(light.clear)
+    )
+
+
+def _run(axis: DayAxis, solar_w: FloatArray, load_w: FloatArray, store: Store) -> WeatherRun:
+    energy_wh = store.battery_energy_wh
+    balance = PowerBalance.of(axis.time_h, solar_w, load_w)
     carried = carried_over(balance, store, energy_wh[:1], len(axis))
     dawn_h = _dawn_h(balance)
     hours, outlasts = flight_hours(carried, dawn_h, energy_wh)
     return WeatherRun(
         axis=axis,
         solar_power_w=solar_w,
-        load_w=load,
+        load_w=load_w,
         carried=carried,
         dawn_h=dawn_h,
         closes=_closes(carried, dawn_h),
-        dawn_state_of_charge=_at(carried, dawn_h) / energy_wh,
+        dawn_state_of_charge=carried.energy_at_wh(dawn_h) / energy_wh,
         endurance_h=hours,
         outlasts=outlasts,
     )
@@ -317,20 +311,10 @@ def _closes(carried: CarriedDays, dawn_h: FloatArray) -> BoolArray:
     return np.asarray(~(after | np.append(before[1:], False)))
 
 
-def _at(carried: CarriedDays, hour: FloatArray) -> FloatArray:
-    """Stored energy at an hour of each day [Wh], straight lines between the nodes."""
-    energy, time = carried.run.energy_at_nodes_wh(), carried.balance.time_h
-    number = np.clip(np.searchsorted(time, hour, side="right") - 1, 0, len(time) - 2)
-    cells = np.arange(len(hour))
-    share = (hour - time[number]) / (time[number + 1] - time[number])
-    low, high = energy[number, cells], energy[number + 1, cells]
-    return np.asarray(low + share * (high - low))
-
-
 def run_lengths(marks: BoolArray) -> IntArray:
     """Lengths of the runs of true values, in their order."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
-    return np.asarray(edges[1::2] - edges[::2])
+    begin, stop = runs_of(marks)
+    return stop - begin
 
 
 def wait_for_window(closes: BoolArray, days: int) -> FloatArray:

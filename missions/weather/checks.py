@@ -21,6 +21,7 @@ from missions.weather.record import (
     Site,
     Weather,
     day_of_year,
+    runs_of,
 )
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
 from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
@@ -346,7 +347,7 @@ def _filled(
     count = int(np.count_nonzero(empty))
     if not count:
         return []
-    gaps = _runs(empty)
+    gaps = _gaps(empty)
     if count > MAXIMUM_FILLED * len(empty):
         raise file_error(
             source,
@@ -374,7 +375,7 @@ def _filled(
 
 def _check_gaps(empty: BoolArray, interval_s: float, source: str, start_s: FloatArray) -> None:
     """Refuse a gap that is too long to be filled."""
-    begin, stop = max(_runs(empty), key=lambda gap: gap[1] - gap[0], default=(0, 0))
+    begin, stop = max(_gaps(empty), key=lambda gap: gap[1] - gap[0], default=(0, 0))
     gap_h = (stop - begin) * interval_s / SECONDS_PER_HOUR
     if gap_h > LONGEST_GAP_H:
         when = np.datetime64(int(start_s[begin]), "s")
@@ -383,6 +384,12 @@ def _check_gaps(empty: BoolArray, interval_s: float, source: str, start_s: Float
             f"has a gap of {gap_h / 24:.1f} days from {when} UTC; allowed: at most "
             f"{LONGEST_GAP_H / 24:g} days, which are filled",
         )
+
+
+def _gaps(empty: BoolArray) -> list[tuple[int, int]]:
+    """Begin and end of every gap."""
+    begin, stop = runs_of(empty)
+    return list(zip(begin.tolist(), stop.tolist(), strict=True))
 
 
 def _clear_share(values: FloatArray, clear: FloatArray) -> FloatArray:
@@ -413,12 +420,6 @@ def _from_next_day(share: FloatArray, begin: int, stop: int, per_day: int) -> Fl
     rest = np.isnan(found)
     found[rest] = _bridged(share, begin, stop)[rest]
     return found
-
-
-def _runs(marks: BoolArray) -> list[tuple[int, int]]:
-    """Begin and end of every run of marks."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def _auxiliary(values: FloatArray | None, lowest: float, highest: float) -> FloatArray | None:

@@ -9,7 +9,7 @@ sky.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -167,27 +167,22 @@ def _at_nodes(values: FloatArray, parts: int) -> FloatArray:
 
 def _coarsened(weather: Weather, step_s: float) -> Weather:
     """Record averaged over whole numbers of its intervals, up to the step."""
-    from dataclasses import replace
-
     many = int(step_s / weather.interval_s + 1e-9)
     if many <= 1:
         return weather
     rows = len(weather) // many * many
 
-    def mean(values: FloatArray | None) -> FloatArray | None:
-        return None if values is None else values[:rows].reshape(-1, many).mean(axis=1)
+    def mean(values: FloatArray) -> FloatArray:
+        return np.asarray(values[:rows].reshape(-1, many).mean(axis=1))
 
-    ghi, dni, dhi = (
-        values[:rows].reshape(-1, many).mean(axis=1)
-        for values in (weather.ghi, weather.dni, weather.dhi)
-    )
+    temperature, wind = weather.temperature_c, weather.wind_m_per_s
     return replace(
         weather,
         start_s=weather.start_s[:rows:many],
         interval_s=weather.interval_s * many,
-        ghi=ghi,
-        dni=dni,
-        dhi=dhi,
-        temperature_c=mean(weather.temperature_c),
-        wind_m_per_s=mean(weather.wind_m_per_s),
+        ghi=mean(weather.ghi),
+        dni=mean(weather.dni),
+        dhi=mean(weather.dhi),
+        temperature_c=None if temperature is None else mean(temperature),
+        wind_m_per_s=None if wind is None else mean(wind),
     )

@@ -124,5 +124,11 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
     return np.asarray(number + 1.0 + (time_s / SECONDS_PER_DAY - whole))
 
 
+def runs_of(marks: BoolArray) -> tuple[IntArray, IntArray]:
+    """First place, and the place after the last, of every run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
+    return edges[::2], edges[1::2]
+
+
 def _is_leap(year: IntArray) -> BoolArray:
     return np.asarray(((year % 4 == 0) & (year % 100 != 0)) | (year % 400 == 0))

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sizing.energy.battery import Store
-from sizing.energy.march import ChargingDay, DayRun, empty_after_h
-from sizing.energy.power_balance import PowerBalance, interval_reaching
+from sizing.energy.march import ChargingDay, DayRun, hour_of_deficit
+from sizing.energy.power_balance import PowerBalance
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Of the battery's energy: ends of a day from different starts that count as the same.
@@ -98,12 +98,24 @@ class CarriedDays:
         ndarray
             Of the shape of ``level_wh`` [h].
         """
-        sums = self.day.cumulative_deficit_wh
-        level = np.maximum(level_wh, 0.0)
-        interval = self.balance.interval_of(interval_reaching(sums, level, cells), cells)
-        rest = np.maximum(sums[interval.number + 1, cells] - level, 0.0)
-        begin = np.asarray(interval.start_h, float)
-        return np.asarray(begin + empty_after_h(interval, rest))
+        return hour_of_deficit(self.balance, self.day.cumulative_deficit_wh, level_wh, cells)
+
+    def energy_at_wh(self, hour: FloatArray) -> FloatArray:
+        """Stored energy at an hour of each day [Wh], straight lines between the nodes."""
+        return self._at(self.run.energy_at_nodes_wh(), hour)
+
+    def deficit_until_wh(self, hour: FloatArray) -> FloatArray:
+        """Cumulative deficit at an hour of each day [Wh], straight lines between the nodes."""
+        return self._at(self.day.cumulative_deficit_wh, hour)
+
+    def _at(self, values: FloatArray, hour: FloatArray) -> FloatArray:
+        """Value at the nodes, taken at an hour of each day."""
+        time = self.balance.time_h
+        number = np.clip(np.searchsorted(time, hour, side="right") - 1, 0, len(time) - 2)
+        cells = np.arange(len(hour))
+        share = np.clip((hour - time[number]) / (time[number + 1] - time[number]), 0.0, 1.0)
+        low, high = values[number, cells], values[number + 1, cells]
+        return np.asarray(low + share * (high - low))
 
 
 def carried_over(
@@ -194,9 +206,8 @@ def flight_hours(
     day, store, days = carried.day, carried.store, carried.days
     brief = day.without_nodes()
     launched = np.arange(days)
-    settled = _deficit_until_wh(carried, launch_h)
-    hours, outlasts = np.full((2, days), np.nan)
-    outlasts = np.zeros(days, bool)
+    settled = carried.deficit_until_wh(launch_h)
+    hours, outlasts = np.full(days, np.nan), np.zeros(days, bool)
     flying, energy, now = launched.copy(), np.array(launch_wh, float), launched.copy()
     eta = store.discharge_efficiency
     capacity = _next_over_own(store.battery_energy_wh, days)[0]
@@ -248,13 +259,3 @@ def _follow(
             end_h = leader * 24.0 + launch_h[leader] + hours[leader]
             hours[i] = end_h - i * 24.0 - launch_h[i]
             outlasts[i] = outlasts[leader]
-
-
-def _deficit_until_wh(carried: CarriedDays, launch_h: FloatArray) -> FloatArray:
-    """Cumulative deficit of each day at its launch [Wh], straight lines between the nodes."""
-    sums, time = carried.day.cumulative_deficit_wh, carried.balance.time_h
-    number = np.clip(np.searchsorted(time, launch_h, side="right") - 1, 0, len(time) - 2)
-    cells = np.arange(len(launch_h))
-    share = (launch_h - time[number]) / (time[number + 1] - time[number])
-    low, high = sums[number, cells], sums[number + 1, cells]
-    return np.asarray(low + np.clip(share, 0.0, 1.0) * (high - low))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sizing.energy.battery import Store
-from sizing.energy.march import ChargingDay, empty_after_h
+from sizing.energy.march import ChargingDay, hour_of_deficit
 from sizing.energy.power_balance import (
     PowerBalance,
     blocks,
@@ -294,11 +294,7 @@ class _Flights:
 
     def _hour_of(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Solar time at which the deficit since midnight reaches a level [h]."""
-        sums = self.day.cumulative_deficit_wh
-        level = np.maximum(level_wh, 0.0)
-        interval = self.balance.interval_of(interval_reaching(sums, level, cells), cells)
-        rest = np.maximum(sums[interval.number + 1, cells] - level, 0.0)
-        return np.asarray(interval.start_h + empty_after_h(interval, rest))
+        return hour_of_deficit(self.balance, self.day.cumulative_deficit_wh, level_wh, cells)
 
     def _perpetual(self, number: int, flying: _Flying, day: _FlownDay) -> BoolArray:
         """From the second day on, a day that gives back what it takes is perpetual flight."""

@@ -27,6 +27,7 @@ from sizing.energy.power_balance import (
     Interval,
     PowerBalance,
     deficit_phase_h,
+    interval_reaching,
     ramp_fraction,
     running_sum,
     sum_over_time,
@@ -117,6 +118,33 @@ def empty_after_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
     """
     begin, length = deficit_phase_h(interval)
     return np.asarray(begin + length * _served_fraction(interval, unserved_wh))
+
+
+def hour_of_deficit(
+    balance: PowerBalance, cumulative_wh: FloatArray, level_wh: FloatArray, cells: IntArray
+) -> FloatArray:
+    """Instants at which the deficit since the start of the day reaches some levels.
+
+    Parameters
+    ----------
+    balance : PowerBalance
+        Batch of one dimension.
+    cumulative_wh : ndarray, shape (node, element)
+        Its cumulative deficit (:attr:`ChargingDay.cumulative_deficit_wh`) [Wh].
+    level_wh : ndarray
+        Levels [Wh].
+    cells : ndarray of int
+        Element of each.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of ``level_wh`` [h].
+    """
+    level = np.maximum(level_wh, 0.0)
+    interval = balance.interval_of(interval_reaching(cumulative_wh, level, cells), cells)
+    rest = np.maximum(cumulative_wh[interval.number + 1, cells] - level, 0.0)
+    return np.asarray(interval.start_h + empty_after_h(interval, rest))
 
 
 def unserved_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:

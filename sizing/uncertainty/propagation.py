@@ -259,26 +259,9 @@ class Propagation:
             direct = self._direct_power()[scenario]
             power = power + factors[1][:, np.newaxis] * direct
         solar_w = np.broadcast_to(area, (case.count,))[:, np.newaxis] * np.maximum(power, 0.0)
-        load_w = self._load_w(case, scenario)
-        return solar_w, load_w
-
-    def _load_w(self, case: _Case, scenario: int) -> FloatArray:
-        trouble = case.mission.turbulence
-        day, design = self.day, case.design
-        if np.ndim(trouble.all_day) == 0 and np.ndim(trouble.thermal) == 0:
-            rise, down = day.sunrise_h[scenario], day.sunset_h[scenario]
-            load = load_profile(day.time_h, design, case.mission, rise, down)
-            return np.asarray(np.broadcast_to(load, (case.count, len(day.time_h))))
-        from sizing.design import thermal_shape
-
-        shape = thermal_shape(day.time_h, day.sunrise_h[scenario], day.sunset_h[scenario])
-        all_day, thermal = (
-            np.broadcast_to(np.asarray(value, float), (case.count,))[:, np.newaxis]
-            for value in (trouble.all_day, trouble.thermal)
-        )
-        propulsion = np.asarray(design.propulsion_power_w)[:, np.newaxis]
-        constant = np.asarray(design.constant_power_w)[:, np.newaxis]
-        return np.asarray(propulsion * (1.0 + all_day + thermal * shape) + constant)
+        rise, down = day.sunrise_h[scenario], day.sunset_h[scenario]
+        load = load_profile(day.time_h, case.design, case.mission, rise, down)
+        return solar_w, np.asarray(np.broadcast_to(load, solar_w.shape))
 
     def _light_factors(self, case: _Case) -> tuple[FloatArray, FloatArray | None]:
         """Factor on the nominal specific power, and what is added per nominal direct part.

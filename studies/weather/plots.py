@@ -43,7 +43,7 @@ def plot_weather(analysis: WeatherAnalysis) -> Figure:
         height_ratios=(1.5, 1.0),
     )
     calendar, spare, survival, season = panels
-    grid = calendar.get_subplotspec().get_gridspec()  # type: ignore[union-attr]
+    grid = calendar.get_subplotspec().get_gridspec()  # type: ignore[union-attr]  # subplots have one
     calendar.set_subplotspec(grid[0, :])
     spare.remove()
     _draw_calendar(figure, calendar, analysis)
