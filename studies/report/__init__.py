@@ -1,0 +1,1 @@
+"""Reports: one page about a design, its mission and what to believe of it."""
