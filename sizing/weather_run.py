@@ -18,7 +18,7 @@ from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import Weather, runs_of
 from sizing.aircraft import Aircraft
-from sizing.design import Design, design_of, load_profile
+from sizing.design import Design, design_of, thermal_shape
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import CarriedDays, carried_over, flight_hours
 from sizing.energy.power_balance import PowerBalance, crossing_fraction
@@ -89,6 +89,99 @@ class DayAxis:
             day_of_year=(np.floor(noon_local).astype(int) - 1) % 365 + 1,
             time_s=light.time_s[first],
         )
+
+
+@dataclass(frozen=True)
+class WeatherDays:
+    """What the days of a record are to every design of an aircraft.
+
+    Attributes
+    ----------
+    aircraft, mission, solar
+        Technology; altitude, air and turbulence at the record's site; solar power model.
+    light : RecordedLight
+        Along the record.
+    axis : DayAxis
+        Its days.
+    ambient_c, module_c : ndarray
+        Temperature of the air and of the modules along the record [C].
+    propulsion_ratio : ndarray, shape (day, node)
+        Propulsion power over that of level flight in the mission's air [-].
+    more_heater_w : ndarray, shape (day, 1)
+        Heater of the battery beyond that of the mission's air [W].
+    capacity_ratio : ndarray, shape (day,)
+        Capacity of the battery over that in the mission's air [-].
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    light: RecordedLight
+    axis: DayAxis
+    ambient_c: FloatArray
+    module_c: FloatArray
+    propulsion_ratio: FloatArray
+    more_heater_w: FloatArray
+    capacity_ratio: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        aircraft: Aircraft,
+        mission: Mission,
+        weather: Weather,
+        solar: SolarModel = UNCORRECTED_CAM,
+        *,
+        step_s: float = NODE_STEP_S,
+    ) -> WeatherDays:
+        """Cut a record into days for an aircraft on a mission at its site.
+
+        Parameters
+        ----------
+        aircraft, mission, weather, solar, step_s
+            As for :func:`weather_performance`.
+
+        Returns
+        -------
+        WeatherDays
+
+        Raises
+        ------
+        InputError
+            If the record is shorter than a day.
+        """
+        light = light_at_altitude(weather, mission.altitude_m, step_s=step_s)
+        try:
+            axis = DayAxis.of(light)
+        except ValueError as error:
+            raise file_error(weather.source, str(error)) from error
+        ambient_c, module_c = _temperatures_c(mission, light)
+        air_c = ambient_c[axis.nodes]
+        return cls(
+            *(aircraft, mission, solar, light, axis, ambient_c, module_c),
+            propulsion_ratio=_propulsion_ratio(mission, axis, air_c),
+            more_heater_w=_more_heater_w(aircraft, mission, air_c),
+            capacity_ratio=_capacity_of_days(aircraft, mission, air_c),
+        )
+
+    def specific_power_w_per_m2(self, sky: Irradiance) -> FloatArray:
+        """Solar power per module area under a sky along the record [W/m2], ``(day, node)``."""
+        light = self.light
+        lit = Lit(
+            *(light.day_of_year, light.time_solar_h, light.cos_zenith, sky),
+            *(self.ambient_c, self.module_c),
+        )
+        power = power_in_light(self.aircraft, self.mission, self.solar, lit)
+        return np.asarray(power[self.axis.nodes])
+
+    def load_w(self, design: Design) -> FloatArray:
+        """Load of a design at the nodes [W], shape ``(day, node)``."""
+        level_w, constant_w = float(design.propulsion_power_w), float(design.constant_power_w)
+        return np.asarray(level_w * self.propulsion_ratio + constant_w + self.more_heater_w)
+
+    def store(self, battery_energy_wh: float) -> Store:
+        """Battery of each day, of an energy at full charge in the mission's air [Wh]."""
+        return Store.of(self.aircraft.battery, battery_energy_wh * self.capacity_ratio)
 
 
 @dataclass(frozen=True)
@@ -201,28 +294,15 @@ def weather_performance(
     ValueError
         If the model lacks the aircraft's module geometry or the mission's flight path.
     """
-    light = light_at_altitude(weather, mission.altitude_m, step_s=step_s)
-    try:
-        axis = DayAxis.of(light)
-    except ValueError as error:
-        raise file_error(weather.source, str(error)) from error
+    days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
-    ambient_c, module_c = _temperatures_c(mission, light)
-    air_c = ambient_c[axis.nodes]
-    load = _load_w(design, mission, axis, air_c) + _more_heater_w(aircraft, mission, air_c)
-    energy_wh = design.battery_energy_wh * _capacity_of_days(aircraft, mission, air_c)
-    store = Store.of(aircraft.battery, energy_wh)
-
-    def run(irradiance: Irradiance) -> WeatherRun:
-        lit = Lit(
-            light.day_of_year, light.time_solar_h, light.cos_zenith, irradiance, ambient_c, module_c
-        )
-        power = aircraft.modules.area_m2 * power_in_light(aircraft, mission, solar, lit)
-        return _run(axis, power[axis.nodes], load, store)
-
-    return WeatherPerformance(
-        weather, mission, design, solar, light, run(light.recorded), run(light.clear)
+    load, store = days.load_w(design), days.store(design.battery_energy_wh)
+    area_m2 = aircraft.modules.area_m2
+    recorded, clear = (
+        _run(days.axis, area_m2 * days.specific_power_w_per_m2(sky), load, store)
+        for sky in (days.light.recorded, days.light.clear)
     )
+    return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
 
 
 def _run(axis: DayAxis, solar_w: FloatArray, load_w: FloatArray, store: Store) -> WeatherRun:
@@ -253,25 +333,19 @@ def _temperatures_c(mission: Mission, light: RecordedLight) -> tuple[FloatArray,
     return ambient, ambient + (mission.module_temperature_c() - assumed_c)
 
 
-def _load_w(design: Design, mission: Mission, axis: DayAxis, ambient_c: FloatArray) -> FloatArray:
-    """Load at the nodes [W], shape ``(day, node)``.
+def _propulsion_ratio(mission: Mission, axis: DayAxis, ambient_c: FloatArray) -> FloatArray:
+    """Propulsion power at the nodes over that of level flight [-], shape ``(day, node)``.
 
     Power of level flight at a lift coefficient goes with ``density^-0.5``; at the pressure of an
     altitude that is the square root of the absolute temperature (Anderson, Aircraft Performance and
-    Design, equation 5.56).
+    Design, equation 5.56). Turbulence and thermals are the mission's.
     """
     times = sun_times(mission.latitudes()[0], declination(axis.day_of_year + 0.5))
     clock_h = axis.time_h + axis.midnight_h[:, np.newaxis]
-    profile = np.stack(
-        [
-            np.asarray(load_profile(clock, design, mission, rise, down))
-            for clock, rise, down in zip(clock_h, times.sunrise_h, times.sunset_h, strict=True)
-        ]
-    )
-    constant = float(design.constant_power_w)
+    thermal = thermal_shape(clock_h, times.sunrise_h, times.sunset_h)
+    profile = 1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal
     assumed_k = float(mission.air_state().temperature_k)
-    thinner = np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k)
-    return np.asarray(constant + (profile - constant) * thinner)
+    return np.asarray(profile * np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k))
 
 
 def _more_heater_w(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:
