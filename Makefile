@@ -6,11 +6,12 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help check ci install tables test lint format types imports build clean
+.PHONY: help check ci install tables test browser lint format types imports build clean
 
 help:
 	@echo "make check    test, lint, types and imports"
 	@echo "make test     install the project and run the tests"
+	@echo "make browser  install the project and run the tests of its pages in Chromium"
 	@echo "make lint     ruff check and ruff format --check"
 	@echo "make format   let ruff fix and format"
 	@echo "make types    mypy"
@@ -36,6 +37,10 @@ tables: install
 
 test: install
 	SOLAR_UAV_TEST_INSTALLED=1 $(BIN)/pytest -n auto --dist loadfile
+
+browser: install
+	$(BIN)/pip install --quiet ".[browser]"
+	SOLAR_UAV_TEST_INSTALLED=1 SOLAR_UAV_TEST_BROWSER=1 $(BIN)/pytest -m browser
 
 lint: $(BIN)/ruff
 	$(BIN)/ruff check .

@@ -9,9 +9,13 @@ from pathlib import Path
 from unittest.mock import patch
 
 import pytest
+from browser_pages import chromium, open_page, pytest_collection_modifyitems
 from command_line import Outcome, Run
 from computed_once import computed_once
 from hypothesis import settings
+
+# Fixtures and hooks that pytest finds by their name here.
+__all__ = ["chromium", "open_page", "pytest_collection_modifyitems"]
 
 # The same examples every time, so that a change is judged and not the dice; without a deadline,
 # because a busy machine is no fault. As they are the same, fifty cover the branches that a hundred

@@ -1,0 +1,237 @@
+"""Pages in headless Chromium, for tests marked ``browser``: open one, judge it, print it.
+
+A page that a test opened must neither report an error on its console nor ask another host for
+anything; the test fails at its end if it did. Chromium cannot reach other hosts at all.
+
+Without Chromium or Playwright the tests are skipped, unless ``SOLAR_UAV_TEST_BROWSER=1`` states
+that both must be there.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = (
+    "--no-sandbox",  # root has none, and CI is root
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1, EXCLUDE localhost",
+)
+DESKTOP = (1400, 900)
+PHONE = (390, 844)
+INLINE_SCHEMES = ("data", "blob", "about")
+TIMEOUT_MS = 15_000
+# Elements that reach beyond the window's right edge, with text that flows out of them.
+_TOO_WIDE = """() => {
+    const limit = document.documentElement.clientWidth;
+    if (document.scrollingElement.scrollWidth <= limit) return [];
+    const edge = e => {
+        const box = e.getBoundingClientRect();
+        return box.left + Math.max(box.width, e.scrollWidth);
+    };
+    return [...document.body.querySelectorAll('*')]
+        .filter(e => edge(e) > limit + 1)
+        .map(e => `${e.tagName.toLowerCase()}${e.id ? '#' + e.id : ''}.` +
+                  `${e.className.baseVal ?? e.className} to ${Math.round(edge(e))} px`);
+}"""
+_SETTLE = "() => new Promise(done => setTimeout(done, 30))"
+
+
+def chromium_path() -> str | None:
+    """Program of the browser, None where there is none."""
+    return next(filter(None, map(shutil.which, NAMES)), None)
+
+
+def missing() -> str | None:
+    """What tests with a browser lack here, None if nothing."""
+    if importlib.util.find_spec("playwright") is None:
+        return 'Playwright is not installed: pip install ".[browser]"'
+    if chromium_path() is None:
+        return f"none of {', '.join(NAMES)} is on the path"
+    return None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip the tests marked ``browser`` where there is none."""
+    reason = missing()
+    if reason is None:
+        return
+    if os.environ.get("SOLAR_UAV_TEST_BROWSER") == "1":
+        raise pytest.UsageError(f"SOLAR_UAV_TEST_BROWSER=1, but {reason}")
+    for item in items:
+        if item.get_closest_marker("browser") is not None:
+            item.add_marker(pytest.mark.skip(reason=reason))
+
+
+@dataclass
+class Watch:
+    """What a page did that it must not do."""
+
+    home: str
+    expected: str | None
+    problems: list[str] = field(default_factory=list)
+
+    def follow(self, page: Page) -> None:
+        """Note what goes wrong on a page from now on."""
+        page.on("console", self._console)
+        page.on("pageerror", lambda error: self._note(f"uncaught: {error}"))
+        page.on("request", self._request)
+
+    def _note(self, problem: str) -> None:
+        if self.expected is None or re.search(self.expected, problem) is None:
+            self.problems.append(problem)
+
+    def _console(self, message: ConsoleMessage) -> None:
+        if message.type in ("error", "warning"):
+            self._note(f"console {message.type}: {message.text}")
+
+    def _request(self, request: Request) -> None:
+        home, asked = urlsplit(self.home), urlsplit(request.url)
+        if asked.scheme in INLINE_SCHEMES or request.url == self.home:
+            return
+        if asked.scheme == "file" or (asked.scheme, asked.netloc) != (home.scheme, home.netloc):
+            self._note(f"request outside of the page: {request.url}")
+
+
+OpenPage = Callable[..., "Page"]
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    """One browser for a file of tests; no longer, as its event loop is in the way of others."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=chromium_path(), args=list(FLAGS), chromium_sandbox=False
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_page(chromium: Browser) -> Iterator[OpenPage]:
+    """Open pages, each with settings and storage of its own, and judge them at the end.
+
+    The call is ``open_page(url, size=PHONE, dark=True, expected="400", waiting=True)``: window
+    [px], colour scheme, pattern of errors that belong to the test, and whether the page's content
+    security policy is lifted, which Playwright's ``wait_for_function`` needs.
+    """
+    opened: list[tuple[BrowserContext, Watch]] = []
+
+    def call(
+        url: str | Path,
+        *,
+        size: tuple[int, int] = DESKTOP,
+        dark: bool = False,
+        expected: str | None = None,
+        waiting: bool = False,
+        **settings: Any,
+    ) -> Page:
+        address = url.resolve().as_uri() if isinstance(url, Path) else url
+        context = chromium.new_context(
+            viewport={"width": size[0], "height": size[1]},
+            color_scheme="dark" if dark else "light",
+            bypass_csp=waiting,
+            **settings,
+        )
+        context.set_default_timeout(TIMEOUT_MS)
+        page = context.new_page()
+        watch = Watch(address, expected)
+        opened.append((context, watch))
+        watch.follow(page)
+        page.goto(address)
+        return page
+
+    yield call
+    problems = []
+    for context, watch in opened:
+        # A page that is still at work reports until now.
+        for page in context.pages:
+            with suppress(Exception):
+                page.evaluate(_SETTLE)
+        context.close()
+        problems += watch.problems
+    assert not problems, "\n".join(problems)
+
+
+def too_wide(page: Page) -> list[str]:
+    """Elements for which the whole page scrolls sideways."""
+    found: list[str] = page.evaluate(_TOO_WIDE)
+    return found
+
+
+@cache
+def _axe_script() -> str:
+    folder = importlib.util.find_spec("axe_playwright_python")
+    assert folder is not None
+    assert folder.origin is not None
+    return (Path(folder.origin).parent / "axe.min.js").read_text(encoding="utf-8")
+
+
+def accessibility_problems(page: Page, *ignored: str) -> list[str]:
+    """What axe-core finds against WCAG 2.1 A and AA and good practice, contrast included.
+
+    Parameters
+    ----------
+    page : Page
+        Page as it stands.
+    ignored : str
+        Rules of axe-core that a test leaves out, with its reason beside it.
+
+    Returns
+    -------
+    list of str
+        One line for each element and rule.
+    """
+    page.evaluate(_axe_script())
+    rules = json.dumps({name: {"enabled": False} for name in ignored})
+    result = page.evaluate(f"() => axe.run(document, {{rules: {rules}}})")
+    return [
+        f"{violation['id']}: {violation['help']}: {node['html'][:200]} "
+        f"({'; '.join(check['message'] for check in node['any'] + node['all'] + node['none'])})"
+        for violation in result["violations"]
+        for node in violation["nodes"]
+    ]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A page of a PDF: its text, and the share of it that bears ink."""
+
+    text: str
+    ink: float
+
+
+def sheets(pdf: bytes | Path) -> list[Sheet]:
+    """Pages of a PDF as they would be printed."""
+    from pypdfium2 import PdfDocument
+
+    document = PdfDocument(pdf)
+    found = []
+    for page in document:
+        dots = page.render(scale=0.5).to_numpy()
+        found.append(Sheet(page.get_textpage().get_text_range(), float((dots < 230).mean())))
+    document.close()
+    return found
