@@ -22,36 +22,50 @@ _REPEAT_S = 1.0
 
 
 class _Lazy(NamedTuple):
-    """A command that is imported when it is called: its module, its name there, its summary."""
+    """A command that is imported when it is called.
+
+    Its module, its name there, its summary, and what it is for, of :data:`_TASKS`.
+    """
 
     module: str
     name: str
     summary: str
+    task: str
 
 
+# What one does with the command, in the order in which one does it.
+_TASKS = ("Start", "Design", "Analyse", "Verify")
 _COMMANDS = {
-    "analyse": _Lazy("analyse", "analyse", "How long it flies, there and then."),
-    "ceiling": _Lazy("ceiling", "ceiling", "How high it flies perpetually."),
-    "compare": _Lazy("compare", "compare", "All solar power models side by side."),
-    "efficiencies": _Lazy("validation", "efficiencies", "What drives the power of the Full Model."),
-    "init": _Lazy("files", "init", "Commented files to start your own aircraft from."),
-    "list": _Lazy("files", "list_", "Shipped aircraft and missions."),
-    "loiter-correction": _Lazy(
-        "validation", "loiter_correction", "Errors of CDM and CAM by latitude, season and wind."
-    ),
-    "map": _Lazy("map", "map_", "Where and when it flies perpetually."),
-    "published": _Lazy("validation", "published", "Published beside computed numbers."),
-    "reproduce-report": _Lazy(
-        "validation", "reproduce_report", "The four models on the morning they were published with."
-    ),
-    "show": _Lazy("files", "show", "The file of a shipped aircraft or mission."),
-    "size": _Lazy("size", "size", "The best design for a mission."),
-    "sweep": _Lazy("sweep", "sweep", "Trade study: vary keys, judge or size."),
+    "list": _Lazy("files", "list_", "Shipped aircraft and missions.", "Start"),
+    "show": _Lazy("files", "show", "The file of a shipped aircraft or mission.", "Start"),
+    "init": _Lazy("files", "init", "Commented files to start your own aircraft from.", "Start"),
+    "validate": _Lazy("files", "validate", "Everything that is wrong with files.", "Start"),
+    "size": _Lazy("size", "size", "The best design for a mission.", "Design"),
+    "sweep": _Lazy("sweep", "sweep", "Trade study: vary keys, judge or size.", "Design"),
+    "analyse": _Lazy("analyse", "analyse", "How long it flies, there and then.", "Analyse"),
+    "map": _Lazy("map", "map_", "Where and when it flies perpetually.", "Analyse"),
+    "ceiling": _Lazy("ceiling", "ceiling", "How high it flies perpetually.", "Analyse"),
     "uncertainty": _Lazy(
-        "uncertainty", "uncertainty", "How likely it flies perpetually when inputs scatter."
+        *("uncertainty", "uncertainty", "How likely it flies perpetually when inputs scatter."),
+        task="Analyse",
     ),
-    "validate": _Lazy("files", "validate", "Everything that is wrong with files."),
-    "verify": _Lazy("verify", "verify", "The solar power models against a flight log."),
+    "compare": _Lazy("compare", "compare", "All solar power models side by side.", "Verify"),
+    "verify": _Lazy("verify", "verify", "The solar power models against a flight log.", "Verify"),
+    "efficiencies": _Lazy(
+        *("validation", "efficiencies", "What drives the power of the Full Model."),
+        task="Verify",
+    ),
+    "loiter-correction": _Lazy(
+        *("validation", "loiter_correction"),
+        summary="Errors of CDM and CAM by latitude, season and wind.",
+        task="Verify",
+    ),
+    "published": _Lazy("validation", "published", "Published beside computed numbers.", "Verify"),
+    "reproduce-report": _Lazy(
+        *("validation", "reproduce_report"),
+        summary="The four models on the morning they were published with.",
+        task="Verify",
+    ),
 }
 
 
@@ -76,9 +90,12 @@ class _LazyGroup(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list of commands."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, lazy.summary) for name, lazy in _COMMANDS.items()])
+        """Write the list of commands by what they are for."""
+        longest = max(map(len, _COMMANDS))
+        for task in _TASKS:
+            some = {name: lazy for name, lazy in _COMMANDS.items() if lazy.task == task}
+            with formatter.section(task):
+                formatter.write_dl([(f"{n:{longest}}", one.summary) for n, one in some.items()])
 
 
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -87,7 +104,7 @@ def cli() -> None:
     """Size solar-electric aircraft and predict how long they remain airborne.
 
     AIRCRAFT and missions are shipped names (see list) or paths of YAML files (see init). AIRCRAFT
-    may also be a folder that --out wrote.
+    may also be a folder that --out wrote. COMMAND --help shows options and an example.
     """
 
 

@@ -9,6 +9,7 @@ import click
 if TYPE_CHECKING:
     from studies.cli.files import Case
 
+from studies.cli.help_texts import command
 from studies.cli.options import Parsed, check_image, mission_option, solar_options
 
 
@@ -52,7 +53,7 @@ class Latitude(click.ParamType[float]):
         return number
 
 
-@click.command()
+@command("solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15")
 @click.argument("aircraft")
 @mission_option()
 @click.option(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     RealRange,
@@ -15,7 +16,7 @@ from studies.cli.options import (
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
 
-@click.command()
+@command("solar-uav ceiling atlantiksolar-as2 --plot ceiling.png")
 @click.argument("aircraft")
 @mission_option()
 @click.option(

@@ -16,6 +16,7 @@ from solar.names import (
     CorrectionName,
     ModelName,
 )
+from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     check_image,
@@ -72,7 +73,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
         return tuple(name for name in self.allowed if name in found)
 
 
-@click.command()
+@command("solar-uav compare atlantiksolar-design --objective min_mass --csv models.csv")
 @click.argument("aircraft")
 @mission_option()
 @click.option(

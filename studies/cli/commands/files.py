@@ -7,10 +7,11 @@ from pathlib import Path
 
 import click
 
+from studies.cli.help_texts import command
 from studies.cli.options import EXIT_BAD_INPUT, print_json
 
 
-@click.command(name="list")
+@command("solar-uav list", name="list")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def list_(as_json: bool) -> None:
     """List the aircraft and missions that ship with the package."""
@@ -32,19 +33,19 @@ def list_(as_json: bool) -> None:
             click.echo(f"  {name:24} {description}")
 
 
-@click.command()
+@command("solar-uav show atlantiksolar-as2 > mine.yaml")
 @click.argument("name")
 def show(name: str) -> None:
     """Print the file of the shipped aircraft or mission NAME, comments included.
 
-    To start your own from it: solar-uav show atlantiksolar-as2 > mine.yaml
+    It is one to start your own from.
     """
     from missions.files.shipped import shipped_text
 
     click.echo(shipped_text(name), nl=False)
 
 
-@click.command()
+@command("solar-uav init albatross")
 @click.argument("name")
 def init(name: str) -> None:
     """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
@@ -55,7 +56,7 @@ def init(name: str) -> None:
     click.echo(f"try: solar-uav size {aircraft} --mission {mission}")
 
 
-@click.command()
+@command("solar-uav validate albatross.yaml albatross-mission.yaml")
 @click.argument("files", nargs=-1, required=True)
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""

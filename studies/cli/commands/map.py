@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from solar.names import RESIZE_NAMES
+from studies.cli.help_texts import command
 from studies.cli.options import (
     Grid,
     check_image,
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@click.command(name="map")
+@command("solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png", name="map")
 @click.argument("aircraft")
 @mission_option()
 @click.option(
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
     "--resize",
     "objective",
     type=click.Choice(RESIZE_NAMES),
-    help="Size the aircraft anew in every cell, for this objective.",
+    help="Size the aircraft anew in every cell for it.",
 )
 @click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF (nc).")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from solar.names import OBJECTIVE_NAMES
+from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     RealRange,
@@ -23,7 +24,7 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
         raise click.UsageError(f"{option.opts[0]} is called --cross-check now")
 
 
-@click.command()
+@command("solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2")
 @click.argument("aircraft")
 @mission_option(None)
 @click.option(
@@ -31,7 +32,7 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     type=click.Choice(OBJECTIVE_NAMES),
     default="min_mass",
     show_default=True,
-    help="What to optimise. Masses and wingspan become as small as the mission's required excess "
+    help="Masses and wingspan become as small as the mission's required excess "
     "time allows; max_excess_time ends at the bounds of the design space; the last two search for "
     "the most days, or degrees of latitude, in which one design flies perpetually.",
 )

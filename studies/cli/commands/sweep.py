@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from solar.names import RESIZE_NAMES
+from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     Parsed,
@@ -28,7 +29,7 @@ _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
 _MOST_SAMPLES = 1_000_000
 
 
-@click.command()
+@command("solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5")
 @click.argument("aircraft")
 @mission_option()
 @click.option(
@@ -44,7 +45,7 @@ _MOST_SAMPLES = 1_000_000
     "--resize",
     "objective",
     type=click.Choice(RESIZE_NAMES),
-    help="Size each point for this objective; varied design variables are held.",
+    help="Size each point for it; varied design variables are held.",
 )
 @click.option(
     "--cover/--no-cover",

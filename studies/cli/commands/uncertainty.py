@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import click
 
+from studies.cli.help_texts import command
 from studies.cli.options import check_image, mission_option, solar_options
 
 
-@click.command()
+@command("solar-uav uncertainty atlantiksolar-as2 --samples 1024")
 @click.argument("aircraft")
 @mission_option()
 @click.option(

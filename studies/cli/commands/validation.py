@@ -11,6 +11,7 @@ from pathlib import Path
 
 import click
 
+from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     check_image,
@@ -21,7 +22,7 @@ from studies.cli.options import (
 )
 
 
-@click.command()
+@command("solar-uav published --explain")
 @click.option(
     "--explain",
     is_flag=True,
@@ -69,7 +70,7 @@ def published(
         sys.exit(EXIT_FAILED)
 
 
-@click.command(name="loiter-correction")
+@command("solar-uav loiter-correction --markdown errors.md", name="loiter-correction")
 @click.argument("aircraft", default="atlantiksolar-as2")
 @mission_option("rafz-loiter")
 @set_option
@@ -102,7 +103,7 @@ def loiter_correction(
     tell(case, record, study.transfer_table(errors), as_json=as_json)
 
 
-@click.command()
+@command("solar-uav efficiencies atlantiksolar-as2 --plot efficiencies.png")
 @click.argument("aircraft")
 @mission_option("rafz-loiter")
 @set_option
@@ -136,7 +137,7 @@ def efficiencies(
     tell(case, {}, study.efficiency_table(data), files=(csv_file, plot_file))
 
 
-@click.command(name="reproduce-report")
+@command("solar-uav reproduce-report --out reproduced", name="reproduce-report")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @out_option("figure and table")
 def reproduce_report(as_json: bool, out_dir: str | None) -> None:

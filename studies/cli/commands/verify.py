@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from studies.cli.help_texts import command
 from studies.cli.options import Parsed, json_option, mission_option, out_option, set_option
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 _LONGEST_FILTER = 1_000_000
 
 
-@click.command()
+@command("solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified")
 @click.argument("aircraft")
 @click.argument("log_file", metavar="LOG")
 @mission_option("rafz-28h")
