@@ -20,8 +20,8 @@ from missions.weather.record import Weather, runs_of
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, thermal_shape
 from sizing.energy.battery import Store
-from sizing.energy.carried_days import CarriedDays, carried_over, flight_hours
-from sizing.energy.power_balance import PowerBalance, crossing_fraction
+from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
+from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import UNCORRECTED_CAM, Lit, SolarModel, power_in_light
 from solar.clearsky import Irradiance
 from solar.sun import declination, sun_times
@@ -197,8 +197,8 @@ class WeatherRun:
     carried : CarriedDays
         Batteries of all days.
     dawn_h : ndarray, shape (day,)
-        When the sun first meets the load, hours after the day's first node [h]; the middle of a day
-        on which it never does.
+        When, from midnight to noon, the charge is least, hours after the day's first node [h]
+        (:func:`~sizing.energy.carried_days.dawns_of`).
     closes : ndarray of bool, shape (day,)
         Whether a day, begun at dawn with the charge carried over, reaches the next dawn (of the
         last day: the end of the record) without an empty battery.
@@ -309,16 +309,16 @@ def _run(axis: DayAxis, solar_w: FloatArray, load_w: FloatArray, store: Store) -
     energy_wh = store.battery_energy_wh
     balance = PowerBalance.of(axis.time_h, solar_w, load_w)
     carried = carried_over(balance, store, energy_wh[:1], len(axis))
-    dawn_h = _dawn_h(balance)
-    hours, outlasts = flight_hours(carried, dawn_h, energy_wh)
+    dawns = dawns_of(balance, carried.day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
+    hours, outlasts = flight_hours(carried, dawns.hour, energy_wh)
     return WeatherRun(
         axis=axis,
         solar_power_w=solar_w,
         load_w=load_w,
         carried=carried,
-        dawn_h=dawn_h,
-        closes=_closes(carried, dawn_h),
-        dawn_state_of_charge=carried.energy_at_wh(dawn_h) / energy_wh,
+        dawn_h=dawns.hour,
+        closes=carried.closes(dawns),
+        dawn_state_of_charge=carried.energy_at_wh(dawns.hour) / energy_wh,
         endurance_h=hours,
         outlasts=outlasts,
     )
@@ -360,29 +360,6 @@ def _capacity_of_days(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -
     fraction = aircraft.battery.capacity_fraction
     of_days = fraction(np.mean(air_c, axis=1)) / fraction(mission.air_state().temperature_c)
     return np.asarray(of_days * np.ones(len(air_c)))
-
-
-def _dawn_h(balance: PowerBalance) -> FloatArray:
-    """When net power first rises above zero, hours after the day's start [h]."""
-    above = balance.net_w > 0.0
-    first = np.argmax(above, axis=0)
-    cells = np.arange(above.shape[1])
-    before = np.maximum(first - 1, 0)
-    left, right = balance.net_w[before, cells], balance.net_w[first, cells]
-    crossing = np.where(first > 0, crossing_fraction(left, right), 0.0)
-    time = balance.time_h
-    dawn = time[before] + crossing * (time[first] - time[before])
-    return np.where(above.any(axis=0), dawn, HOURS_PER_DAY / 2.0)
-
-
-def _closes(carried: CarriedDays, dawn_h: FloatArray) -> BoolArray:
-    """Whether the battery lasts from each day's dawn to the next one's."""
-    before, after = carried.runs_empty()
-    # A day without a dawn begins at its middle, in the midst of a deficit.
-    dark = np.flatnonzero(~np.any(carried.balance.net_w > 0.0, axis=0) & after)
-    empty_h = carried.hour_at_level(carried.unserved_level_wh()[dark], dark)
-    before[dark] = empty_h <= dawn_h[dark]
-    return np.asarray(~(after | np.append(before[1:], False)))
 
 
 def run_lengths(marks: BoolArray) -> IntArray:

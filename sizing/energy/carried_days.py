@@ -8,18 +8,81 @@ approximated but what :mod:`sizing.energy.march` approximates.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay, DayRun, hour_of_deficit
-from sizing.energy.power_balance import PowerBalance
+from sizing.energy.power_balance import PowerBalance, crossing_fraction, running_sum
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Of the battery's energy: ends of a day from different starts that count as the same.
 _SAME = 1e-12
 _SHORT = 1e-12  # state of charge below zero that counts as an empty battery
+
+
+class Dawns(NamedTuple):
+    """When the charge of each night is least: where a day begins.
+
+    Attributes
+    ----------
+    hour : ndarray, shape (element,)
+        Hours after the start of the day [h].
+    deficit_wh : ndarray, shape (element,)
+        Cumulative deficit from the start of the day until then [Wh].
+    """
+
+    hour: FloatArray
+    deficit_wh: FloatArray
+
+
+def dawns_of(
+    balance: PowerBalance, day: ChargingDay, store: Store, noon_h: FloatArray | float
+) -> Dawns:
+    """Dawns: when, from midnight to the last node before noon, the charge is least.
+
+    The charge is that of a battery which is neither full nor empty: surplus times charge efficiency less
+    deficit over discharge efficiency, summed up from midnight. A surplus that a longer deficit
+    eats up again before noon is no dawn. Under a clear sky it is the morning's equal power.
+
+    Parameters
+    ----------
+    balance : PowerBalance
+        Batch of one dimension, from about midnight to about midnight.
+    day : ChargingDay
+        The same reduced to its surpluses.
+    store : Store
+        Batteries of the elements.
+    noon_h : float or ndarray, shape (element,)
+        Hours from the start of the day to noon [h].
+
+    Returns
+    -------
+    Dawns
+    """
+    time, net, deficit = balance.time_h, balance.net_w, balance.deficit_wh
+    noon = np.broadcast_to(noon_h, net.shape[1:])
+    rows = max(int(np.searchsorted(time, noon.max(), side="right")) - 1, 1)
+    gain = store.charge_efficiency * balance.surplus_wh[:rows]
+    gain -= deficit[:rows] / store.discharge_efficiency
+    charge = running_sum(gain)
+    falls = net[:rows] < 0.0
+    lowest = charge[:-1] - np.where(falls, deficit[:rows], 0.0) / store.discharge_efficiency
+    morning = time[1 : rows + 1, np.newaxis] <= noon
+    cells = np.arange(net.shape[1])
+    at = np.argmin(np.where(morning, lowest, np.inf), axis=0)
+    # Where the last of the morning falls until noon, noon itself is the lowest.
+    last = np.sum(morning, axis=0)
+    late = charge[last, cells] < lowest[at, cells]
+    falling = falls[at, cells]
+    crossing = crossing_fraction(net[at, cells], net[at + 1, cells])
+    share = np.where(falling, np.where(net[at + 1, cells] < 0.0, 1.0, crossing), 0.0)
+    node = np.where(late, last, at)
+    hour = time[node] + np.where(late, 0.0, share) * (time[at + 1] - time[at])
+    reached = np.where(falling & ~late, node + 1, node)
+    return Dawns(hour, day.cumulative_deficit_wh[reached, cells])
 
 
 @dataclass(frozen=True)
@@ -51,37 +114,48 @@ class CarriedDays:
         energy = self.run.energy_at_nodes_wh()
         return energy.reshape(len(energy), -1, self.days)
 
-    def runs_empty(self) -> tuple[BoolArray, BoolArray]:
-        """Whether each day's battery runs empty before its first surplus, and after it.
+    def runs_empty(self, dawns: Dawns) -> tuple[BoolArray, BoolArray]:
+        """Whether each day's battery is empty before its dawn, and after it.
 
-        Of shape ``(element,)`` each. Where no surplus comes, all of the day is after it.
-        """
-        run = self.run
-        least = -_SHORT * self.store.battery_energy_wh
-        short = run.drained_wh < least
-        surplus = np.isfinite(self.day.deficit_before_surplus_wh)
-        first = surplus & (np.cumsum(surplus, axis=0) == 1)
-        before = np.any(short & first, axis=0)
-        after = np.any(short & surplus & ~first, axis=0) | (run.midnight_wh < least)
-        return before, after
+        Parameters
+        ----------
+        dawns : Dawns
+            Of the elements.
 
-    def unserved_level_wh(self) -> FloatArray:
-        """Cumulative deficit at which each day's battery first ran empty [Wh]; NaN if it did not.
-
-        Of shape ``(element,)``; what lies beyond it cannot be met before the next surplus.
+        Returns
+        -------
+        before, after : ndarray of bool, shape (element,)
+            Both where it is empty before dawn and stays so.
         """
         run, eta = self.run, self.store.discharge_efficiency
         least = -_SHORT * self.store.battery_energy_wh
-        level = np.full(len(least), np.nan)
-        # From the last surplus back: the first emptiness of the day stays.
-        late = run.midnight_wh < least
-        level[late] = (self.day.cumulative_deficit_wh[-1] + eta * run.midnight_wh)[late]
-        for drained, before in zip(
-            run.drained_wh[::-1], self.day.deficit_before_surplus_wh[::-1], strict=True
-        ):
-            short = drained < least
-            level[short] = (before + eta * drained)[short]
-        return level
+        # What is not served is the end of a deficit: from the level at which the battery is empty
+        # up to that at which the next surplus, or the day's end, comes.
+        ends = self.day.deficit_before_surplus_wh
+        short, begins = run.drained_wh < least, ends + eta * run.drained_wh
+        before = np.any(short & (begins < dawns.deficit_wh), axis=0)
+        after = np.any(short & (ends > dawns.deficit_wh), axis=0)
+        late, end = run.midnight_wh < least, self.day.cumulative_deficit_wh[-1]
+        before |= late & (end + eta * run.midnight_wh < dawns.deficit_wh)
+        after |= late & (end > dawns.deficit_wh)
+        return before, after
+
+    def closes(self, dawns: Dawns) -> BoolArray:
+        """Whether each day's battery lasts from its dawn to the next day's, the last to its end.
+
+        Parameters
+        ----------
+        dawns : Dawns
+            Of the elements.
+
+        Returns
+        -------
+        ndarray of bool, shape (element,)
+        """
+        before, after = (empty.reshape(-1, self.days) for empty in self.runs_empty(dawns))
+        empty = after.copy()
+        empty[:, :-1] |= before[:, 1:]
+        return np.asarray(~empty.reshape(-1))
 
     def hour_at_level(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Hours after the start of their day at which the deficit reaches levels [h].
@@ -207,6 +281,9 @@ def flight_hours(
     brief = day.without_nodes()
     launched = np.arange(days)
     settled = carried.deficit_until_wh(launch_h)
+    # A surplus before the launch is nobody's.
+    ahead = carried.balance.time_h[brief.first + 1 :][: len(brief.hours), np.newaxis] > launch_h
+    flown = replace(brief, surplus_wh=np.where(ahead, brief.surplus_wh, 0.0))
     hours, outlasts = np.full(days, np.nan), np.zeros(days, bool)
     flying, energy, now = launched.copy(), np.array(launch_wh, float), launched.copy()
     eta = store.discharge_efficiency
@@ -214,7 +291,7 @@ def flight_hours(
     follower = np.full(days, -1)
     seen: dict[tuple[int, float], int] = {}
     while len(flying):
-        some, its_store = brief.select(now), store.select(now)
+        some, its_store = flown.select(now), store.select(now)
         least = -_SHORT * its_store.battery_energy_wh
         level = np.full(len(now), np.nan)
         for step in some.charge(its_store, energy, settled):
@@ -231,6 +308,7 @@ def flight_hours(
         last = ~ended & (now == days - 1)
         hours[flying[last]] = (days - flying[last]) * 24.0 - launch_h[flying[last]]
         outlasts[flying[last]] = True
+        flown = brief
         goes_on = ~ended & ~last
         flying, now = flying[goes_on], now[goes_on] + 1
         energy = np.maximum(midnight[goes_on], 0.0) * capacity[now - 1]

@@ -173,7 +173,7 @@ class WeatherAnalysis(Result):
                 ", ".join(hours(endurance[p]) for p in ("p10", "p50", "p90")),
             ),
             ("light, of the clear sky's", f"{100 * record['share_of_clear_sky_light']:.0f} %"),
-            ("sun first meets the load (solar time)", _dawns(run)),
+            ("dawn: earliest, latest (solar time)", _dawns(run)),
             ("flight altitude", f"{record['flight_altitude_m']:.0f} m"),
         ]
         wind = record["wind_above_airspeed_share"]

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sizing.energy.battery import Battery, NoChargeLimit, RuleChargeLimit, Store
-from sizing.energy.carried_days import carried_over, flight_hours
+from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance
@@ -49,6 +49,65 @@ def step_by_step(balance, its_store, start_wh):
     return np.array(nodes), np.array(unserved)
 
 
+def dawns(carried, noon_h=12.0):
+    return dawns_of(carried.balance, carried.day, carried.store, noon_h)
+
+
+def closing_days(balance, its_store, start_wh, noon_h):
+    """Independent: dawns and days that close by steps of a minute, one after the other."""
+    time_h = np.arange(0.0, 24.0, 1.0 / 60.0) + 1.0 / 120.0
+    eta_in, eta_out = its_store.charge_efficiency, its_store.discharge_efficiency
+    energy, begins, empty_at = float(start_wh), [], []
+    for day in range(balance.net_w.shape[1]):
+        net = np.interp(time_h, balance.time_h, balance.net_w[:, day])
+        full = its_store.battery_energy_wh[day]
+        charge, least, dawn = 0.0, 0.0, 0.0
+        for hour, power in zip(time_h, net, strict=True):
+            stored_wh = (power * eta_in if power > 0.0 else power / eta_out) / 60.0
+            charge += stored_wh
+            if charge < least and hour < noon_h:
+                least, dawn = charge, hour + 1.0 / 120.0
+            if energy + stored_wh < 0.0:
+                empty_at.append(24.0 * day + hour)
+            energy = min(max(energy + stored_wh, 0.0), full)
+        begins.append(24.0 * day + dawn)
+    ends = np.append(begins[1:], 24.0 * len(begins))
+    at = np.array(empty_at)
+    return np.array(begins), np.array(
+        [not np.any((at > b + 0.02) & (at < e)) for b, e in zip(begins, ends, strict=True)]
+    )
+
+
+def test_blips_of_light_begin_no_day():
+    net = np.where((TIME_H > 7.0) & (TIME_H < 17.0), 60.0, -40.0)[:, None] * np.ones(3)
+    net[10:12, 1] = 5.0  # a blip at five
+    net[:, 2] = -40.0
+    net[30:32, 2] = 5.0  # and one in the afternoon of a dark day
+    balance = PowerBalance.of(TIME_H, net.T, np.zeros((3, 49)))
+    found = dawns(carried_over(balance, store(500.0, 3), np.array([500.0]), 3))
+    # From -40 to 60 W between 7.0 and 7.5; the dark day has its least charge at noon.
+    assert found.hour == pytest.approx([7.2, 7.2, 12.0])
+    assert found.deficit_wh[1] < found.deficit_wh[0]  # the blip's surplus is no deficit
+    assert found.deficit_wh[2] == pytest.approx(480.0)
+
+
+def test_days_that_close_are_those_of_a_plain_loop():
+    random = np.random.default_rng(3)
+    days, noon_h = 60, 11.5
+    # Broken clouds that change from half-hour to half-hour, on bright and on dim days.
+    share = random.uniform(0.2, 1.5, days)[:, None] * random.uniform(0.0, 1.6, (days, 49))
+    bell = np.maximum(np.sin((TIME_H - 6.0) / 12.0 * np.pi), 0.0)
+    balance = PowerBalance.of(TIME_H, 220.0 * share * bell, np.full((days, 49), 40.0))
+    for energy in (620.0, 700.0, 1100.0):
+        its_store = store(energy, days)
+        carried = carried_over(balance, its_store, np.array([energy]), days)
+        found = dawns(carried, noon_h)
+        begins, closes = closing_days(balance, its_store, energy, noon_h)
+        assert 24.0 * np.arange(days) + found.hour == pytest.approx(begins, abs=0.05)
+        assert carried.closes(found).tolist() == closes.tolist()
+        assert 0 < closes.sum() < days
+
+
 clearness_of_days = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=9)
 
 
@@ -66,7 +125,7 @@ def test_all_days_at_once_are_the_days_one_after_the_other(clearness, energy, be
     nodes, unserved = step_by_step(balance, its_store, begin * energy)
     # The same arithmetic in another order.
     assert pytest.approx(nodes, rel=1e-9, abs=1e-9 * energy) == run.energy_wh()[:, 0, :].T
-    empty = ~np.isnan(run.unserved_level_wh())
+    empty = np.logical_or(*run.runs_empty(dawns(run)))
     clear = (unserved > 1e-6) | (unserved < 1e-12)
     assert np.array_equal(empty[clear], unserved[clear] > 1e-6)
 
@@ -92,7 +151,7 @@ def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
     for share, runs_empty in ((0.9999, True), (1.0001, False)):
         its_store = store(share * night_wh, 2)
         carried = carried_over(balance, its_store, its_store.battery_energy_wh[:1], 2)
-        before, after = carried.runs_empty()
+        before, after = carried.runs_empty(dawns(carried))
         assert carried.energy_wh()[np.argmax(solar) :, 0, :].min() > 0.0
         assert before.tolist() == [False, runs_empty]
         assert not after.any()
@@ -104,7 +163,8 @@ def test_batteries_run_empty_where_a_load_is_not_met(clearness, energy):
     balance, its_store = days_of(clearness), store(energy, len(clearness))
     carried = carried_over(balance, its_store, np.array([energy]), len(clearness))
     _, unserved = step_by_step(balance, its_store, energy)
-    assert np.logical_or(*carried.runs_empty()) == pytest.approx(unserved > 1e-9 * energy)
+    empty = np.logical_or(*carried.runs_empty(dawns(carried)))
+    assert empty == pytest.approx(unserved > 1e-9 * energy)
 
 
 def test_the_same_day_again_and_again_becomes_the_repeated_day():
