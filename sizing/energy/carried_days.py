@@ -43,9 +43,10 @@ def dawns_of(
 ) -> Dawns:
     """Dawns: when, from midnight to the last node before noon, the charge is least.
 
-    The charge is that of a battery which is neither full nor empty: surplus times charge efficiency less
-    deficit over discharge efficiency, summed up from midnight. A surplus that a longer deficit
-    eats up again before noon is no dawn. Under a clear sky it is the morning's equal power.
+    The charge is that of a battery which is neither full nor empty: surplus times charge
+    efficiency less deficit over discharge efficiency, summed up from midnight. A surplus that a
+    longer deficit eats up again before noon is no dawn. Under a clear sky it is the morning's equal
+    power.
 
     Parameters
     ----------
