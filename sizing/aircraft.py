@@ -378,6 +378,15 @@ class Aircraft(Record):
     design_space: DesignSpace = DesignSpace()
     uncertainty: Uncertainty | None = None
 
+    @property
+    def tables_read(self) -> dict[str, str]:
+        """Text of the airfoil's own table by its path; see :func:`tables_as_read`."""
+        polar = getattr(self.airframe, "aerodynamics", None)
+        if not isinstance(polar, WingPolar):
+            return {}
+        text = polar.contents_read()
+        return {} if text is None else {polar.airfoil: text}
+
     @model_validator(mode="after")
     def _check_lift(self) -> Aircraft:
         lift = self.design_space.lift_coefficient

@@ -26,7 +26,8 @@ class Record(BaseModel):
 
     A record is what its declared fields say: what it derives from them and keeps (cached
     properties, arrays among them) plays no part in equality and hash, and a changed copy derives
-    its own. Records may therefore be keys of caches.
+    its own. Records may therefore be keys of caches. What a record has read from a file that a
+    field names counts as well: see :meth:`contents_read`.
     """
 
     model_config = ConfigDict(
@@ -37,11 +38,17 @@ class Record(BaseModel):
         """Whether both are of the same class and their declared fields are equal."""
         if type(other) is not type(self):
             return NotImplemented
-        return self is other or _declared(self) == _declared(other)
+        if self is other:
+            return True
+        return _declared(self) == _declared(other) and self.contents_read() == other.contents_read()
 
     def __hash__(self) -> int:
         """Hash of the class and the declared fields."""
         return hash((type(self), *_declared(self).values()))
+
+    def contents_read(self) -> str | None:
+        """Contents of a file that a field names, as this record has read them; none by default."""
+        return None
 
     def __copy__(self) -> Self:
         """Copy of the declared fields alone: :meth:`model_copy` makes changed records of it."""

@@ -12,14 +12,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import e, pi
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from missions.files.errors import file_error
-from sizing.aerodynamics.polar_table import PolarTable, parse_polar_table, shipped_table
+from sizing.aerodynamics.polar_table import (
+    PolarTable,
+    is_table_path,
+    parse_polar_table,
+    read_table_text,
+    shipped_table,
+)
 from sizing.smooth import Value
 from solar.types import FloatArray
 
@@ -130,9 +135,8 @@ class AirfoilPolar:
         OSError
             If the file cannot be read.
         """
-        if airfoil.endswith(".csv"):
-            text = Path(airfoil).read_text(encoding="utf-8")
-            return cls.from_table(parse_polar_table(text, airfoil))
+        if is_table_path(airfoil):
+            return cls.from_table(parse_polar_table(read_table_text(airfoil), airfoil))
         return _shipped_polar(airfoil)
 
     @classmethod

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import hashlib
 from functools import cached_property
 from math import pi
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, Strict, model_validator
+from pydantic import (
+    Field,
+    PrivateAttr,
+    SerializationInfo,
+    Strict,
+    field_serializer,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
+from sizing.aerodynamics.polar_table import is_table_path, parse_polar_table, read_table_text
 from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
 
@@ -92,10 +101,36 @@ class WingPolar(Record):
             )
         return self
 
+    # Path and text of the airfoil's own table, as read when the record was made.
+    _table: tuple[str, str] | None = PrivateAttr(default=None)
+
     @cached_property
     def polar(self) -> AirfoilPolar:
         """Polar of the section."""
-        return AirfoilPolar.load(self.airfoil)
+        text = self.contents_read()
+        if text is None:
+            return AirfoilPolar.load(self.airfoil)
+        return AirfoilPolar.from_table(parse_polar_table(text, self.airfoil))
+
+    def contents_read(self) -> str | None:
+        """Text of the airfoil's table, read once; none for a shipped airfoil.
+
+        Raises
+        ------
+        OSError
+            If it has not been read yet, and cannot be.
+        """
+        if not is_table_path(self.airfoil):
+            return None
+        if self._table is None or self._table[0] != self.airfoil:
+            self._table = (self.airfoil, read_table_text(self.airfoil))
+        return self._table[1]
+
+    @field_serializer("airfoil")
+    def _with_checksum(self, airfoil: str, info: SerializationInfo) -> str:
+        """Name or path; with the checksum of the table where one asks for contents."""
+        text = self.contents_read() if (info.context or {}).get("contents") else None
+        return airfoil if text is None else f"{airfoil} {hashlib.sha256(text.encode()).hexdigest()}"
 
     @cached_property
     def maximum_lift_coefficient(self) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from missions.dates import date_code
 from missions.files.overrides import with_values
 from missions.mission import Mission
+from sizing.aerodynamics.polar_table import tables_as_read
 from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables, FlightConditions, structure_assessment
 from sizing.limits import QUANTITIES, DesignInFlight
@@ -118,7 +119,8 @@ class SizingStudy(Result):
         ValueError
             Where no optimum was found.
         """
-        return Aircraft.model_validate(self._sized_data())
+        with tables_as_read(self.aircraft.tables_read):
+            return Aircraft.model_validate(self._sized_data())
 
     def sized_mission(self) -> Mission:
         """Mission with the payload that the optimum carries.

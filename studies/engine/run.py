@@ -98,7 +98,9 @@ class Job:
         """Key of every chunk: changes with anything that may change its result."""
         function = f"{self.function.__module__}.{self.function.__qualname__}"
         common = [function, __version__, np.__version__, code_digest(), sorted(self.blanks)]
-        head = to_json([*common, self.configuration], inf_nan_mode="strings")
+        # Files that the configuration names count with their contents, not with their path alone.
+        context = {"contents": True}
+        head = to_json([*common, self.configuration], inf_nan_mode="strings", context=context)
         return [hashlib.sha256(head + to_json(c)).hexdigest()[:40] for c in self.chunks]
 
 

@@ -15,6 +15,7 @@ from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.flight_path import orbit
 from missions.mission import Mission
+from sizing.aerodynamics.polar_table import tables_as_read
 from sizing.aircraft import Aircraft, DesignSpace, Range
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import design_requirements
@@ -94,7 +95,10 @@ SIZED_DESCRIBED = sizing_columns.DESCRIBED | {"message": DESCRIBED["message"]}
 
 @dataclass(frozen=True)
 class SweepConfiguration:
-    """What all points have in common; aircraft and mission as plain data of files."""
+    """What all points have in common; aircraft and mission as plain data of files.
+
+    Tables that the aircraft names go along with their text: workers may be elsewhere.
+    """
 
     aircraft: Mapping[str, Any]
     mission: Mapping[str, Any]
@@ -102,6 +106,7 @@ class SweepConfiguration:
     solar: SolarModel
     cover: bool
     objective: Objective | None
+    tables: Mapping[str, str]
 
 
 def plain_data(value: Any) -> Any:
@@ -209,7 +214,8 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
     keys = [key for key in configuration.keys if key not in batch]
     for own, numbers in _groups(configuration, cells, batch).items():
         try:
-            aircraft, mission = varied_files(aircraft_file, mission_file, keys, own)
+            with tables_as_read(configuration.tables):
+                aircraft, mission = varied_files(aircraft_file, mission_file, keys, own)
         except InputError as error:
             for number in numbers:
                 rows[number] = {"status": PointStatus.invalid, "message": _problems(error)}
@@ -388,9 +394,10 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
         files = {key: value for key, value in given.items() if names[key] is None}
         fixed = {str(names[key]): value for key, value in given.items() if names[key] is not None}
         try:
-            aircraft, mission = varied_files(
-                aircraft_file, mission_file, list(files), list(files.values())
-            )
+            with tables_as_read(configuration.tables):
+                aircraft, mission = varied_files(
+                    aircraft_file, mission_file, list(files), list(files.values())
+                )
         except InputError as error:
             rows.append({"status": SizingStatus.invalid, "message": _problems(error)})
             continue

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import sys
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from sizing.aerodynamics.polar_table import (
     parse_polar_table,
     shipped_airfoils,
     shipped_table,
+    tables_as_read,
 )
 from sizing.aerodynamics.wing_polar import WingPolar
 from studies.validation.make_polars import default_grid, main
@@ -320,6 +322,32 @@ def test_table_too_rough_for_a_fit_is_refused() -> None:
         lines[i] = ",".join(fields)
     with pytest.raises(InputError, match="too rough for a smooth polar"):
         AirfoilPolar.from_table(parse_polar_table("\n".join(lines), "test.csv"))
+
+
+# ---- A record carries the table that it has read
+
+
+def test_records_with_other_tables_under_one_path_differ(tmp_path: Path) -> None:
+    file = tmp_path / "own.csv"
+    file.write_text(_formula_table())
+    light = _wing(str(file))
+    file.write_text(_formula_table().replace("# source: made up", "# source: other"))
+    other = _wing(str(file))
+    assert light != other
+    assert light == pickle.loads(pickle.dumps(light))
+    assert light.model_copy(update={"calibration": 2.0}) != light
+
+
+def test_a_record_keeps_its_table_when_the_file_goes(tmp_path: Path) -> None:
+    file = tmp_path / "own.csv"
+    file.write_text(_formula_table())
+    wing = _wing(str(file))
+    drag = wing.drag_at(0.8, 18.5, 158e3)
+    file.unlink()
+    copied = pickle.loads(pickle.dumps(wing)).model_copy()
+    assert copied.drag_at(0.8, 18.5, 158e3) == drag
+    with tables_as_read({str(file): wing.contents_read() or ""}):
+        assert _wing(str(file)) == wing
 
 
 # ---- The writer

@@ -6,6 +6,7 @@ import io
 import json
 import re
 from collections.abc import Callable
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,8 @@ from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
-from studies.engine.run import compute
+from studies.engine.run import Job, compute
+from studies.maps.feasibility import MapConfiguration
 from studies.output.columns import SizingStatus
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
@@ -546,3 +548,68 @@ def test_steps_that_do_not_meet_their_end_are_told(invoke: Any) -> None:
     assert "--vary battery_mass_kg=2:4:0.7 ends at 3.4: no whole number of" in answer.stderr
     answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=0.1:0.4:0.1", "--json")
     assert answer.stderr == ""
+
+
+# ---- Airfoils of one's own
+
+
+def own_airfoil(file: Path) -> Aircraft:
+    return load_aircraft(
+        "atlantiksolar-design",
+        [
+            "airframe.aerodynamics={model: wing_polar, "
+            f"airfoil: {file}, design_aspect_ratio: 18.5, design_reynolds: 158000}}"
+        ],
+    )
+
+
+def test_points_belong_to_the_table_that_was_read(tmp_path: Path) -> None:
+    file = tmp_path / "own.csv"
+    text = shipped_polar("mh114")
+    file.write_text(text)
+    first = own_airfoil(file)
+    axes = [parse_axis("battery.mass_kg=2:3:1")]
+    job = prepare(first, JULY, axes, SolarModel("CAM")).job
+    excess = compute(job).columns["excess_time"]
+    file.write_text(with_double_drag(text))
+    # The record holds what it has read; the file as it is now makes another aircraft.
+    assert compute(job).columns["excess_time"].tolist() == excess.tolist()
+    other = prepare(own_airfoil(file), JULY, axes, SolarModel("CAM")).job
+    assert not set(job.keys()) & set(other.keys())
+    assert (compute(other).columns["excess_time"] < excess).all()
+    # Nor does a worker need the file.
+    file.unlink()
+    assert compute(job).columns["excess_time"].tolist() == excess.tolist()
+
+
+def test_chunks_of_a_map_belong_to_the_table_that_was_read(tmp_path: Path) -> None:
+    file = tmp_path / "own.csv"
+    text = shipped_polar("mh114")
+    file.write_text(text)
+    keys = set(map_job(own_airfoil(file)).keys())
+    assert keys == set(map_job(own_airfoil(file)).keys())
+    file.write_text(with_double_drag(text))
+    assert not keys & set(map_job(own_airfoil(file)).keys())
+
+
+def shipped_polar(name: str) -> str:
+    folder = resources.files("sizing").joinpath("data", "polars")
+    return folder.joinpath(f"{name}.csv").read_text(encoding="utf-8")
+
+
+def with_double_drag(text: str) -> str:
+    lines = text.splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("alpha_deg"))
+    rows = [line.split(",") for line in lines[head + 1 :]]
+    return "\n".join(
+        [*lines[: head + 1], *(",".join([*r[:3], str(2 * float(r[3])), *r[4:]]) for r in rows)]
+    )
+
+
+def map_job(aircraft: Aircraft) -> Job:
+    configuration = MapConfiguration(aircraft, JULY, SolarModel("CAM"))
+    return Job(_nothing, configuration, (((47.6, 196.0),),), {"status": np.int8(0)})
+
+
+def _nothing(configuration: Any, cells: Any) -> dict[str, Any]:
+    return {"status": [0 for _ in cells]}
