@@ -108,7 +108,7 @@ def completed(
             click.echo(f"solar-uav: {error}; {_kept(job, store)}", err=True)
             sys.exit(EXIT_FAILED)
         if store is not None and not options.keep_parts and not outcome.failures:
-            store.remove_parts()
+            store.remove_parts(job.keys())
     if trouble is not None:
         click.echo(f"solar-uav: the result is not complete: {trouble}", err=True)
         sys.exit(EXIT_FAILED)

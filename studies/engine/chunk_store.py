@@ -16,7 +16,7 @@ import json
 import os
 import shutil
 import socket
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,7 +30,7 @@ from missions.files.writing import OutputError
 __all__ = ["ChunkStore", "Part", "check_target", "parts_folder"]
 
 _KEY = "[0-9a-f]" * 40
-_LOCK = "lock"
+_LOCK = ".solar-uav.lock"
 _FAILURES = "failures as JSON"  # no column has a name with spaces
 # Parts and the file made of them stand side by side for a moment, and the file twice.
 _COPIES = 3
@@ -130,7 +130,6 @@ class ChunkStore:
                         f"not enough room in {self.folder}: about {needed / 1e6:.3g} MB are "
                         f"needed, {free / 1e6:.3g} MB are free"
                     )
-                self._remove("scratch")
                 yield self
             finally:
                 if made and not any(self.folder.glob(f"{_KEY}.part")):
@@ -173,7 +172,7 @@ class ChunkStore:
         # The stub takes every keyword for the flag that may stand among them.
         np.savez(buffer, **part.columns, **{_FAILURES: failures})  # type: ignore[arg-type]
         body = buffer.getvalue()
-        scratch = self.folder / f"{key}.scratch"
+        scratch = self._scratch(key)
         try:
             scratch.write_bytes(_head(key, body) + b"\n" + body)
             scratch.replace(self.path(key))
@@ -182,16 +181,23 @@ class ChunkStore:
                 scratch.unlink(missing_ok=True)
             raise OutputError(f"cannot write to {self.folder}: {_trouble(error)}") from error
 
-    def remove_parts(self) -> None:
-        """Delete all parts, and the folder if nothing else is in it."""
-        self._remove("part")
-        self._remove("scratch")
+    def remove_parts(self, keys: Iterable[str]) -> None:
+        """Delete the parts of some chunks, and the folder if nothing else is in it.
+
+        Other computations may keep theirs in the same folder, and so may its owner other files.
+
+        Parameters
+        ----------
+        keys : iterable of str
+            Names of the chunks, as they were written.
+        """
+        for key in keys:
+            self.path(key).unlink(missing_ok=True)
+            self._scratch(key).unlink(missing_ok=True)
         self._remove_folder()
 
-    def _remove(self, suffix: str) -> None:
-        # The folder may be one that others use as well: a key for a name tells ours.
-        for path in self.folder.glob(f"{_KEY}.{suffix}"):
-            path.unlink(missing_ok=True)
+    def _scratch(self, key: str) -> Path:
+        return self.folder / f"{key}.scratch"
 
     def _remove_folder(self) -> None:
         with suppress(OSError):  # an open file cannot be deleted everywhere, nor a full folder
@@ -212,8 +218,12 @@ def _locked(path: Path) -> Iterator[None]:
     OutputError
         If another process holds it.
     """
+    # A link in its place could lead to any file of the user's, which would be emptied.
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        raise OutputError(f"cannot write to {path.parent}: {path.name} in it is not a plain file")
     try:
-        file = path.open("a+b", buffering=0)
+        file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
     except OSError as error:
         raise OutputError(f"cannot write to {path.parent}: {_trouble(error)}") from error
     with file:

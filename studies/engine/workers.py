@@ -33,9 +33,9 @@ _WITHOUT_WORKERS_S = 60.0
 _STARTS = 3  # that may fail one after the other
 # One process for each core is enough: threads of the linear algebra would only get in each other's
 # way.
-_SINGLE_THREAD = dict.fromkeys(
+_ENVIRONMENT = dict.fromkeys(
     [f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR")]
-    + ["VECLIB_MAXIMUM_THREADS"],
+    + ["VECLIB_MAXIMUM_THREADS", "PYTHONSAFEPATH"],
     "1",
 )
 
@@ -309,10 +309,12 @@ def _end_with_parent() -> None:
 def _for_children() -> Iterator[None]:
     """Start processes that compute with one thread each and never see Ctrl-C.
 
-    Both are inherited, and must be in place before a process imports anything.
+    Nor do they import what lies in the current folder, where a ``socket.py`` would be taken for
+    the library's; the search path of this process reaches them later. All is inherited, and must
+    be in place before a process imports anything.
     """
-    before = {name: os.environ.get(name) for name in _SINGLE_THREAD}
-    os.environ.update(_SINGLE_THREAD)
+    before = {name: os.environ.get(name) for name in _ENVIRONMENT}
+    os.environ.update(_ENVIRONMENT)
     masks = hasattr(signal, "pthread_sigmask")
     if masks:
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

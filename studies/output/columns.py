@@ -409,11 +409,5 @@ def failed_count(data: xr.Dataset) -> int:
 
 
 def to_netcdf_bytes(data: xr.Dataset) -> bytes:
-    """NetCDF-4 file of a dataset."""
-    import tempfile
-    from pathlib import Path
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "data.nc"
-        data.to_netcdf(path, engine="h5netcdf")
-        return path.read_bytes()
+    """NetCDF-4 file of a dataset, made in memory: HDF5 crashes where a disk is full."""
+    return bytes(data.to_netcdf(engine="h5netcdf"))

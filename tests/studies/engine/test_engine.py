@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -212,7 +213,7 @@ def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
         assert again.failures == {1: "why"}
         assert again.columns["a"].tobytes() == np.array([1.5, np.nan, np.inf]).tobytes()
         assert again.columns["b"].tolist() == ["x", "", "ü"]
-        store.remove_parts()
+        store.remove_parts([KEY])
     assert not (tmp_path / "p").exists()
 
 
@@ -222,8 +223,40 @@ def test_files_of_others_stay(tmp_path: Path) -> None:
     (tmp_path / "film.scratch").write_text("mine")
     with ChunkStore(tmp_path).opened() as store:
         store.write(KEY, Part({"a": np.zeros(1)}))
-        store.remove_parts()
+        store.remove_parts([KEY])
     assert {path.name for path in tmp_path.iterdir()} == {"film.part", "film.scratch", "notes.txt"}
+
+
+def test_only_the_own_parts_are_deleted(tmp_path: Path) -> None:
+    other = KEY[::-1]
+    part = Part({"a": np.zeros(1)})
+    (tmp_path / "lock").write_text("the owner's own")
+    with ChunkStore(tmp_path).opened() as store:
+        store.write(other, part)
+    with ChunkStore(tmp_path).opened() as store:
+        store.write(KEY, part)
+        store.remove_parts([KEY])
+        assert store.read(other) is not None
+    assert (tmp_path / "lock").read_text() == "the owner's own"
+
+
+def test_a_link_in_place_of_the_lock_is_not_followed(tmp_path: Path) -> None:
+    target = tmp_path / "thesis.tex"
+    target.write_text("years of work")
+    folder = tmp_path / "parts"
+    folder.mkdir()
+    (folder / chunk_store._LOCK).symlink_to(target)
+    with pytest.raises(OutputError, match="is not a plain file"), ChunkStore(folder).opened():
+        pass
+    assert target.read_text() == "years of work"
+
+
+def test_workers_import_nothing_from_the_current_folder(functions: Any, tmp_path: Path) -> None:
+    for module in ("socket", "pickle", "random"):
+        (tmp_path / f"{module}.py").write_text("raise SystemExit('taken from the folder')\n")
+    with contextlib.chdir(tmp_path):
+        outcome = run(functions.job(functions.Settings()), LocalPool(2))
+    assert not outcome.failures
 
 
 def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
@@ -283,7 +316,9 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(
     with pytest.raises(OutputError, match="no space left on device"):
         run(job, folder=tmp_path / "parts")
     monkeypatch.undo()
-    assert [p.suffix for p in (tmp_path / "parts").iterdir() if p.name != "lock"] == [".part"] * 2
+    assert [p.suffix for p in (tmp_path / "parts").iterdir() if p.name != chunk_store._LOCK] == [
+        ".part"
+    ] * 2
     again = run(job, folder=tmp_path / "parts")
     assert (again.computed_chunks, again.kept_chunks) == (3, 2)
     assert_identical(again, run(job))
