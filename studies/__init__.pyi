@@ -18,6 +18,7 @@ from .output.plots import plot_flight as plot_flight
 from .output.plots import plot_masses as plot_masses
 from .output.plots import plot_sensitivities as plot_sensitivities
 from .output.plots import save_figure as save_figure
+from .report.document import make_report as make_report
 from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep
 from .sweeps.study import sweep as sweep

@@ -49,6 +49,7 @@ _COMMANDS = {
         *("uncertainty", "uncertainty", "How likely it flies perpetually when inputs scatter."),
         task="Analyse",
     ),
+    "report": _Lazy("report", "report", "A page on a design, to be read or printed.", "Analyse"),
     "compare": _Lazy("compare", "compare", "All solar power models side by side.", "Verify"),
     "verify": _Lazy("verify", "verify", "The solar power models against a flight log.", "Verify"),
     "efficiencies": _Lazy(

@@ -31,7 +31,7 @@ from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 
-__all__ = ["InputFile", "RunFolder", "RunInputs", "write_run_folder"]
+__all__ = ["InputFile", "RunFolder", "RunInputs", "run_record", "write_run_folder"]
 
 AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
 POLAR = "polar.csv"
@@ -138,7 +138,7 @@ def write_run_folder(
         RESULTS: _json_bytes(record),
         **extra,
     }
-    contents[RUN] = _json_bytes({**_run_record(inputs.solar, files), "files": sorted(contents)})
+    contents[RUN] = _json_bytes({**run_record(inputs.solar, files), "files": sorted(contents)})
     earlier = _files_of_run(folder)
     write_folder(folder, contents)
     for name in earlier - contents.keys():
@@ -173,7 +173,21 @@ def _with_polar(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], Path | 
     return data, Path(airfoil)
 
 
-def _run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, Any]:
+def run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, Any]:
+    """What ``run.json`` tells of a run, except for the files that it wrote.
+
+    Parameters
+    ----------
+    solar : SolarModel
+        Model and correction.
+    files : mapping
+        Files that went in, by what they are.
+
+    Returns
+    -------
+    dict
+        JSON-ready.
+    """
     return {
         "command": shlex.join(["solar-uav", *sys.argv[1:]]),
         "version": __version__,

@@ -1,1 +1,9 @@
-"""Reports: one page about a design, its mission and what to believe of it."""
+"""Reports: one page about a design, its mission and what to believe of it.
+
+* ``document``: the page, ``make_report``; ``subject``: what it is about; ``blocks``: its parts
+* ``verdict``, ``design``, ``flight``, ``margins``, ``confidence``: its sections
+* ``geometry``, ``three_view``, ``svg``: the drawing; ``figures``: matplotlib's
+* ``pdf``: the page as PDF
+"""
+
+from studies.report.document import make_report as make_report

@@ -1,0 +1,71 @@
+"""The command ``solar-uav report``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from studies.cli.options import mission_option, solar_options
+
+
+@click.command()
+@click.argument("aircraft")
+@mission_option()
+@click.option(
+    "--out",
+    "out_file",
+    type=click.Path(),
+    required=True,
+    metavar="FILE",
+    help="Write the page: .html, or .pdf for the printed one alone.",
+)
+@click.option("--pdf", "with_pdf", is_flag=True, help="Also print it, beside the page, as PDF.")
+@click.option(
+    "--weather",
+    "weather_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="Also fly through a weather record, as analyse does.",
+)
+@click.option(
+    "--uncertainty/--no-uncertainty",
+    default=None,
+    help="Whether inputs scatter.  [default: if aircraft or mission has uncertain inputs]",
+)
+@solar_options
+def report(
+    aircraft: str,
+    mission: str,
+    out_file: str,
+    with_pdf: bool,
+    weather_file: str | None,
+    uncertainty: bool | None,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
+    from studies.cli.checks import require_climber, require_path, uncertain_inputs_of
+    from studies.cli.files import load
+    from studies.cli.options import print_json
+    from studies.cli.reports import check_report, sizing_of_folder, subject_of, write_report
+
+    check_report(out_file, with_pdf=with_pdf)
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    require_path(case)
+    require_climber(case)
+    options: dict[str, Any] = {"overrides": overrides, "with_uncertainty": uncertainty}
+    if weather_file is not None:
+        from missions.weather.files import load_weather
+
+        options["weather_record"] = load_weather(weather_file)
+    subject = subject_of(case, sizing=sizing_of_folder(aircraft, case), **options)
+    with uncertain_inputs_of(case):
+        written = write_report(subject, out_file, with_pdf=with_pdf)
+    if as_json:
+        print_json(subject.results())
+        return
+    for path in written:
+        click.echo(f"written to {path}")

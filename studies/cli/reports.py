@@ -1,0 +1,150 @@
+"""Reports of the command line: what they are about, and their files."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from missions.files.writing import write_files_atomically
+from studies.cli.checks import check_outputs
+from studies.cli.files import Case
+from studies.output.run_folder import RESULTS, RunFolder
+
+if TYPE_CHECKING:
+    from studies.report.subject import Subject
+
+__all__ = ["check_report", "sizing_of_folder", "subject_of", "write_report"]
+
+_PAGE, _PRINTED = ".html", ".pdf"
+# A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
+_SAME_H = 1e-6
+
+
+def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--out") -> None:
+    """Refuse before any work a report that could not be written.
+
+    Parameters
+    ----------
+    path : str or None
+        File that the option names; None where it is not given.
+    with_pdf : bool
+        Whether it is printed as well.
+    option : str
+        Name of the option, for messages.
+
+    Raises
+    ------
+    click.UsageError
+        For another ending, or without what prints a PDF.
+    OutputError
+        If the file cannot be written.
+    """
+    from studies.report.pdf import MISSING, has_weasyprint
+
+    if path is None:
+        return
+    suffix = PurePath(path).suffix.lower()
+    if suffix not in (_PAGE, _PRINTED):
+        raise click.BadParameter(f"{path!r} must end in .html or .pdf", param_hint=option)
+    if (with_pdf or suffix == _PRINTED) and not has_weasyprint():
+        raise click.UsageError(MISSING)
+    check_outputs(**{option.removeprefix("--"): path})
+
+
+def subject_of(case: Case, **others: Any) -> Subject:
+    """What a report on a case is about.
+
+    Parameters
+    ----------
+    case : Case
+    **others
+        What :class:`studies.report.subject.Subject` takes besides.
+
+    Returns
+    -------
+    Subject
+    """
+    from studies.report.subject import Subject
+
+    options = {"inputs": case.inputs()} | others
+    return Subject(
+        *(case.aircraft, case.mission, case.solar),
+        mission_is_default=case.mission_is_default,
+        **options,
+    )
+
+
+def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
+    """Record of the sizing that a folder holds; None where the case is not what was sized.
+
+    Parameters
+    ----------
+    path : str
+        AIRCRAFT as given on the command line.
+    case : Case
+        What it was read as; another mission or other values are not what was sized.
+
+    Returns
+    -------
+    dict or None
+    """
+    from sizing.performance import performance
+
+    if RunFolder.at(path) is None:
+        return None
+    try:
+        record = json.loads((Path(path) / RESULTS).read_text(encoding="utf-8"))
+        promised = record["simulated"]["excess_time_h"], record["total_mass_kg"]
+        known = {"objective", "active_constraints", "masses_kg"} <= record.keys()
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    if not known or promised[0] is None or case.mission.climb is not None:
+        return None
+    flown = performance(case.aircraft, case.mission, case.solar)
+    reached = (
+        float(flown.cycle.excess_time_h[flown.worst_scenario()]),
+        float(flown.design.total_mass_kg),
+    )
+    same = all(abs(a - b) <= _SAME_H for a, b in zip(promised, reached, strict=True))
+    return dict(record) if same else None
+
+
+def write_report(subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:
+    """Write a report, whole or not at all.
+
+    Parameters
+    ----------
+    subject : Subject
+    path : str
+        File of the page, or of the printed one.
+    with_pdf : bool
+        Whether the page is printed beside it.
+
+    Returns
+    -------
+    list of str
+        Files that were written.
+
+    Raises
+    ------
+    OutputError
+        If one of them cannot be written.
+    """
+    from studies.report.document import render
+
+    page = render(subject)
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    printed = path
+    if PurePath(path).suffix.lower() == _PAGE:
+        contents[path] = page.encode()
+        printed = str(PurePath(path).with_suffix(_PRINTED))
+    if with_pdf or printed == path:
+        from studies.report.pdf import to_pdf
+
+        contents[printed] = to_pdf(page)
+    write_files_atomically(contents)
+    return [os.fspath(name) for name in contents]

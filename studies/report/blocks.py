@@ -1,0 +1,142 @@
+"""What a report consists of: sections of texts, tables, bars, figures and listings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
+
+from sizing.results.tables import Table
+
+__all__ = ["Bars", "Block", "Fact", "Figure", "Listing", "Section", "Strip", "Text"]
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; ``looks`` is ``plain``, ``faint``, ``warning`` or ``good``."""
+
+    text: str
+    looks: str = "plain"
+    kind: ClassVar[str] = "text"
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list of lines."""
+
+    items: tuple[str, ...]
+    kind: ClassVar[str] = "items"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A drawing as markup, and its caption.
+
+    ``scrolls`` says that it is too wide for a telephone and is moved there under the finger.
+    """
+
+    markup: str
+    caption: str
+    scrolls: bool = False
+    kind: ClassVar[str] = "figure"
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Amounts that add up, as a table with a bar each.
+
+    Parameters
+    ----------
+    title : str
+        Caption.
+    unit : str
+    form : str
+        Format of the amounts.
+    rows : sequence of (label, amount)
+    total : str
+        Label of the sum; empty for none.
+    note : str
+        Line below.
+    """
+
+    title: str
+    unit: str
+    form: str
+    rows: tuple[tuple[str, float], ...]
+    total: str = "total"
+    note: str = ""
+    kind: ClassVar[str] = "bars"
+
+    @property
+    def sum(self) -> float:
+        """Sum of all amounts."""
+        return sum(amount for _, amount in self.rows)
+
+    def cells(self) -> list[tuple[str, str, str, float]]:
+        """Label, amount, share in per cent as text, and width of the bar in per cent."""
+        whole = self.sum or 1.0
+        longest = max((amount for _, amount in self.rows), default=0.0) or 1.0
+        return [
+            (
+                label,
+                format(amount, self.form),
+                f"{100.0 * amount / whole:.0f}",
+                round(100.0 * max(amount, 0.0) / longest, 1),
+            )
+            for label, amount in self.rows
+        ]
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A key number: its label, value, unit, and what it is measured by."""
+
+    label: str
+    value: str
+    unit: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Key numbers side by side."""
+
+    facts: tuple[Fact, ...]
+    kind: ClassVar[str] = "strip"
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A text file as it stands."""
+
+    title: str
+    text: str
+    kind: ClassVar[str] = "listing"
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Tables; two of them stand side by side where there is room."""
+
+    tables: tuple[Table, ...]
+    kind: ClassVar[str] = "tables"
+
+
+Block: TypeAlias = "Text | Items | Figure | Bars | Strip | Listing | Tables"
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section under a heading.
+
+    Parameters
+    ----------
+    key : str
+        Its id on the page.
+    title : str
+    blocks : sequence of Block
+    """
+
+    key: str
+    title: str
+    blocks: Sequence[Block]

@@ -1,0 +1,215 @@
+"""Sections on the aircraft: its drawing, masses, power, and how it was sized."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design import Design
+from sizing.optimisation.cross_check import CrossCheck
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.results.sizing_summary import (
+    cross_check_line,
+    multiplier_table,
+    sensitivity_table,
+    with_unit,
+)
+from sizing.results.tables import facts
+from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
+from studies.report.geometry import aircraft_drawing
+from studies.report.subject import Subject
+from studies.report.three_view import three_view
+
+__all__ = ["aircraft_section", "budget_section", "sizing_section"]
+
+_WIDE, _NARROW = 940.0, 350.0
+
+
+def aircraft_section(subject: Subject) -> Section:
+    """Three views to scale, and the quantities of the design."""
+    aircraft = subject.aircraft
+    drawing = aircraft_drawing(aircraft)
+    views = "".join(
+        three_view(drawing, name=aircraft.name, key=f"views-{kind}", width=width, kind=kind)
+        for kind, width in (("wide", _WIDE), ("narrow", _NARROW))
+    )
+    caption = "Three views to scale. " + " ".join(drawing.notes)
+    blocks: list[Block] = []
+    if aircraft.description:
+        blocks.append(Text(aircraft.description))
+    blocks.append(Figure(views, caption))
+    if subject.verification is None:
+        blocks.append(Tables(tuple(_design_tables(subject))))
+    return Section("aircraft", "The aircraft", blocks)
+
+
+def _design_tables(subject: Subject) -> Iterator[Any]:
+    aircraft, record = subject.aircraft, subject.record
+    span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
+    area, airspeed = span**2 / ratio, record["airspeed_m_per_s"]
+    yield facts(
+        "geometry and mass",
+        [
+            ("wingspan", f"{span:.3f} m"),
+            ("aspect ratio", f"{ratio:.2f}"),
+            ("wing area", f"{area:.3f} m²"),
+            ("chord", f"{span / ratio:.3f} m"),
+            ("module area", f"{aircraft.modules.area_m2:.3f} m²"),
+            ("modules over wing area", f"{100.0 * aircraft.modules.area_m2 / area:.0f} %"),
+            ("total mass", f"{record['total_mass_kg']:.3f} kg"),
+            ("wing loading", f"{record['total_mass_kg'] / area:.2f} kg/m²"),
+        ],
+    )
+    yield facts(
+        "power and energy",
+        [
+            ("airspeed", "-" if airspeed is None else f"{airspeed:.2f} m/s"),
+            ("propulsion power", f"{record['propulsion_power_w']:.1f} W"),
+            ("load", f"{record['power_out_w']:.1f} W"),
+            ("battery energy", f"{record['battery_energy_wh']:.1f} Wh"),
+            ("specific energy", f"{aircraft.battery.specific_energy_wh_per_kg:g} Wh/kg"),
+            ("battery over total mass",
+             f"{100.0 * aircraft.battery.mass_kg / record['total_mass_kg']:.0f} %"),
+            ("module efficiency", f"{100.0 * aircraft.modules.efficiency_stc:.1f} %"),
+            ("solar energy of the day", f"{record['solar_energy_wh']:.0f} Wh"),
+        ],
+    )  # fmt: skip
+
+
+# ---- Masses and power
+
+
+def budget_section(subject: Subject) -> Section:
+    """Where mass and power go."""
+    flown = subject.analysis.performance
+    masses = Bars(
+        "mass budget", "kg", ".3f", _mass_rows(subject.aircraft, flown.design), "total mass"
+    )
+    power = Bars(
+        "load in level flight", "W", ".2f", _power_rows(subject), "load",
+        note=_propulsion_note(subject.aircraft),
+    )  # fmt: skip
+    budget, worst = flown.cycle.energy_budget, subject.analysis.worst
+    where = flown.day.scenarios.label(worst)
+    solar, unserved = (float(values[worst]) for values in (budget.solar_wh, budget.unserved_wh))
+    rows = (
+        ("load", budget.load_wh[worst]),
+        ("lost in charging", budget.charge_loss_wh[worst]),
+        ("lost in discharging", budget.discharge_loss_wh[worst]),
+        ("not collected, the battery being full", budget.curtailed_wh[worst]),
+        ("left in the battery", budget.stored_wh[worst]),
+    )
+    note = f"The sun gives {solar:.0f} Wh."
+    if unserved > 0.05:
+        note += f" {unserved:.0f} Wh of the load are not met: the battery is empty."
+    energy = Bars(
+        f"energy of the day, {where}", "Wh", ".0f",
+        tuple((label, float(value)) for label, value in rows if abs(float(value)) >= 0.5),
+        note=note,
+    )  # fmt: skip
+    return Section("budgets", "Mass, power and energy", [masses, power, energy])
+
+
+def _mass_rows(aircraft: Aircraft, design: Design) -> tuple[tuple[str, float], ...]:
+    measured = not isinstance(aircraft.airframe, ParametricAirframe)
+    names = {"mppt": "MPPT"}
+    if measured:
+        names["other"] = "airframe, propulsion and avionics (measured)"
+    return tuple(
+        (names.get(name, name), float(mass))
+        for name, mass in design.masses._asdict().items()
+        if float(mass) > 0.0
+    )
+
+
+def _power_rows(subject: Subject) -> tuple[tuple[str, float], ...]:
+    """What the load is made of; the rows add up to it."""
+    flown, aircraft, mission = subject.analysis.performance, subject.aircraft, subject.mission
+    design, turbulence = flown.design, subject.mission.turbulence.all_day
+    level = float(design.propulsion_power_w)
+    rows: list[tuple[str, float]] = []
+    airframe = aircraft.airframe
+    if isinstance(airframe, ParametricAirframe):
+        chain, left = airframe.propulsion, level
+        rows_lost = []
+        for name in ("controller", "motor", "gearbox", "propeller"):
+            efficiency = getattr(chain, f"{name}_efficiency")
+            rows_lost.append((f"lost in the {name}", left * (1.0 - efficiency)))
+            left *= efficiency
+        rows += [("drag of level flight", left), *rows_lost]
+    else:
+        rows.append(("propulsion in level flight (measured)", level))
+    consumers = aircraft.power.avionics_w + mission.payload.power_w
+    supplied = consumers / aircraft.power.supply_efficiency
+    rows += [
+        ("turbulence", level * turbulence),
+        ("avionics", aircraft.power.avionics_w),
+        ("payload", mission.payload.power_w),
+        ("lost in the power supply", supplied - consumers),
+        ("heater of the battery", float(design.constant_power_w) - supplied),
+    ]
+    return tuple((label, watts) for label, watts in rows if watts > 1e-9)
+
+
+def _propulsion_note(aircraft: Aircraft) -> str:
+    airframe = aircraft.airframe
+    if not isinstance(airframe, ParametricAirframe):
+        return "A measured aircraft is known by its electric power; what drag takes is not."
+    return f"From battery to thrust: {100.0 * airframe.propulsion.efficiency:.1f} %."
+
+
+# ---- Sizing
+
+
+def sizing_section(sizing: Mapping[str, Any]) -> Section:
+    """What was optimised, what limits it, how sensitive it is, and whether it was cross-checked."""
+    objective = Objective(sizing["objective"]["name"])
+    value, required = sizing["objective"]["value"], sizing["objective"]["required_excess_time_h"]
+    sought = "largest" if objective.maximised else "smallest"
+    told = f"Sized for the {sought} {objective.label}: {with_unit(value, '.4g', objective)}"
+    if required:
+        told += f", with {required:g} h of excess time required in every scenario"
+    blocks: list[Block] = [Text(f"{told} ({sizing['status'].replace('_', ' ')}).")]
+    active = sizing["active_constraints"]
+    if active:
+        blocks.append(Text("Limited by: " + "; ".join(active) + "."))
+    if sizing.get("structure") is not None:
+        text = sizing["structure"]["text"]
+        blocks.append(Text(f"{text[:1].upper()}{text[1:]}."))
+    if sizing.get("reliability") is not None:
+        blocks.append(_reliability(sizing["reliability"]))
+    tables = []
+    if sizing.get("constraint_multipliers"):
+        multipliers = [ConstraintMultiplier(**one) for one in sizing["constraint_multipliers"]]
+        tables.append(multiplier_table(multipliers, objective))
+    if sizing.get("sensitivities"):
+        tables.append(sensitivity_table(_sensitivities(sizing["sensitivities"]), objective))
+    blocks += [Tables((table,)) for table in tables]
+    if not tables and not objective.of_range:
+        blocks.append(Text("Sensitivities were not asked for: size --sensitivities.", "faint"))
+    check = sizing.get("cross_check")
+    if check is not None:
+        known: dict[str, Any] = {k: float("nan") if v is None else v for k, v in check.items()}
+        found = CrossCheck(**known)
+        line = cross_check_line(found, objective)
+        blocks.append(
+            Text(f"{line[:1].upper()}{line[1:]}.", "good" if found.cross_checked else "warning")
+        )
+    elif not objective.of_range:
+        blocks.append(Text("The optimum was not cross-checked: size --cross-check.", "faint"))
+    return Section("sizing", "Sizing: limits, sensitivities, cross-check", blocks)
+
+
+def _reliability(found: Mapping[str, Any]) -> Text:
+    return Text(
+        f"Reliability: {100.0 * found['achieved']:.1f} % of {found['samples']} draws; asked for "
+        f"{100.0 * found['required']:g} %."
+    )
+
+
+def _sensitivities(records: list[Mapping[str, Any]]) -> list[Sensitivity]:
+    """Sensitivities as they were before they became a record."""
+    names = Sensitivity.__dataclass_fields__
+    return [Sensitivity(**{name: one[name] for name in names}) for one in records]

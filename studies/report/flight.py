@@ -1,0 +1,300 @@
+"""Sections on the flight: the day, the season, the solar power models, scatter and weather."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.dates import DAYS_PER_YEAR
+from sizing.results.analysis import flight_record
+from sizing.results.analysis_summary import flight_table, scenario_table
+from sizing.results.tables import Line, Summary, Table
+from solar.names import ATTITUDE_MODELS
+from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
+from studies.report.figures import figure_markup
+from studies.report.subject import Subject
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure as Plot
+
+__all__ = [
+    "day_section",
+    "models_section",
+    "season_section",
+    "uncertainty_section",
+    "verification_section",
+    "weather_section",
+]
+
+_MOST_SCENARIOS = 20  # rows of the table
+_WIDTH_IN = 7.4
+
+
+def summary_blocks(summary: Summary, *, skip: int = 0) -> list[Block]:
+    """Blocks of a result's own summary.
+
+    Parameters
+    ----------
+    summary : Summary
+        As a terminal shows it.
+    skip : int
+        Blocks at its beginning that the page has already.
+
+    Returns
+    -------
+    list of Block
+    """
+    looks = {"strong": "plain", "faint": "faint", "warning": "warning", "plain": "plain"}
+    found: list[Block] = []
+    for block in summary.blocks[skip:]:
+        if isinstance(block, Table):
+            found.append(Tables((block,)))
+        elif isinstance(block, tuple):
+            found.append(Tables(block))
+        elif isinstance(block, Line):
+            found.append(Text(block.text, looks[block.emphasis]))
+        else:
+            found.append(Text(block))
+    return found
+
+
+def day_section(subject: Subject) -> Section:
+    """Cycle of the weakest scenario, all scenarios, and the flight on the calendar."""
+    from studies.output.plots import plot_cycle, plot_flight
+
+    analysis = subject.analysis
+    where = analysis.performance.day.scenarios.label(analysis.worst)
+    scenarios = subject.record["scenarios"]
+    several = len(scenarios) > 1
+    height = 5.2 if analysis.climb is None else 7.2
+    record = subject.record
+    described = (
+        f"Solar power and load over the hours of the day, and below the state of charge, which is "
+        f"least, {100.0 * record['minimum_state_of_charge']:.1f} %, in the morning."
+    )
+    caption = (
+        f"Solar power, load and state of charge over solar time at {where}"
+        f"{', the weakest scenario' if several else ''}; bands: the solar model's RMS error. Grey: "
+        "night."
+    )
+    markup = figure_markup(
+        plot_cycle(analysis),
+        title=f"Day cycle at {where}",
+        description=described,
+        key="cycle",
+        size_in=(_WIDTH_IN, height),
+    )
+    blocks: list[Block] = [Figure(markup, caption, scrolls=True)]
+    if several:
+        blocks.append(Tables((_scenarios(scenarios),)))
+    if analysis.flight is not None:
+        table = flight_table(flight_record(analysis.flight))
+        blocks.append(
+            Figure(
+                figure_markup(
+                    plot_flight(analysis, analysis.flight),
+                    title="Flight on the calendar",
+                    description="Solar power, load and state of charge over local time.",
+                    key="calendar",
+                    size_in=(_WIDTH_IN, 4.8),
+                ),
+                "The mission's launch, flown on the calendar. Grey: night.",
+                scrolls=True,
+            )
+        )
+        blocks.append(Tables((table,)))
+    return Section("day", "The day", blocks)
+
+
+def _scenarios(records: list[dict[str, Any]]) -> Table:
+    """Scenarios; of many those with the least excess time."""
+    many = len(records) > _MOST_SCENARIOS
+
+    def weakness(record: dict[str, Any]) -> float:
+        excess = record["excess_time_h"]
+        return float("inf") if excess is None else float(excess)
+
+    shown = sorted(records, key=weakness)[:_MOST_SCENARIOS] if many else records
+    table = scenario_table(shown)
+    if not many:
+        return table
+    note = f"the {_MOST_SCENARIOS} weakest of {len(records)} scenarios"
+    return dataclasses.replace(table, notes=(*table.notes, note))
+
+
+# ---- Season
+
+
+def season_section(subject: Subject) -> Section | None:
+    """Where and when it flies perpetually, with the mission's places; None if it climbs."""
+    from studies.maps.feasibility import feasibility_map
+    from studies.maps.plots import plot_map
+
+    if subject.climbs:
+        return None
+    solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
+    # The models that know the attitude take some 10 ms a cell.
+    slow = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
+    latitudes = np.linspace(-70.0, 70.0, 15 if slow else 57)
+    days = np.linspace(1, DAYS_PER_YEAR, 14 if slow else 74).round().astype(int)
+    data = feasibility_map(
+        subject.aircraft,
+        subject.mission,
+        latitudes=latitudes,
+        days=days,
+        model=solar.model,
+        correction=solar.correction,
+    )
+    plot = plot_map(data)
+    _mark(plot, scenarios.latitude_deg, scenarios.day_of_year)
+    season = _season_text(data, float(scenarios.latitude_deg[subject.analysis.worst]))
+    markup = figure_markup(
+        plot,
+        title="Season map",
+        description=f"Excess time over the days of the year and latitudes from 70 S to 70 N. "
+        f"{season}",
+        key="season",
+        size_in=(_WIDTH_IN, 4.6),
+    )
+    caption = (
+        "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
+        "line: edge of perpetual flight; ring: the mission's scenarios."
+    )
+    return Section("season", "The season", [Text(season), Figure(markup, caption, scrolls=True)])
+
+
+def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
+    """Rings at the places of a mission: of many, those at the corners."""
+    axes = plot.axes[0]
+    for colour, size, width in (("white", 9.0, 3.2), ("black", 9.0, 1.4)):
+        axes.plot(
+            day, latitude_deg, "o", markersize=size, fillstyle="none", color=colour,
+            markeredgewidth=width, clip_on=False, zorder=5,
+        )  # fmt: skip
+
+
+def _season_text(data: xr.Dataset, latitude_deg: float) -> str:
+    """Days of perpetual flight at the latitude of the map that is nearest."""
+    from missions.mission import latitude_label
+    from studies.maps.feasibility import season_length
+
+    counts = season_length(data)
+    at = float(counts["latitude"].sel(latitude=latitude_deg, method="nearest"))
+    share = float(counts.sel(latitude=at)) / data.sizes["day"]
+    if share == 0.0:
+        return f"At {latitude_label(at)} no day of the year is flown perpetually."
+    if share == 1.0:
+        return f"At {latitude_label(at)} every day of the year is flown perpetually."
+    days = round(share * DAYS_PER_YEAR)
+    return f"At {latitude_label(at)} about {days} days of the year are flown perpetually."
+
+
+# ---- Models
+
+
+def models_section(subject: Subject) -> Section | None:
+    """All solar power models side by side; None for a mission that climbs."""
+    from studies.models.plots import plot_comparison
+
+    found = subject.comparison
+    if found is None:
+        return None
+    plot = plot_comparison(found)
+    markup = figure_markup(
+        plot,
+        title="Solar power models side by side",
+        description="For each model and correction the solar energy of a day with the model's RMS "
+        "error, the excess time with that error, and the season of perpetual flight; the same "
+        "numbers are in the table below.",
+        key="models",
+        size_in=(_WIDTH_IN + 0.4, 1.9 + 0.26 * len(found.cases)),
+    )
+    caption = (
+        "What each model predicts: solar energy and excess time with bars of the model's RMS "
+        "error, and the perpetual season."
+    )
+    blocks: list[Block] = [
+        Text(found.headline()),
+        Figure(markup, caption, scrolls=True),
+        Tables(found.tables()[:1]),
+    ]
+    if found.notes:
+        blocks.append(Items(tuple(found.notes)))
+    return Section("models", "Solar power models", blocks)
+
+
+# ---- Scatter, weather, logs
+
+
+def uncertainty_section(subject: Subject) -> Section | None:
+    """How likely the flight is perpetual when the inputs scatter; None without such inputs."""
+    from studies.uncertainty.plots import plot_uncertainty
+
+    found = subject.uncertainty
+    if found is None:
+        return None
+    plot = plot_uncertainty(found)
+    markup = figure_markup(
+        plot,
+        title="Excess time under uncertain inputs",
+        description=f"Histogram of the excess time. {found.headline()}. Beside it the inputs by "
+        "what they explain of its variance, as in the table below.",
+        key="scatter",
+        size_in=(_WIDTH_IN + 1.2, plot.get_figheight()),
+    )
+    caption = (
+        f"Excess time of the weakest scenario in {found.samples} draws of the uncertain inputs, "
+        "and what it depends on."
+    )
+    return Section(
+        "uncertainty",
+        "Uncertain inputs",
+        [*summary_blocks(found.summary())[:1], Figure(markup, caption, scrolls=True),
+         *summary_blocks(found.summary(), skip=1)],
+    )  # fmt: skip
+
+
+def weather_section(subject: Subject) -> Section | None:
+    """Flight through a weather record; None without one."""
+    from studies.weather.plots import plot_weather
+
+    found = subject.weather
+    if found is None:
+        return None
+    markup = figure_markup(
+        plot_weather(found),
+        title="Flight through the weather record",
+        description=f"{found.headline()}. Calendar of the state of charge at every dawn, share of "
+        "launches still airborne, and days that close in every month.",
+        key="weather",
+        size_in=(_WIDTH_IN + 0.4, 6.4),
+    )
+    caption = "State of charge at every dawn, survival of launches, and the season in this weather."
+    blocks = summary_blocks(found.summary())
+    return Section(
+        "weather", "Weather", [blocks[0], Figure(markup, caption, scrolls=True), *blocks[1:]]
+    )
+
+
+def verification_section(subject: Subject) -> Section | None:
+    """Models against a flight log; None without one."""
+    from studies.flight_logs.plots import figures
+
+    found = subject.verification
+    if found is None:
+        return None
+    blocks = summary_blocks(found.summary())
+    drawn: list[Block] = []
+    for number, (name, plot) in enumerate(figures(found)):
+        markup = figure_markup(
+            plot,
+            title=f"Log and models, {name}",
+            description="Measured and modelled solar power over solar time, and what the models "
+            "say of angles, efficiencies and shade.",
+            key=f"log{number}",
+        )
+        drawn.append(Figure(markup, f"Measured and modelled power: {name}.", scrolls=True))
+    return Section("verification", "Models against the flight log", [*blocks, *drawn])

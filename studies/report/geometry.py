@@ -1,0 +1,243 @@
+"""Geometry of an aircraft as the models have it, and what is drawn where they have none.
+
+Every length is from the aircraft's file, or by a rule that its structure model uses. What no model
+has a number for is drawn by a proportion that is chosen here for its looks; a note says so.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.structures.rib_wing import RibWingStructure
+from solar.geometry import ModuleGeometry
+from solar.shading import TailGeometry
+
+__all__ = ["Drawing", "Rectangle", "aircraft_drawing"]
+
+# The tail volumes of docs/structure.md: S_h = 0.35 c A/L and S_v = 0.045 c A/L with L = 4 c.
+_RULE = RibWingStructure(model="rib_wing")
+# Looks alone: aspect ratios of tail planes, the place of the spar, nose and pod in chords.
+_HORIZONTAL_RATIO, _VERTICAL_RATIO = 5.0, 2.0
+_NOSE_CHORDS, _POD_CHORDS, _POD_DEPTH_CHORDS = 0.7, 1.5, 0.32
+_SPAR_CHORD_FRACTION = 0.3  # where a section is thickest, as in the rib wing's model
+# Outlines that give the module area to this are those of this aircraft.
+_AREA_TOLERANCE = 0.05
+_TAIL_TOLERANCE = 0.1
+
+
+class Rectangle(NamedTuple):
+    """Rectangle in the plan view: right of the symmetry plane, and behind the leading edge [m]."""
+
+    left_m: float
+    right_m: float
+    front_m: float
+    rear_m: float
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What is drawn of an aircraft; positions are from the leading edge of the wing root [m].
+
+    Attributes
+    ----------
+    wingspan_m, chord_m, thickness_ratio : float
+        Wing, a rectangle, and its section.
+    incidence_deg : float
+        Pitch of the chord line to the body [deg].
+    dihedral_deg, dihedral_from_m : float
+        Rise of the outer wing, and where it begins.
+    spar_m : float
+        Spar behind the leading edge.
+    modules : tuple of Rectangle
+        Solar modules on the wing.
+    tail : TailGeometry
+        Tail planes and the height of the boom.
+    nose_m, pod_m, pod_depth_m, boom_m : float
+        Nose ahead of the leading edge, length and depth of the pod, diameter of the boom.
+    schematic : frozenset of str
+        Parts that no model has numbers for: ``modules``, ``tail``, ``spar``, ``section``, ``pod``.
+    notes : tuple of str
+        Where every part comes from.
+    """
+
+    wingspan_m: float
+    chord_m: float
+    thickness_ratio: float
+    incidence_deg: float
+    dihedral_deg: float
+    dihedral_from_m: float
+    spar_m: float
+    modules: tuple[Rectangle, ...]
+    tail: TailGeometry
+    nose_m: float
+    pod_m: float
+    pod_depth_m: float
+    boom_m: float
+    schematic: frozenset[str]
+    notes: tuple[str, ...]
+
+    @property
+    def tail_end_m(self) -> float:
+        """Rearmost point of the tail."""
+        tail = self.tail
+        return max(
+            tail.horizontal_aft_m + tail.horizontal_chord_m,
+            tail.vertical_aft_m + tail.vertical_chord_m,
+        )
+
+    def height_m(self, right_m: float) -> float:
+        """Height of the wing over its root at a place of the span [m]."""
+        rise = max(abs(right_m) - self.dihedral_from_m, 0.0)
+        return rise * math.tan(math.radians(self.dihedral_deg))
+
+
+def aircraft_drawing(aircraft: Aircraft) -> Drawing:
+    """What is drawn of an aircraft."""
+    airframe, geometry = aircraft.airframe, aircraft.modules.geometry
+    span_m = airframe.wingspan_m
+    chord_m = span_m / airframe.aspect_ratio
+    structure = airframe.structure if isinstance(airframe, ParametricAirframe) else None
+    rib_wing = structure if isinstance(structure, RibWingStructure) else None
+    rule = rib_wing or _RULE
+    tail, tail_note, tail_known = _tail(aircraft.modules.tail, rib_wing, span_m, chord_m)
+    modules, modules_note, modules_known = _modules(aircraft, span_m, chord_m)
+    dihedral_deg, from_m = _dihedral(geometry, span_m)
+    notes = [
+        "Wing: a rectangle of wingspan and aspect ratio, as all models take it.",
+        modules_note,
+        tail_note,
+    ]
+    if rib_wing is None:
+        notes.append("Spar line and section: schematic, the file has no structure model with them.")
+    else:
+        notes.append(
+            f"Section {100.0 * rib_wing.thickness_ratio:g} % thick, boom of "
+            f"{rib_wing.boom_diameter_chords:g} chords and box spar: as the structure model has "
+            "them, the spar at 30 % of the chord, where the section is thickest."
+        )
+    if geometry is None:
+        notes.append("Dihedral and incidence: the file has none; drawn without.")
+    notes.append("Nose and pod (dashed): schematic. No propeller: the models have no diameter.")
+    schematic = {"pod"} | ({"section", "spar"} if rib_wing is None else set())
+    schematic |= (set() if tail_known else {"tail"}) | (set() if modules_known else {"modules"})
+    return Drawing(
+        wingspan_m=span_m,
+        chord_m=chord_m,
+        thickness_ratio=rule.thickness_ratio,
+        incidence_deg=0.0 if geometry is None else geometry.wing_incidence_deg,
+        dihedral_deg=dihedral_deg,
+        dihedral_from_m=from_m,
+        spar_m=_SPAR_CHORD_FRACTION * chord_m,
+        modules=modules,
+        tail=tail,
+        nose_m=_NOSE_CHORDS * chord_m,
+        pod_m=(_NOSE_CHORDS + _POD_CHORDS) * chord_m,
+        pod_depth_m=_POD_DEPTH_CHORDS * chord_m,
+        boom_m=rule.boom_diameter_chords * chord_m,
+        schematic=frozenset(schematic),
+        notes=tuple(notes),
+    )
+
+
+def _tail(
+    given: TailGeometry | None, structure: RibWingStructure | None, span_m: float, chord_m: float
+) -> tuple[TailGeometry, str, bool]:
+    """Tail, where it comes from, and whether a model has its numbers.
+
+    The file's own, unless the structure model of another wing has a tail of another size: that of a
+    sized aircraft grows with its wing, while the file keeps that of the built one.
+    """
+    rule = structure or _RULE
+    arm_m = rule.fuselage_chords * chord_m
+    volume = chord_m * span_m * chord_m / arm_m
+    horizontal_m2, vertical_m2 = (
+        rule.horizontal_tail_ratio * volume,
+        rule.vertical_tail_ratio * volume,
+    )
+    if given is not None:
+        ratio = given.horizontal_span_m * given.horizontal_chord_m / horizontal_m2
+        if structure is None or abs(ratio - 1.0) <= _TAIL_TOLERANCE:
+            return given, "Tail: modules.tail of the aircraft file.", True
+    tall = _VERTICAL_RATIO if given is None else given.vertical_height_m / given.vertical_chord_m
+    wide = (
+        _HORIZONTAL_RATIO if given is None else given.horizontal_span_m / given.horizontal_chord_m
+    )
+    chord_h, chord_v = (horizontal_m2 / wide) ** 0.5, (vertical_m2 / abs(tall)) ** 0.5
+    on_top = given is None or given.horizontal_height_m is None
+    tail = TailGeometry(
+        horizontal_span_m=wide * chord_h,
+        horizontal_chord_m=chord_h,
+        horizontal_aft_m=arm_m + 0.25 * (chord_m - chord_h),
+        vertical_height_m=tall * chord_v,
+        vertical_chord_m=chord_v,
+        vertical_aft_m=arm_m + 0.25 * (chord_m - chord_v),
+        horizontal_height_m=0.0 if given is None or not on_top else None,
+    )
+    areas = (
+        f"areas {horizontal_m2:.3g} and {vertical_m2:.3g} m², {rule.fuselage_chords:g} chords "
+        "behind the wing"
+    )
+    if structure is None:
+        return tail, f"Tail: schematic, by a common tail volume ({areas}).", False
+    shape = "proportions schematic" if given is None else "proportions of modules.tail"
+    return tail, f"Tail: by the rule of the structure model ({areas}); {shape}.", given is not None
+
+
+def _modules(
+    aircraft: Aircraft, span_m: float, chord_m: float
+) -> tuple[tuple[Rectangle, ...], str, bool]:
+    """Modules, where they come from, and whether the file has their places."""
+    area_m2, geometry = aircraft.modules.area_m2, aircraft.modules.geometry
+    outlines = _outlines(geometry)
+    drawn_m2 = sum((m.right_m - m.left_m) * (m.rear_m - m.front_m) for m in outlines)
+    fits = (
+        bool(outlines)
+        and abs(drawn_m2 - area_m2) <= _AREA_TOLERANCE * area_m2
+        and all(max(-m.left_m, m.right_m) <= span_m / 2.0 and m.rear_m <= chord_m for m in outlines)
+    )
+    if fits:
+        return outlines, "Solar modules: the outlines of the aircraft file.", True
+    if area_m2 == 0.0:
+        return (), "Solar modules: none.", True
+    share = min(area_m2 / (span_m * chord_m), 1.0)
+    along = max(0.98, share) * span_m / 2.0
+    deep = area_m2 / (2.0 * along)
+    front = (chord_m - deep) / 2.0
+    band = (
+        Rectangle(-along, 0.0, front, front + deep),
+        Rectangle(0.0, along, front, front + deep),
+    )
+    why = (
+        "the file's outlines are those of another area" if outlines else "the file has no outlines"
+    )
+    return band, f"Solar modules: {area_m2:.3g} m² as a band, schematic: {why}.", False
+
+
+def _outlines(geometry: ModuleGeometry | None) -> tuple[Rectangle, ...]:
+    """Outlines of all modules; none where one of them has none."""
+    found = []
+    for surface in () if geometry is None else geometry.surfaces:
+        outline = surface.outline
+        if outline is None:
+            return ()
+        left, right = outline.inboard_m, outline.outboard_m
+        if surface.side == "left":
+            left, right = -right, -left
+        found.append(Rectangle(left, right, outline.front_m, outline.rear_m))
+    return tuple(found)
+
+
+def _dihedral(geometry: ModuleGeometry | None, span_m: float) -> tuple[float, float]:
+    """Dihedral of the outer wing [deg], and where it begins [m], in proportion to the span."""
+    outer = [s for s in (() if geometry is None else geometry.surfaces) if s.side != "centre"]
+    if not outer:
+        return 0.0, span_m / 2.0
+    angle = sum(s.dihedral_deg * s.area_m2 for s in outer) / sum(s.area_m2 for s in outer)
+    known = [s.outline for s in outer if s.outline is not None]
+    if not known:
+        return angle, span_m / 6.0
+    begins, ends = min(o.inboard_m for o in known), max(o.outboard_m for o in known)
+    return angle, begins if ends <= span_m / 2.0 <= 1.1 * ends else begins / ends * span_m / 2.0

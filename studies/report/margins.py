@@ -1,0 +1,118 @@
+"""How much worse each assumption may become before perpetual flight ends, or how much better.
+
+One quantity at a time is moved until the weakest scenario just has the required excess time; all
+else stays as it is. The sun is not computed anew: none of the quantities changes it but by a
+factor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import ImpossibleDesignError
+from sizing.parameters import with_parameter
+from sizing.performance import Performance, performance
+from sizing.results.tables import Column, Table
+from sizing.sunlight import SolarDay
+from studies.report.subject import Subject
+
+__all__ = ["margin_table"]
+
+# The weakest scenarios, of which one remains the weakest.
+_SCENARIOS = 12
+_STEPS = 20  # of a bisection: a millionth of its range
+
+
+class _Quantity(NamedTuple):
+    """A quantity that is moved: words, its unit, value of the files, and ends of its range.
+
+    ``worse`` is the end at which nothing flies, ``better`` the other one; ``changed`` gives
+    aircraft, mission and the factor on the sun at a value.
+    """
+
+    label: str
+    unit: str
+    value: float
+    worse: float
+    better: float
+    changed: Callable[[float], tuple[Aircraft, Mission, float]]
+
+
+def margin_table(subject: Subject) -> Table:
+    """Margin of every quantity to the end of perpetual flight, or what it lacks."""
+    nominal = subject.analysis.performance
+    weakest = np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS]
+    day = nominal.day.at(weakest)
+    required = max(subject.mission.required_excess_time_h, 0.0)
+    holds = _holds(nominal, required)
+    rows = []
+    for one in _quantities(subject.aircraft, subject.mission):
+        limit = _limit(one, day, required, holds=holds)
+        change = None if limit is None else limit - one.value
+        relative = None if change is None or one.value == 0.0 else 100.0 * change / one.value
+        rows.append((one.label, one.value, limit, change, relative, one.unit))
+    what = "may become" if holds else "would have to become"
+    than = f"{required:g} h of excess time" if required > 0.0 else "perpetual flight"
+    columns = (
+        Column("quantity"),
+        Column("value", "now", form=".4g"),
+        Column("limit", what, form=".4g", missing="no limit" if holds else "not enough alone"),
+        Column("change", form="+.3g"),
+        Column("relative", "change", "%", "+.0f"),
+        Column("unit"),
+    )
+    title = f"{'margins to the end of' if holds else 'what is missing for'} {than}, one at a time"
+    return Table(title, columns, tuple(rows))
+
+
+def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
+    """What is moved: sun, battery, propulsion, consumers, payload."""
+
+    def of(key: str) -> Callable[[float], tuple[Aircraft, Mission, float]]:
+        return lambda value: (*with_parameter(aircraft, mission, key, value), 1.0)
+
+    battery = aircraft.battery.specific_energy_wh_per_kg
+    extra, avionics = mission.turbulence.all_day, aircraft.power.avionics_w
+    return [
+        _Quantity("solar power, of the modelled", "%", 100.0, 0.0, 400.0,
+                  lambda value: (aircraft, mission, value / 100.0)),
+        _Quantity("specific energy of the battery", "Wh/kg", battery, 0.01 * battery,
+                  4.0 * battery, of("battery.specific_energy_wh_per_kg")),
+        _Quantity("extra propulsion power in turbulence", "%", 100.0 * extra, 400.0,
+                  -90.0, lambda value: of("mission.turbulence.all_day")(value / 100.0)),
+        _Quantity("avionics power", "W", avionics, 1e3 + 10.0 * avionics, 0.0,
+                  of("power.avionics_w")),
+        _Quantity("payload mass", "kg", mission.payload.mass_kg,
+                  mission.payload.mass_kg + 50.0, 0.0, of("mission.payload.mass_kg")),
+    ]  # fmt: skip
+
+
+def _limit(one: _Quantity, day: SolarDay, required: float, *, holds: bool) -> float | None:
+    """Value at which the weakest scenario just has what is required; None if there is none."""
+
+    def enough(value: float) -> bool:
+        aircraft, mission, factor = one.changed(value)
+        try:
+            flown = performance(aircraft, mission, day=day.scaled(factor), keep_trajectory=False)
+        except ImpossibleDesignError:
+            return False
+        return _holds(flown, required)
+
+    good, bad = (one.value, one.worse) if holds else (one.better, one.value)
+    if enough(bad) or not enough(good):
+        return None
+    for _ in range(_STEPS):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if enough(middle) else (good, middle)
+    return good
+
+
+def _holds(flown: Performance, required: float) -> bool:
+    """Whether every scenario is flown perpetually, with the required excess time."""
+    cycle = flown.cycle
+    return bool(np.all(cycle.perpetual) and np.min(cycle.excess_time_h) >= required)

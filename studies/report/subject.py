@@ -1,0 +1,125 @@
+"""What a report is about: an aircraft on a mission, and all that was asked of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.results.analysis import Analysis, analyse
+from sizing.sunlight import SolarModel
+from studies.output.run_folder import RunInputs
+
+if TYPE_CHECKING:
+    from missions.weather.record import Weather
+    from sizing.results.uncertainty import UncertaintyAnalysis
+    from sizing.results.weather import WeatherAnalysis
+    from studies.flight_logs.verification import Verification
+    from studies.models.comparison import Comparison
+
+__all__ = ["Subject"]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a report is about; results are computed when a section asks for them.
+
+    Attributes
+    ----------
+    aircraft, mission, solar
+        What is reported on, and by which solar power model.
+    inputs : RunInputs
+        Files as they went in.
+    sizing : mapping or None
+        Record of the sizing that the aircraft came from.
+    verification : Verification or None
+        Models against a flight log; the report is then about that.
+    weather_record : Weather or None
+        Record to fly through.
+    with_uncertainty : bool or None
+        Whether inputs scatter; None where aircraft or mission has uncertain inputs.
+    overrides : tuple of str
+        Values that replaced those of the files, as ``--set`` has them.
+    mission_is_default : bool
+        Whether nobody chose the mission.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    inputs: RunInputs
+    sizing: Mapping[str, Any] | None = None
+    verification: Verification | None = None
+    weather_record: Weather | None = None
+    with_uncertainty: bool | None = None
+    overrides: tuple[str, ...] = ()
+    mission_is_default: bool = False
+
+    @cached_property
+    def analysis(self) -> Analysis:
+        """Aircraft on its mission."""
+        return analyse(
+            self.aircraft, self.mission, model=self.solar.model, correction=self.solar.correction
+        )
+
+    @cached_property
+    def record(self) -> dict[str, Any]:
+        """Analysis as ``analyse --json`` prints it."""
+        return {**self.analysis.to_dict(), "mission_is_default": self.mission_is_default}
+
+    @property
+    def climbs(self) -> bool:
+        """Whether the mission stores energy in height: maps and the like do not know of that."""
+        return self.mission.climb is not None
+
+    @cached_property
+    def comparison(self) -> Comparison | None:
+        """Solar power models side by side; None for a mission that climbs."""
+        from studies.models.comparison import compare
+
+        return None if self.climbs else compare(self.aircraft, self.mission, design=False)
+
+    @cached_property
+    def uncertainty(self) -> UncertaintyAnalysis | None:
+        """Flights under draws of the uncertain inputs, where there are any or asked for."""
+        from sizing.results.uncertainty import analyse_uncertainty
+
+        given = self.aircraft.uncertainty is not None or self.mission.uncertainty is not None
+        wanted = given if self.with_uncertainty is None else self.with_uncertainty
+        if not wanted or self.climbs:
+            return None
+        return analyse_uncertainty(
+            self.aircraft, self.mission, model=self.solar.model, correction=self.solar.correction
+        )
+
+    @cached_property
+    def weather(self) -> WeatherAnalysis | None:
+        """Flight through the weather record, where there is one."""
+        from sizing.results.weather import analyse_weather
+
+        if self.weather_record is None:
+            return None
+        return analyse_weather(
+            self.aircraft,
+            self.mission,
+            self.weather_record,
+            model=self.solar.model,
+            correction=self.solar.correction,
+            mission_chosen=not self.mission_is_default,
+        )
+
+    def results(self) -> dict[str, Any]:
+        """Every record that the report shows, JSON-ready."""
+        if self.verification is not None:
+            return {"verification": self.verification.to_dict()}
+        found: dict[str, Any] = {"analysis": self.record}
+        if self.sizing is not None:
+            found["sizing"] = dict(self.sizing)
+        for name in ("comparison", "uncertainty", "weather"):
+            result = getattr(self, name)
+            if result is not None:
+                found[name] = result.to_dict()
+        return found

@@ -1,0 +1,330 @@
+"""Three views of an aircraft to scale: from above, from ahead, from the left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from studies.report.geometry import Drawing
+from studies.report.svg import Canvas, Point
+
+__all__ = ["three_view"]
+
+_MARGIN, _TOP, _GAP, _LABEL = 14.0, 44.0, 30.0, 20.0
+_ROOM_RIGHT = 74.0  # for the dimension of the chord
+# Thickness of a symmetrical four-digit section over its chord, at full thickness ratio one
+# (Abbott & von Doenhoff, Theory of Wing Sections, section 6.4).
+_SECTION = (1.4845, -0.63, -1.758, 1.4215, -0.5075)
+_STATIONS = 24
+
+
+@dataclass(frozen=True)
+class _View:
+    """Places of a view in pixels: where its origin lies, and pixels per metre."""
+
+    x: float
+    y: float
+    scale: float
+
+    def at(self, right_m: float, down_m: float) -> Point:
+        return self.x + self.scale * right_m, self.y + self.scale * down_m
+
+    def box(self, left_m: float, right_m: float, top_m: float, bottom_m: float) -> list[Point]:
+        corners = (
+            (left_m, top_m), (right_m, top_m), (right_m, bottom_m), (left_m, bottom_m),
+        )  # fmt: skip
+        return [self.at(*corner) for corner in corners]
+
+
+def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str) -> str:
+    """Three views with dimensions and a scale bar, as SVG.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        What is drawn.
+    name : str
+        Aircraft, for its title.
+    key : str
+        Beginning of the ids, unique on the page.
+    width : float
+        Width of the drawing [px]; texts keep their size.
+    kind : str
+        Class of the drawing besides ``drawing``.
+
+    Returns
+    -------
+    str
+    """
+    canvas = Canvas(width)
+    scale = (width - _MARGIN - _ROOM_RIGHT) / drawing.wingspan_m
+    middle = _MARGIN + 0.5 * scale * drawing.wingspan_m
+    ahead = max(drawing.nose_m, 0.0)
+    above = _View(middle, _TOP + _LABEL + scale * ahead, scale)
+    _draw_above(canvas, drawing, above)
+    bottom = above.y + scale * drawing.tail_end_m
+    tip_m = drawing.height_m(drawing.wingspan_m / 2.0)
+    highest = max(tip_m, *_tail_heights(drawing))
+    lowest = max(drawing.pod_depth_m / 2.0, -min(_tail_heights(drawing)))
+    front = _View(middle, bottom + _GAP + _LABEL + scale * highest, scale)
+    _draw_ahead(canvas, drawing, front)
+    bottom = front.y + scale * lowest
+    side = _View(
+        _MARGIN + scale * ahead,
+        bottom + _GAP + _LABEL + scale * max(*_tail_heights(drawing), drawing.pod_depth_m / 2.0),
+        scale,
+    )
+    _draw_side(canvas, drawing, side)
+    for text, y in (
+        ("From above", above.y - scale * ahead),
+        ("From ahead", front.y - scale * highest),
+        ("From the left", bottom + _GAP + _LABEL),
+    ):
+        canvas.text((_MARGIN, y - 8.0), text, "view", anchor="start")
+    end = side.y + scale * lowest
+    legend_x = side.x + scale * drawing.tail_end_m + 70.0
+    end = max(end + 34.0, _draw_legend(canvas, drawing, (legend_x, bottom + _GAP + _LABEL), scale))
+    canvas.height = math.ceil(end + 6.0)
+    return canvas.markup(
+        title=f"Three views of {name}",
+        description=_described(drawing),
+        key=key,
+        classes=("drawing", kind),
+    )
+
+
+def _described(drawing: Drawing) -> str:
+    """What the drawing shows, for those who do not see it."""
+    tail = drawing.tail
+    dihedral = (
+        f"flat to {drawing.dihedral_from_m:.2f} m from the middle and raised by "
+        f"{drawing.dihedral_deg:g} degrees outside"
+        if drawing.dihedral_deg
+        else "without dihedral"
+    )
+    return (
+        f"Views from above, from ahead and from the left at one scale. Wing of "
+        f"{drawing.wingspan_m:.2f} m span and {drawing.chord_m:.3f} m chord, {dihedral}; "
+        f"{len(drawing.modules)} areas of solar modules; horizontal tail of "
+        f"{tail.horizontal_span_m:.2f} by {tail.horizontal_chord_m:.2f} m, its leading edge "
+        f"{tail.horizontal_aft_m:.2f} m behind that of the wing; vertical tail "
+        f"{abs(tail.vertical_height_m):.2f} m high."
+    )
+
+
+def _looks(drawing: Drawing, part: str, kind: str) -> str:
+    return f"{kind} schematic" if part in drawing.schematic else kind
+
+
+def _tail_heights(drawing: Drawing) -> tuple[float, float, float]:
+    tail = drawing.tail
+    return tail.boom_height_m, tail.boom_height_m + tail.vertical_height_m, tail.height_m
+
+
+# ---- From above
+
+
+def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
+    tail, half = drawing.tail, drawing.wingspan_m / 2.0
+    looks = _looks(drawing, "tail", "tail")
+    pod, boom = drawing.pod_depth_m / 2.0, drawing.boom_m / 2.0
+    canvas.shape(view.box(-boom, boom, 0.0, drawing.tail_end_m), _looks(drawing, "tail", "body"))
+    canvas.shape(_pod(view, drawing, pod), "body schematic")
+    side = tail.horizontal_span_m / 2.0
+    rear = tail.horizontal_aft_m + tail.horizontal_chord_m
+    canvas.shape(view.box(-side, side, tail.horizontal_aft_m, rear), looks)
+    canvas.line(
+        view.at(0.0, tail.vertical_aft_m),
+        view.at(0.0, tail.vertical_aft_m + tail.vertical_chord_m),
+        "fin",
+    )
+    canvas.shape(view.box(-half, half, 0.0, drawing.chord_m), "wing")
+    for m in drawing.modules:
+        canvas.shape(
+            view.box(m.left_m, m.right_m, m.front_m, m.rear_m),
+            _looks(drawing, "modules", "module"),
+        )
+    canvas.line(
+        view.at(-half, drawing.spar_m),
+        view.at(half, drawing.spar_m),
+        _looks(drawing, "spar", "spar"),
+    )
+    if drawing.dihedral_deg:
+        for place in (-drawing.dihedral_from_m, drawing.dihedral_from_m):
+            canvas.line(view.at(place, 0.0), view.at(place, drawing.chord_m), "break")
+    canvas.line((view.x, view.at(0, -drawing.nose_m)[1] - 6.0),
+                (view.x, view.at(0, drawing.tail_end_m)[1] + 8.0), "centre")  # fmt: skip
+    _dimensions_above(canvas, drawing, view)
+
+
+def _pod(view: _View, drawing: Drawing, half_width: float) -> list[Point]:
+    """Outline of the pod, an ellipse from the nose on."""
+    middle = drawing.pod_m / 2.0 - drawing.nose_m
+    angles = [2.0 * math.pi * i / 40 for i in range(40)]
+    return [
+        view.at(half_width * math.sin(a), middle - drawing.pod_m / 2.0 * math.cos(a))
+        for a in angles
+    ]
+
+
+def _dimensions_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
+    tail, half = drawing.tail, drawing.wingspan_m / 2.0
+    over = min(view.at(0.0, -drawing.nose_m)[1] - 22.0, view.y - 26.0)
+    left, right = view.at(-half, 0.0), view.at(half, 0.0)
+    for place in (left, right):
+        canvas.line((place[0], place[1] - 4.0), (place[0], over - 4.0), "extension")
+    canvas.dimension((left[0], over), (right[0], over), f"{drawing.wingspan_m:.2f} m")
+    beside = right[0] + 14.0
+    top, bottom = view.at(half, 0.0)[1], view.at(half, drawing.chord_m)[1]
+    for y in (top, bottom):
+        canvas.line((right[0] + 3.0, y), (beside + 4.0, y), "extension")
+    canvas.dimension((beside, top), (beside, bottom), f"{drawing.chord_m:.3f} m")
+    side = tail.horizontal_span_m / 2.0
+    rear = view.at(0.0, tail.horizontal_aft_m + tail.horizontal_chord_m)[1]
+    arm_x = view.at(side, 0.0)[0] + 22.0
+    fore = view.at(0.0, tail.horizontal_aft_m)[1]
+    canvas.line((view.at(side, 0.0)[0] + 3.0, fore), (arm_x + 4.0, fore), "extension")
+    canvas.dimension((arm_x, view.y), (arm_x, fore), f"{tail.horizontal_aft_m:.2f} m")
+    canvas.text(
+        (view.at(-side, 0.0)[0] - 8.0, (fore + rear) / 2.0 + 4.0),
+        f"{tail.horizontal_span_m:.2f} × {tail.horizontal_chord_m:.2f} m",
+        "value",
+        anchor="end",
+    )
+
+
+# ---- From ahead
+
+
+def _draw_ahead(canvas: Canvas, drawing: Drawing, view: _View) -> None:
+    tail, half = drawing.tail, drawing.wingspan_m / 2.0
+    thick = drawing.thickness_ratio * drawing.chord_m / 2.0
+    places = [-half, -drawing.dihedral_from_m, drawing.dihedral_from_m, half]
+    upper = [view.at(y, -drawing.height_m(y) - thick) for y in places]
+    lower = [view.at(y, -drawing.height_m(y) + thick) for y in reversed(places)]
+    fin = drawing.thickness_ratio * tail.vertical_chord_m / 2.0
+    root, end, top = _tail_heights(drawing)
+    looks = _looks(drawing, "tail", "tail")
+    canvas.shape(view.box(-fin, fin, -max(root, end), -min(root, end)), looks)
+    plane = drawing.thickness_ratio * tail.horizontal_chord_m / 2.0
+    side = tail.horizontal_span_m / 2.0
+    canvas.shape(view.box(-side, side, -top - plane, -top + plane), looks)
+    canvas.shape([*upper, *lower], _looks(drawing, "section", "wing"))
+    radius = drawing.pod_depth_m / 2.0
+    angles = [2.0 * math.pi * i / 32 for i in range(32)]
+    canvas.shape(
+        [view.at(radius * math.cos(a), radius * math.sin(a)) for a in angles], "body schematic"
+    )
+    if drawing.dihedral_deg:
+        place = view.at(half, -drawing.height_m(half))
+        canvas.text((place[0] + 8.0, place[1] + 4.0), f"{drawing.dihedral_deg:g}°", "value",
+                    anchor="start")  # fmt: skip
+
+
+# ---- From the left
+
+
+def _draw_side(canvas: Canvas, drawing: Drawing, view: _View) -> None:
+    tail = drawing.tail
+    root, end, top = _tail_heights(drawing)
+    looks = _looks(drawing, "tail", "tail")
+    boom = drawing.boom_m / 2.0
+    canvas.shape(
+        view.box(0.0, drawing.tail_end_m, -root - boom, -root + boom),
+        _looks(drawing, "tail", "body"),
+    )
+    canvas.shape(_pod_from_left(view, drawing), "body schematic")
+    fin_rear = tail.vertical_aft_m + tail.vertical_chord_m
+    canvas.shape(view.box(tail.vertical_aft_m, fin_rear, -max(root, end), -min(root, end)), looks)
+    section = _section(drawing.thickness_ratio)
+    canvas.shape(
+        [
+            view.at(tail.horizontal_aft_m + tail.horizontal_chord_m * x,
+                    -top - tail.horizontal_chord_m * z)
+            for x, z in section
+        ],
+        looks,
+    )  # fmt: skip
+    tip_m = drawing.height_m(drawing.wingspan_m / 2.0)
+    if tip_m:
+        canvas.shape(_wing_section(view, drawing, tip_m), "wing tip")
+    canvas.shape(_wing_section(view, drawing, 0.0), _looks(drawing, "section", "wing"))
+    right = view.at(max(fin_rear, drawing.tail_end_m), 0.0)[0] + 14.0
+    heights = sorted((view.at(0.0, -root)[1], view.at(0.0, -end)[1]))
+    for y in heights:
+        canvas.line((view.at(fin_rear, 0.0)[0] + 3.0, y), (right + 4.0, y), "extension")
+    canvas.dimension((right, heights[0]), (right, heights[1]), f"{abs(end - root):.2f} m")
+    under = view.y + view.scale * max(drawing.pod_depth_m / 2.0, -min(root, end)) + 20.0
+    start, stop = view.at(0.0, 0.0), view.at(drawing.tail_end_m, 0.0)
+    for place in (start, stop):
+        canvas.line((place[0], under - 8.0), (place[0], under + 4.0), "extension")
+    canvas.dimension((start[0], under), (stop[0], under), f"{drawing.tail_end_m:.2f} m")
+
+
+def _pod_from_left(view: _View, drawing: Drawing) -> list[Point]:
+    middle = drawing.pod_m / 2.0 - drawing.nose_m
+    angles = [2.0 * math.pi * i / 40 for i in range(40)]
+    return [
+        view.at(middle + drawing.pod_m / 2.0 * math.cos(a), drawing.pod_depth_m / 2.0 * math.sin(a))
+        for a in angles
+    ]
+
+
+def _section(thickness_ratio: float) -> list[Point]:
+    """Outline of a symmetrical section of chord one, aft and up."""
+    chords = [0.5 * (1.0 - math.cos(math.pi * i / _STATIONS)) for i in range(_STATIONS + 1)]
+    upper = [(x, thickness_ratio * _half_thickness(x)) for x in chords]
+    return [*upper, *((x, -z) for x, z in reversed(upper[1:-1]))]
+
+
+def _half_thickness(x: float) -> float:
+    root, *powers = _SECTION
+    return float(root * x**0.5 + sum(a * x ** (i + 1) for i, a in enumerate(powers)))
+
+
+def _wing_section(view: _View, drawing: Drawing, height_m: float) -> list[Point]:
+    """Section of the wing at its incidence, nose up about the leading edge."""
+    pitch = math.radians(drawing.incidence_deg)
+    turned = (
+        (x * math.cos(pitch) + z * math.sin(pitch), -x * math.sin(pitch) + z * math.cos(pitch))
+        for x, z in _section(drawing.thickness_ratio)
+    )
+    return [view.at(drawing.chord_m * x, -drawing.chord_m * z - height_m) for x, z in turned]
+
+
+# ---- Legend and scale
+
+
+def _draw_legend(canvas: Canvas, drawing: Drawing, place: Point, scale: float) -> float:
+    """Scale bar and what the looks mean; returns the lowest place."""
+    x, y = place
+    bar_m = _round_length(0.3 * (canvas.width - x - _MARGIN) / scale, drawing.wingspan_m)
+    for i in range(2):
+        kind = "scale dark" if i == 0 else "scale"
+        start, end = x + scale * bar_m * i / 2.0, x + scale * bar_m * (i + 1) / 2.0
+        canvas.shape([(start, y), (end, y), (end, y + 6.0), (start, y + 6.0)], kind)
+    for share in (0.0, 0.5, 1.0):
+        text = f"{bar_m * share:g}" + (" m" if share == 1.0 else "")
+        canvas.text((x + scale * bar_m * share, y + 20.0), text, "value")
+    y += 42.0
+    for kind, text in _legend(drawing):
+        canvas.shape([(x, y - 9.0), (x + 22.0, y - 9.0), (x + 22.0, y), (x, y)], kind)
+        canvas.text((x + 30.0, y - 0.5), text, "label", anchor="start")
+        y += 19.0
+    canvas.line((x, y - 5.0), (x + 22.0, y - 5.0), _looks(drawing, "spar", "spar"))
+    canvas.text((x + 30.0, y - 0.5), "spar", "label", anchor="start")
+    return y
+
+
+def _legend(drawing: Drawing) -> Iterable[tuple[str, str]]:
+    if drawing.modules:
+        yield _looks(drawing, "modules", "module"), "solar modules"
+    yield "body schematic", "schematic"
+
+
+def _round_length(longest_m: float, span_m: float) -> float:
+    """Length of the scale bar: 1, 2 or 5 times a power of ten, no longer than fits."""
+    longest_m = min(longest_m, 0.3 * span_m)
+    power: float = 10.0 ** math.floor(math.log10(longest_m))
+    return float(next(power * step for step in (5.0, 2.0, 1.0) if power * step <= longest_m))

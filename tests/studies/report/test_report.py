@@ -1,0 +1,202 @@
+"""Reports: every section is there, the page needs nothing else, names are text, numbers agree."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builders import AS2, DESIGN, aircraft, mission, shipped_mission
+from command_line import Run
+
+from sizing.results.analysis import analyse
+from studies.report import make_report
+
+VOID = {"meta", "link", "br", "img", "hr", "input"}
+
+
+class Page(HTMLParser):
+    """A page as a reader of it finds it; open and closed elements must match."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: dict[str, list[str]] = {}
+        self._open: list[str] = []
+        self.feed(text)
+        assert not self._open, self._open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self._open, tag
+        assert self._open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self._open:
+            self.texts.setdefault(self._open[-1], []).append(data)
+
+    def of(self, tag: str) -> list[dict[str, str | None]]:
+        """Attributes of the elements of a tag."""
+        return [attributes for name, attributes in self.elements if name == tag]
+
+    def headings(self) -> list[int]:
+        return [int(name[1]) for name, _ in self.elements if re.fullmatch("h[1-6]", name)]
+
+    def results(self) -> Any:
+        return json.loads(self.texts["script"][0])
+
+
+@cache
+def page_of_as2() -> str:
+    return make_report(AS2, shipped_mission())
+
+
+@pytest.fixture(scope="module")
+def as2() -> Page:
+    return Page(page_of_as2())
+
+
+def test_sections_stand_in_the_order_of_a_review(as2: Page) -> None:
+    keys = [section["id"] for section in as2.of("section")]
+    assert keys == [
+        "verdict", "aircraft", "budgets", "day", "season", "models", "margins", "belief",
+        "inputs", "provenance",
+    ]  # fmt: skip
+    links = [link["href"] for link in as2.of("a")]
+    assert [f"#{key}" for key in keys] == links[1:]  # the first one skips the contents
+
+
+def test_page_needs_no_other_file_and_no_network(as2: Page) -> None:
+    for _, attributes in as2.elements:
+        for name in ("src", "href", "srcset", "data", "action", "xlink:href"):
+            value = attributes.get(name) or "#"
+            assert value.startswith(("#", "data:")), value
+    style = as2.texts["style"][0]
+    assert "@import" not in style
+    assert "url(" not in style
+
+
+def test_ids_are_unique_and_what_refers_to_them_finds_them(as2: Page) -> None:
+    ids = [a["id"] for _, a in as2.elements if "id" in a]
+    assert [one for one, count in Counter(ids).items() if count > 1] == []
+    referred = re.findall(r"url\(#([^)]+)\)", page_of_as2())
+    for _, attributes in as2.elements:
+        referred += (attributes.get("aria-labelledby") or "").split()
+        if (attributes.get("href") or "").startswith("#"):
+            referred.append(str(attributes["href"])[1:])
+    assert set(referred) <= set(ids)
+
+
+def test_screen_readers_are_told_of_drawings_and_tables(as2: Page) -> None:
+    drawings = as2.of("svg")
+    assert len(drawings) >= 5
+    for drawing in drawings:
+        assert drawing["role"] == "img"
+        assert len((drawing["aria-labelledby"] or "").split()) == 2
+    assert all(head.get("scope") in ("row", "col") or head.get("aria-hidden")
+               for head in as2.of("th"))  # fmt: skip
+    assert as2.of("html") == [{"lang": "en"}]
+    levels = as2.headings()
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(b - a <= 1 for a, b in zip(levels, levels[1:], strict=False))
+
+
+def test_results_are_those_of_the_analysis(as2: Page) -> None:
+    assert as2.results()["analysis"] == json.loads(
+        json.dumps(analyse(AS2, shipped_mission()).to_dict())
+    )
+
+
+def test_same_inputs_give_the_same_page() -> None:
+    def undated(page: str) -> str:
+        return re.sub(r"\d{4}-\d\d-\d\d(.\d\d:\d\d:\d\d)?", "", page)
+
+    bird = aircraft("sky-sailor-2008")
+    first, second = (make_report(bird, mission(), uncertainty=False) for _ in range(2))
+    assert undated(first) == undated(second)
+
+
+def test_names_are_text() -> None:
+    evil = "<script>alert('a')</script>&amp;\"$x$"
+    bird = AS2.model_copy(update={"name": evil, "description": evil})
+    there = shipped_mission().model_copy(update={"name": evil, "description": evil})
+    page = Page(make_report(bird, there))
+    assert len(page.of("script")) == 1
+    assert page.results()["analysis"]["aircraft"] == evil
+    assert evil in page.texts["h1"]
+
+
+def test_polar_night_is_reported() -> None:
+    page = make_report(AS2, mission(latitude_deg=80.0, dates={"on": "12-21"}))
+    assert "does not fly perpetually" in page
+    assert "not enough alone" in page
+
+
+def test_climbing_missions_are_reported_without_maps() -> None:
+    page = Page(make_report(AS2, mission(climb={"ceiling_m": 800.0})))
+    keys = {section["id"] for section in page.of("section")}
+    assert "day" in keys
+    assert not {"season", "models", "margins"} & keys
+
+
+def test_uncertain_inputs_are_reported_where_a_file_has_them() -> None:
+    assert DESIGN.uncertainty is not None
+    page = Page(make_report(DESIGN, mission()))
+    assert "uncertainty" in {section["id"] for section in page.of("section")}
+    assert "uncertainty" in page.results()
+
+
+def test_command_writes_the_page_of_the_folder_of_a_sizing(run: Run, tmp_path: Path) -> None:
+    sized = run(
+        *("size", "atlantiksolar-design", "-m", "rafz-july", "--out", "sized"),
+        *("--sensitivities", "--json"),
+    )
+    assert sized.code == 0, sized.err
+    told = run("report", "sized", "--out", "report.html", "--no-uncertainty")
+    assert (told.code, told.out) == (0, "written to report.html\n"), told.err
+    page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+    results = page.results()
+    assert results["sizing"] == sized.json()
+    analysed = run("analyse", "sized", "--json")
+    assert results["analysis"] == analysed.json()
+    # Another mission is not what was sized.
+    told = run("report", "sized", "-m", "central-europe-summer", "--out", "r.html",
+               "--no-uncertainty")  # fmt: skip
+    assert told.code == 0
+    assert 'id="sizing"' not in (tmp_path / "r.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--out", "report.txt"), "must end in .html or .pdf"),
+        (("--out", "none/report.html"), "its folder does not exist"),
+        ((), "Missing option '--out'"),
+    ],
+)
+def test_wrong_files_are_refused_before_any_work(
+    run: Run, arguments: tuple[str, ...], told: str
+) -> None:
+    outcome = run("report", "atlantiksolar-as2", *arguments)
+    assert outcome.code in (1, 2)
+    assert told in outcome.err
+
+
+def test_without_weasyprint_a_pdf_is_refused(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("studies.report.pdf.has_weasyprint", lambda: False)
+    outcome = run("report", "atlantiksolar-as2", "--out", "report.html", "--pdf")
+    assert outcome.code == 2
+    assert "pip install weasyprint (the extra 'report')" in outcome.err
