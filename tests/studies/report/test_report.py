@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from collections import Counter
@@ -111,7 +112,7 @@ def test_screen_readers_are_told_of_drawings_and_tables(as2: Page) -> None:
     levels = as2.headings()
     assert levels[0] == 1
     assert levels.count(1) == 1
-    assert all(b - a <= 1 for a, b in zip(levels, levels[1:], strict=False))
+    assert all(b - a <= 1 for a, b in itertools.pairwise(levels))
 
 
 def test_results_are_those_of_the_analysis(as2: Page) -> None:
