@@ -6,10 +6,11 @@ from typing import Any
 
 import click
 
+from studies.cli.help_texts import command
 from studies.cli.options import mission_option, solar_options
 
 
-@click.command()
+@command("solar-uav report atlantiksolar-as2 -m rafz-july --out report.html")
 @click.argument("aircraft")
 @mission_option()
 @click.option(
