@@ -42,6 +42,7 @@ _COMMANDS = {
     "validate": _Lazy("files", "validate", "Everything that is wrong with files.", "Start"),
     "size": _Lazy("size", "size", "The best design for a mission.", "Design"),
     "sweep": _Lazy("sweep", "sweep", "Trade study: vary keys, judge or size.", "Design"),
+    "explore": _Lazy("explore", "explore", "Sliders for a design, on a local page.", "Design"),
     "analyse": _Lazy("analyse", "analyse", "How long it flies, there and then.", "Analyse"),
     "map": _Lazy("map", "map_", "Where and when it flies perpetually.", "Analyse"),
     "ceiling": _Lazy("ceiling", "ceiling", "How high it flies perpetually.", "Analyse"),

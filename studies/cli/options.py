@@ -204,7 +204,12 @@ required_time_option = click.option(
 
 
 def solar_options(command: Command) -> Command:
-    """Options of the solar power model, shared by all studies."""
+    """Options of the solar power model and ``--json``, shared by all studies."""
+    return json_option(model_options(command))
+
+
+def model_options(command: Command) -> Command:
+    """Options of the solar power model, and ``--set``."""
     for option in (
         set_option,
         click.option(
@@ -223,7 +228,6 @@ def solar_options(command: Command) -> Command:
             help="Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
             "module surfaces on the mission's flight path.",
         ),
-        json_option,
     ):
         command = option(command)
     return command

@@ -1,0 +1,61 @@
+"""The command ``solar-uav explore``."""
+
+from __future__ import annotations
+
+import click
+
+from studies.cli.options import EXIT_FAILED, mission_option, model_options
+
+_NEEDS = "explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
+
+
+@click.command()
+@click.argument("aircraft")
+@mission_option()
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    show_default=True,
+    help="Port on this machine; 0 for any that is free.",
+)
+@click.option("--no-browser", is_flag=True, help="Only print the address.")
+@model_options
+def explore(
+    aircraft: str,
+    mission: str,
+    port: int,
+    no_browser: bool,
+    model: str,
+    correction: str,
+    overrides: tuple[str, ...],
+) -> None:
+    """Explore AIRCRAFT (name, file or folder) with sliders, on a page of this machine."""
+    try:
+        import starlette  # noqa: F401
+        import uvicorn  # noqa: F401
+    except ImportError as error:
+        raise click.ClickException(_NEEDS.format(missing=error.name)) from None
+    from studies.cli.checks import refuse_climb, require_path
+    from studies.cli.files import load
+    from studies.explorer.serve import ADDRESS, bound_socket, serve
+    from studies.explorer.session import Session
+
+    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    refuse_climb(case, "explore")
+    require_path(case)
+    where = case.where.document.source.removesuffix(" (shipped)")
+    words = [aircraft, "-m", where, *(word for one in overrides for word in ("--set", one))]
+    session = Session(case.craft.document, case.where.document, case.solar, command=words)
+    try:
+        listening = bound_socket(port)
+    except OSError as error:
+        reason = f"cannot listen on {ADDRESS}:{port}: {error.strerror}; try --port 0"
+        click.echo(f"solar-uav: {reason}", err=True)
+        raise SystemExit(EXIT_FAILED) from None
+
+    def tell(address: str) -> None:
+        click.echo(address)  # which flushes, so that a program that started us can read it
+        click.echo(f"{case.title}; Ctrl-C ends it", err=True)
+
+    serve(session, listening, tell=tell, browser=not no_browser)

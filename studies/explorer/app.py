@@ -1,0 +1,247 @@
+"""Web application of the explorer: its page, and what the page asks for."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from importlib import resources
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+from starlette.types import ASGIApp
+
+from sizing.optimisation.objectives import Objective
+from studies.explorer.latest import Latest, SupersededError
+from studies.explorer.security import BodyTooLongError, Guard, error_body
+from studies.explorer.session import Session
+from studies.explorer.settings import Refusal, RefusedError, shown
+from studies.explorer.sizer import Sizer, SizerBusyError, SizerEndedError, SizingTask
+
+__all__ = ["Explorer"]
+
+_TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+_SEASONS = ("none", "coarse", "exact")
+_STATUS = {"refused": 422, "contradiction": 422, "impossible": 422}
+_LOOK_S = 0.2  # between two looks whether the page still waits for a sizing
+
+Answer = Callable[[Request, dict[str, Any]], Awaitable[Any]]
+
+
+class Explorer:
+    """The application, its thread that computes and its process that sizes.
+
+    Parameters
+    ----------
+    session : Session
+        What is explored.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.sizer = Sizer()
+        self._thread = ThreadPoolExecutor(1, "explorer")
+        self._sizing = ThreadPoolExecutor(2, "sizing")
+        self._latest = Latest(self._thread)
+        self._assets = _assets()
+
+    def application(self, *, port: int, token: str) -> ASGIApp:
+        """ASGI application for a port, guarded by a token.
+
+        Parameters
+        ----------
+        port : int
+            Where the server listens.
+        token : str
+            That requests must carry.
+        """
+        routes = [
+            Route("/api/alive", self._alive),
+            Route("/api/session", self._describe),
+            *(
+                Route(f"/api/{name}", partial(self._post, answer), methods=["POST"])
+                for name, answer in (
+                    ("view", self._view),
+                    ("size", self._size),
+                    ("files", self._files),
+                )
+            ),
+            Route("/{path:path}", self._asset),
+        ]
+        handlers: dict[Any, Any] = {HTTPException: _no_such, Exception: _broken}
+        return Guard(Starlette(routes=routes, exception_handlers=handlers), port=port, token=token)
+
+    def close(self) -> None:
+        """End the process and the threads."""
+        self.sizer.end()
+        self._thread.shutdown(wait=False, cancel_futures=True)
+        self._sizing.shutdown(wait=False, cancel_futures=True)
+
+    async def _asset(self, request: Request) -> Response:
+        name = request.path_params["path"] or "index.html"
+        if name not in self._assets:
+            raise HTTPException(404)
+        kind = _TYPES.get(name[name.rfind(".") :], "text/plain; charset=utf-8")
+        return Response(self._assets[name], media_type=kind)
+
+    async def _alive(self, request: Request) -> Response:
+        return _json({"alive": True})
+
+    async def _describe(self, request: Request) -> Response:
+        return _json(self.session.describe())
+
+    async def _post(self, answer: Answer, request: Request) -> Response:
+        """Answer with JSON; what is wrong with a request is told in words."""
+        try:
+            return _json(await answer(request, await _body(request)))
+        except RefusedError as error:
+            problems = [refusal.to_dict() for refusal in error.refusals]
+            return _error(_STATUS[error.kind], error.kind, str(error), problems)
+        except _MalformedError as error:
+            return _error(error.status, "malformed", str(error))
+        except BodyTooLongError:
+            return _error(413, "size", "the request is too long")
+        except SupersededError:
+            return _error(409, "superseded", "a later request of this page took its place")
+        except SizerBusyError as error:
+            return _error(409, "busy", str(error))
+        except SizerEndedError as error:
+            return _error(503, "ended", str(error))
+
+    async def _view(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
+        """Day curve, numbers and map of some settings."""
+        _only(body, "settings", "season", "client", "sequence")
+        season = _one_of(body, "season", _SEASONS)
+        client = body.get("client", "")
+        if not isinstance(client, str) or len(client) > 64:
+            raise RefusedError([Refusal("client", shown(client), "must be a short text")])
+        settings = self.session.settings(body.get("settings"))
+
+        def work() -> dict[str, Any]:
+            view = self.session.day(settings)
+            if season != "none":
+                view["season"] = self.session.season(settings, coarse=season == "coarse")
+            return view
+
+        return await self._latest.run(client, work) | {"sequence": shown(body.get("sequence"))}
+
+    async def _files(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
+        """Aircraft and mission as they stand, and the command that analyses them."""
+        _only(body, "settings")
+        settings = self.session.settings(body.get("settings"))
+        return self.session.saved(settings)
+
+    async def _size(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
+        """Best design for the point or the whole mission."""
+        _only(body, "settings", "objective", "scenarios")
+        names = tuple(one.value for one in Objective if not one.of_range)
+        objective = Objective(
+            _one_of({"objective": Objective.min_mass.value} | body, "objective", names)
+        )
+        every = _one_of(body, "scenarios", ("point", "mission")) == "mission"
+        settings = self.session.settings(body.get("settings"))
+        if self.session.measured:
+            message = self.session.describe()["cannot_size"]
+            raise RefusedError([Refusal("objective", objective.value, message)])
+        made = self.session.inputs(settings, every_scenario=every)
+        task = SizingTask(made.aircraft, made.mission, objective, made.solar)
+        loop = asyncio.get_running_loop()
+        running = loop.run_in_executor(self._sizing, self.sizer.size, task)
+        while not (await asyncio.wait({running}, timeout=_LOOK_S))[0]:
+            if await request.is_disconnected():
+                await loop.run_in_executor(None, self.sizer.end)
+        found = running.result()
+        if "error" in found:
+            raise RefusedError([Refusal("mission", None, found["error"])])
+        return found
+
+
+class _MalformedError(ValueError):
+    """A body that is not what it should be; ``status`` is that of the answer."""
+
+    def __init__(self, status: int, message: str) -> None:
+        self.status = status
+        super().__init__(message)
+
+
+def _assets() -> dict[str, bytes]:
+    """Files of the page by their path; there is no other way to a file."""
+    root = resources.files("studies.explorer") / "static"
+    found = {}
+    for folder, prefix in ((root, ""), (root / "vendor", "vendor/")):
+        for file in folder.iterdir():
+            if file.is_file():
+                found[prefix + file.name] = file.read_bytes()
+    return found
+
+
+async def _body(request: Request) -> dict[str, Any]:
+    """Body of a request as a JSON object."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind != "application/json":
+        raise _MalformedError(415, "the body must be application/json")
+
+    def refuse(name: str) -> None:
+        raise ValueError(f"{name} is not JSON")
+
+    try:
+        data = json.loads(await request.body(), parse_constant=refuse)
+    except BodyTooLongError:
+        raise
+    except (ValueError, RecursionError) as error:
+        words = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise _MalformedError(400, f"the body is no JSON: {words}") from None
+    if not isinstance(data, dict):
+        raise _MalformedError(400, "the body must be a JSON object")
+    return data
+
+
+def _only(body: dict[str, Any], *names: str) -> None:
+    """Refuse keys that mean nothing."""
+    unknown = [
+        Refusal(str(shown(key)), shown(value), "is not a key of this request", ", ".join(names))
+        for key, value in body.items()
+        if key not in names
+    ]
+    if unknown:
+        raise RefusedError(unknown)
+
+
+def _one_of(body: dict[str, Any], key: str, names: tuple[str, ...]) -> str:
+    """Name among some; the first where none is given."""
+    value = body.get(key, names[0])
+    if value not in names:
+        raise RefusedError([Refusal(key, shown(value), "is not one of them", ", ".join(names))])
+    return str(value)
+
+
+def _json(record: Any) -> Response:
+    return Response(json.dumps(record, allow_nan=False), media_type="application/json")
+
+
+def _error(
+    status: int, kind: str, message: str, problems: list[dict[str, Any]] | None = None
+) -> Response:
+    body = error_body(kind, message, problems)
+    return Response(body, status_code=status, media_type="application/json")
+
+
+async def _no_such(request: Request, error: Exception) -> Response:
+    status = error.status_code if isinstance(error, HTTPException) else 404
+    words = "there is no such page" if status == 404 else "this method is not allowed here"
+    return _error(status, "address", words)
+
+
+async def _broken(request: Request, error: Exception) -> Response:
+    return _error(500, "internal", "the explorer made a mistake; its terminal says which")

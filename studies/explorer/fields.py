@@ -1,0 +1,249 @@
+"""What the explorer lets one change: its fields, with unit, allowed range and reason if fixed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, MeasuredAirframe, Range
+from sizing.design import ImpossibleDesignError, design_of
+from sizing.parameters import parameter, parameter_value
+from sizing.sunlight import SolarModel
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES
+
+__all__ = ["DAY", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
+
+LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
+
+Group = Literal["place", "design", "payload", "technology", "requirement"]
+
+# Field -> group and step, in the order of the page; numbers between two steps are allowed as well.
+_GROUPS: dict[Group, dict[str, float]] = {
+    "place": {LATITUDE: 0.1, DAY: 1.0, "mission.clearness": 0.01},
+    "design": {
+        "airframe.wingspan_m": 0.01,
+        "airframe.aspect_ratio": 0.1,
+        "airframe.aerodynamics.lift_coefficient": 0.01,
+        "battery.mass_kg": 0.01,
+        "modules.area_m2": 0.01,
+    },
+    "payload": {"mission.payload.mass_kg": 0.01, "mission.payload.power_w": 0.1},
+    "technology": {"modules.efficiency_stc": 0.001, "battery.specific_energy_wh_per_kg": 1.0},
+    "requirement": {"mission.required_excess_time_h": 0.1},
+}
+_DESIGN_SPACE = {
+    "airframe.wingspan_m": "wingspan_m",
+    "airframe.aspect_ratio": "aspect_ratio",
+    "airframe.aerodynamics.lift_coefficient": "lift_coefficient",
+    "battery.mass_kg": "battery_mass_kg",
+    "modules.area_m2": "module_area_m2",
+}
+_MEASURED = "mass and power of this airframe are measured, not modelled: they know of no other "
+_SLIDER_FROM, _SLIDER_TO = 0.3, 2.5  # of a design variable's first value, for a sensitive slider
+_PAYLOAD_OF_MASS, _PAYLOAD_OF_LOAD = 0.5, 1.0  # of total mass and load: far ends of the sliders
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number that can be changed.
+
+    Attributes
+    ----------
+    key : str
+        In the aircraft's file, or behind ``mission.`` in the mission's.
+    group : str
+        Where it stands on the page.
+    label, unit : str
+        For people; the unit is empty for a number without one.
+    value : float
+        At the start.
+    minimum, maximum : float
+        Range that is allowed, ends included.
+    slider : tuple of float
+        Ends of the slider, within that range.
+    step : float
+        Of the slider.
+    fixed : str
+        Why it cannot be changed; empty if it can.
+    """
+
+    key: str
+    group: Group
+    label: str
+    unit: str
+    value: float
+    minimum: float
+    maximum: float
+    slider: tuple[float, float]
+    step: float
+    fixed: str = ""
+
+    @property
+    def whole(self) -> bool:
+        """Whether only whole numbers are allowed."""
+        return self.key == DAY
+
+    @property
+    def allowed(self) -> str:
+        """Range in words."""
+        kind = "a whole number" if self.whole else "a number"
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{kind} from {self.minimum:g} to {self.maximum:g}{unit}"
+
+
+@dataclass(frozen=True)
+class Option:
+    """A name that may be chosen; ``reason`` says why it may not, if so."""
+
+    name: str
+    label: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A name among some.
+
+    Attributes
+    ----------
+    key, label, value
+        As for :class:`Field`.
+    options : tuple of Option
+    """
+
+    key: str
+    label: str
+    value: str
+    options: tuple[Option, ...]
+
+    @property
+    def allowed(self) -> str:
+        """Names that may be chosen."""
+        return ", ".join(option.name for option in self.options if not option.reason)
+
+
+_MODEL_LABELS = {
+    "CDM": "CDM – constant efficiencies",
+    "CAM": "CAM – light, angle and temperature",
+    "VM": "VM – attitude on the path",
+    "FM": "FM – full model",
+}
+_CORRECTION_LABELS = {
+    "none": "none",
+    "report": "report – as one flight measured it",
+    "loiter": "loiter – full model on the path",
+}
+
+
+def fields_of(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, at: tuple[float, int]
+) -> dict[str, Field | Choice]:
+    """Fields of an aircraft on a mission, by key.
+
+    Parameters
+    ----------
+    aircraft, mission
+        As their files describe them.
+    solar : SolarModel
+        Model and correction at the start.
+    at : (float, int)
+        Latitude [deg] and day of year at the start.
+
+    Returns
+    -------
+    dict
+        In the order of the page.
+    """
+    found: dict[str, Field | Choice] = {f.key: f for f in _numbers(aircraft, mission, at)}
+    for choice in _choices(aircraft, mission, solar):
+        found[choice.key] = choice
+    return found
+
+
+def _numbers(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:
+    ends = _payload_ends(aircraft, mission)
+    for group, keys in _GROUPS.items():
+        for key, step in keys.items():
+            if key == LATITUDE:
+                yield Field(key, group, "latitude", "°", at[0], -90.0, 90.0, (-90.0, 90.0), step)
+            elif key == DAY:
+                yield Field(key, group, "day of year", "", float(at[1]), 1.0, 365.0, (1, 365), step)
+            else:
+                value = parameter_value(aircraft, mission, key)
+                if value is not None:
+                    yield _number(aircraft, key, group, value, step, ends)
+
+
+def _number(
+    aircraft: Aircraft,
+    key: str,
+    group: Group,
+    value: float,
+    step: float,
+    ends: dict[str, float],
+) -> Field:
+    known = parameter(key)
+    minimum, maximum = min(known.minimum, value), max(known.maximum, value)
+    slider = (minimum, maximum)
+    name = _DESIGN_SPACE.get(key)
+    space = getattr(aircraft.design_space, name) if name else None
+    if isinstance(space, Range) and not isinstance(aircraft.airframe, MeasuredAirframe):
+        minimum, maximum = min(minimum, space.minimum), max(maximum, space.maximum)
+    if name is not None:
+        low, high = _round(_SLIDER_FROM * value, math.floor), _round(_SLIDER_TO * value, math.ceil)
+        slider = (max(low, minimum), min(high, maximum))
+    elif key in ends:
+        slider = (minimum, min(max(_round(ends[key], math.ceil), value), maximum))
+    unit = "" if known.unit == "1" else known.unit.replace("m2", "m²").replace("deg", "°")
+    fixed = ""
+    if isinstance(aircraft.airframe, MeasuredAirframe) and key in (
+        "airframe.wingspan_m",
+        "airframe.aspect_ratio",
+    ):
+        fixed = _MEASURED + known.label
+    return Field(
+        *(key, group, known.label, unit, value, minimum, maximum, slider, step), fixed=fixed
+    )
+
+
+def _payload_ends(aircraft: Aircraft, mission: Mission) -> dict[str, float]:
+    """Far ends of the payload's sliders, about what such an aircraft may carry and feed."""
+    try:
+        design = design_of(aircraft, mission)
+    except ImpossibleDesignError:
+        return {}
+    return {
+        "mission.payload.mass_kg": _PAYLOAD_OF_MASS * float(design.total_mass_kg),
+        "mission.payload.power_w": _PAYLOAD_OF_LOAD * float(design.nominal_load_w(mission)),
+    }
+
+
+def _round(value: float, rounded: Any) -> float:
+    """Number of two digits next to a positive one."""
+    if value <= 0.0:
+        return 0.0
+    scale = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{rounded(value / scale - 1e-9) * scale:.6g}")
+
+
+def _choices(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Sequence[Choice]:
+    lacking = ""
+    if aircraft.modules.geometry is None:
+        lacking = "needs the module surfaces: modules.geometry of the aircraft"
+    elif mission.flight_path is None:
+        lacking = "needs a flight path: flight_path of the mission"
+    models = tuple(
+        Option(name, _MODEL_LABELS[name], lacking if name in ATTITUDE_MODELS else "")
+        for name in MODEL_NAMES
+    )
+    corrections = tuple(
+        Option(name, _CORRECTION_LABELS[name], lacking if name == "loiter" else "")
+        for name in CORRECTION_NAMES
+    )
+    return (
+        Choice("model", "solar power model", solar.model, models),
+        Choice("correction", "correction of its systematic error", solar.correction, corrections),
+    )

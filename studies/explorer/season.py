@@ -1,0 +1,156 @@
+"""Map of the explorer: excess time over latitude and day, with the light kept for the next one.
+
+Light does not depend on the design: it is computed once for each technology of modules, air and
+solar power model, and multiplied by the module area. Models that follow the flight path take
+milliseconds for each cell; their map is filled a few latitudes at a time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.performance import performance
+from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
+from solar.names import ATTITUDE_MODELS
+from solar.types import FloatArray
+
+__all__ = ["COARSE_STEP_H", "SeasonMaps", "follows_path"]
+
+# Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.
+COARSE_STEP_H = 0.25
+LATITUDES_DEG = np.arange(-90.0, 91.0, 5.0)
+DAYS = np.arange(1, 366, 8)
+_DAYS_ON_PATH = np.arange(1, 366, 16)
+# Keys of the mission that light knows of; the rest of it changes the load alone.
+_KEYS_OF_LIGHT = (
+    "altitude_m",
+    "air",
+    "clear_sky",
+    "clearness",
+    "uncertainty_margins",
+    "wind_m_per_s",
+    "wind_from_deg",
+    "flight_path",
+)
+_KEPT = 6  # lights, of 4 MB at most each
+_TURN_S = 0.12  # of filling a slow map, before others have their turn
+
+
+def follows_path(solar: SolarModel) -> bool:
+    """Whether light is averaged over the flight path, which takes long."""
+    return solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
+
+
+class _Key(NamedTuple):
+    """All that the light of a map depends on."""
+
+    modules: Hashable
+    air: Hashable
+    solar: SolarModel
+    step_h: float
+
+
+@dataclass
+class _Light:
+    """Light of the rows of a map that are known, in their order; ``None`` before the first."""
+
+    rows: list[int]
+    day: SolarDay | None = None
+
+    def add(self, row: int, day: SolarDay) -> None:
+        """Take another row."""
+        self.rows.append(row)
+        self.day = day if self.day is None else SolarDay.joined([self.day, day])
+
+
+class SeasonMaps:
+    """Maps of one aircraft and its variations; the light of the last few is kept."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[_Key, _Light] = OrderedDict()
+
+    def excess_time(
+        self, aircraft: Aircraft, mission: Mission, solar: SolarModel, *, coarse: bool
+    ) -> dict[str, Any]:
+        """Excess time in every cell that is known.
+
+        Parameters
+        ----------
+        aircraft, mission
+            What flies, in which air, with which load; the mission's own place plays no part.
+        solar : SolarModel
+            Model and correction.
+        coarse : bool
+            Use steps of a quarter of an hour; slow models always do.
+
+        Returns
+        -------
+        dict
+            ``latitudes_deg``, ``days``, ``step_h`` and ``excess_time_h``: rows of hours to three
+            decimals, null where it is unlimited; a row that is not yet known is null. ``complete``
+            says whether there is none of these.
+        """
+        on_path = follows_path(solar)
+        step_h = COARSE_STEP_H if coarse or on_path else DEFAULT_STEP_H
+        days = _DAYS_ON_PATH if on_path else DAYS
+        light = self._light_of(aircraft, mission, solar, step_h)
+
+        def lit(latitudes_deg: FloatArray) -> SolarDay:
+            latitude, day = np.meshgrid(latitudes_deg, days, indexing="ij")
+            cells = Scenarios(latitude.ravel(), day.ravel())
+            return solar_day(aircraft, mission, solar, scenarios=cells, step_h=step_h)
+
+        if on_path:
+            _fill(light, lit)
+        elif light.day is None:
+            light.rows, light.day = list(range(len(LATITUDES_DEG))), lit(LATITUDES_DEG)
+        rows: list[list[float | None] | None] = [None] * len(LATITUDES_DEG)
+        found = performance(aircraft, mission, solar, day=light.day, keep_trajectory=False)
+        hours = found.cycle.excess_time_h.reshape(len(light.rows), len(days))
+        for row, values in zip(light.rows, hours, strict=True):
+            rows[row] = [round(v, 3) if isfinite(v) else None for v in values.tolist()]
+        return {
+            "latitudes_deg": LATITUDES_DEG.tolist(),
+            "days": days.tolist(),
+            "step_h": step_h,
+            "excess_time_h": rows,
+            "complete": len(light.rows) == len(rows),
+        }
+
+    def _light_of(
+        self, aircraft: Aircraft, mission: Mission, solar: SolarModel, step_h: float
+    ) -> _Light:
+        """Light that is kept, or room for it."""
+        modules = aircraft.modules.model_copy(update={"area_m2": 1.0})
+        key = _Key(modules, tuple(getattr(mission, k) for k in _KEYS_OF_LIGHT), solar, step_h)
+        light = self._kept.setdefault(key, _Light([]))
+        self._kept.move_to_end(key)
+        while len(self._kept) > _KEPT:
+            self._kept.popitem(last=False)
+        return light
+
+
+def _fill(light: _Light, lit: Callable[[FloatArray], SolarDay]) -> None:
+    """Add rows that are missing, as many as a turn allows and at least one."""
+    end = time.monotonic() + _TURN_S
+    for row in _spread(len(LATITUDES_DEG)):
+        if row in light.rows:
+            continue
+        light.add(row, lit(LATITUDES_DEG[row : row + 1]))
+        if time.monotonic() > end:
+            return
+
+
+def _spread(count: int) -> list[int]:
+    """Numbers below a count, every eighth first: a part of them covers the whole evenly."""
+    order = [number for stride in (8, 4, 2, 1) for number in range(0, count, stride)]
+    return list(dict.fromkeys(order))

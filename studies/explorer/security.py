@@ -1,0 +1,191 @@
+"""Who may talk to the explorer: pages of its own address that know the token, and nobody else.
+
+A server on this machine can be reached by every page that a browser has open, and by every user of
+the machine. Therefore each request names this server in ``Host`` (a foreign name that resolves to
+127.0.0.1 is refused), comes from its own pages (``Origin``), and carries the token that was printed
+when it started: in the cookie that the first page sets, or as ``Authorization: Bearer``.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import Callable
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qs
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+__all__ = ["MAXIMUM_BODY_BYTES", "Guard", "error_body", "new_token"]
+
+MAXIMUM_BODY_BYTES = 16_384
+_MAXIMUM_QUERY_BYTES = 512
+_HEADERS = {
+    # Scripts, styles and data from here alone; nothing may frame the page or send it elsewhere.
+    "content-security-policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+    "permissions-policy": "camera=(), microphone=(), geolocation=()",
+    "cache-control": "no-store",
+}
+
+
+def new_token() -> str:
+    """Random token of 256 bits."""
+    return secrets.token_urlsafe(32)
+
+
+def error_body(kind: str, message: str, problems: list[dict[str, Any]] | None = None) -> bytes:
+    """Error as the page and scripts read it.
+
+    Parameters
+    ----------
+    kind : str
+        What sort of error, in one word.
+    message : str
+        For people.
+    problems : list of dict, optional
+        Field, value, message and what is allowed, of each field that is wrong.
+
+    Returns
+    -------
+    bytes
+        JSON.
+    """
+    record = {"kind": kind, "message": message, "problems": problems or []}
+    return json.dumps({"error": record}).encode()
+
+
+class Guard:
+    """ASGI application that lets only the page's own requests through to another one.
+
+    Parameters
+    ----------
+    app : ASGIApp
+        What is guarded.
+    port : int
+        Where the server listens.
+    token : str
+        That every request must carry.
+    """
+
+    def __init__(self, app: ASGIApp, *, port: int, token: str) -> None:
+        self._app, self._token = app, token.encode()
+        self._hosts = {f"{name}:{port}".encode() for name in ("127.0.0.1", "localhost")}
+        self._origins = {b"http://" + host for host in self._hosts}
+        # Cookies do not know of ports: two explorers must not take each other's.
+        self.cookie = f"solar-uav-{port}"
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Check a request, and answer it."""
+        if scope["type"] != "http":
+            return  # neither web sockets nor a lifespan
+        headers: dict[bytes, list[bytes]] = {}
+        for name, value in scope["headers"]:
+            headers.setdefault(name.lower(), []).append(value)
+        refused = self._refused(scope, headers)
+        first_page = scope["path"] == "/" and self._in_query(scope)
+
+        async def guarded_send(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                kept = [(k, v) for k, v in message.get("headers", []) if k not in _OURS]
+                kept += [(k.encode(), v.encode()) for k, v in _HEADERS.items()]
+                if first_page and refused is None:
+                    value = f"{self.cookie}={self._token.decode()}; Path=/; HttpOnly; "
+                    kept.append((b"set-cookie", f"{value}SameSite=Strict".encode()))
+                message = {**message, "headers": kept}
+            await send(message)
+
+        if refused is not None:
+            await _answer(guarded_send, *refused)
+            return
+        await self._app(scope, _limited(receive), guarded_send)
+
+    def _refused(
+        self, scope: Scope, headers: dict[bytes, list[bytes]]
+    ) -> tuple[int, str, str] | None:
+        """Status, kind and words of a refusal; None for a request that may pass."""
+        hosts, origins = headers.get(b"host", []), headers.get(b"origin", [])
+        if len(hosts) != 1 or hosts[0].lower() not in self._hosts:
+            allowed = ", ".join(sorted(h.decode() for h in self._hosts))
+            return 403, "host", f"this server answers to {allowed} alone"
+        reads = scope["method"] in ("GET", "HEAD")
+        if len(origins) > 1 or any(o.lower() not in self._origins for o in origins):
+            return 403, "origin", "requests of other pages are refused"
+        if not reads and not origins:
+            return 403, "origin", "a request that is not GET needs the header Origin of this server"
+        if len(scope.get("query_string", b"")) > _MAXIMUM_QUERY_BYTES:
+            return 414, "size", f"a query has at most {_MAXIMUM_QUERY_BYTES} bytes"
+        if not self._knows_token(scope, headers):
+            return (
+                403,
+                "token",
+                "the token is missing or wrong: open the address that solar-uav explore printed",
+            )
+        lengths = headers.get(b"content-length", [])
+        if any(not length.isdigit() or int(length) > MAXIMUM_BODY_BYTES for length in lengths):
+            return 413, "size", f"a request has at most {MAXIMUM_BODY_BYTES} bytes"
+        return None
+
+    def _knows_token(self, scope: Scope, headers: dict[bytes, list[bytes]]) -> bool:
+        given = []
+        for value in headers.get(b"authorization", []):
+            scheme, _, token = value.partition(b" ")
+            given += [token.strip()] if scheme.lower() == b"bearer" else []
+        for value in headers.get(b"cookie", []):
+            given += _cookies(value, self.cookie)
+        if scope["path"] == "/":
+            given += _tokens(scope)
+        return any(secrets.compare_digest(one, self._token) for one in given)
+
+    def _in_query(self, scope: Scope) -> bool:
+        return any(secrets.compare_digest(one, self._token) for one in _tokens(scope))
+
+
+_OURS = {name.encode() for name in _HEADERS}
+
+
+def _tokens(scope: Scope) -> list[bytes]:
+    query = parse_qs(scope.get("query_string", b"").decode("latin-1"), max_num_fields=10)
+    return [value.encode() for value in query.get("token", [])]
+
+
+def _cookies(header: bytes, name: str) -> list[bytes]:
+    try:
+        found = SimpleCookie(header.decode("latin-1")).get(name)
+    except CookieError:
+        return []
+    return [] if found is None else [found.value.encode()]
+
+
+def _limited(receive: Receive) -> Receive:
+    """Stream of a request's body that ends where it grows too long, whatever its header says."""
+    taken = 0
+
+    async def limited() -> Message:
+        nonlocal taken
+        message = await receive()
+        taken += len(message.get("body", b""))
+        if taken > MAXIMUM_BODY_BYTES:
+            raise BodyTooLongError
+        return message
+
+    return limited
+
+
+class BodyTooLongError(ValueError):
+    """A body is longer than its header said, or than is allowed."""
+
+
+async def _answer(send: Callable[[Message], Any], status: int, kind: str, words: str) -> None:
+    body = error_body(kind, words)
+    headers = [(b"content-type", b"application/json"), (b"content-length", b"%d" % len(body))]
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,107 @@
+"""The explorer's server: on this machine alone, until Ctrl-C."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import webbrowser
+from collections.abc import Callable
+
+import uvicorn
+
+from studies.explorer.app import Explorer
+from studies.explorer.security import new_token
+from studies.explorer.session import Session
+
+__all__ = ["ADDRESS", "bound_socket", "configured", "serve"]
+
+ADDRESS = "127.0.0.1"
+
+
+def bound_socket(port: int) -> socket.socket:
+    """Socket that listens on this machine.
+
+    Parameters
+    ----------
+    port : int
+        0 for any that is free.
+
+    Raises
+    ------
+    OSError
+        If the port is taken, or not ours to take.
+    """
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        # A port that a server left a moment ago may be taken again at once.
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind((ADDRESS, port))
+        listening.listen(64)
+    except OSError:
+        listening.close()
+        raise
+    return listening
+
+
+def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
+    """Server of an explorer, not yet running.
+
+    Parameters
+    ----------
+    explorer : Explorer
+        What answers.
+    port : int
+        Where it will listen.
+    token : str
+        That requests must carry.
+
+    Returns
+    -------
+    uvicorn.Server
+    """
+    return uvicorn.Server(
+        uvicorn.Config(
+            explorer.application(port=port, token=token),
+            http="h11",  # the same limits whatever else is installed
+            log_level="error",
+            access_log=False,
+            lifespan="off",
+            ws="none",
+            server_header=False,
+            date_header=False,
+            proxy_headers=False,
+            timeout_graceful_shutdown=1,
+            limit_concurrency=64,
+            h11_max_incomplete_event_size=16_384,
+        )
+    )
+
+
+def serve(
+    session: Session, listening: socket.socket, *, tell: Callable[[str], None], browser: bool
+) -> None:
+    """Serve the page until a signal ends it.
+
+    Parameters
+    ----------
+    session : Session
+        What is explored.
+    listening : socket
+        Of :func:`bound_socket`.
+    tell : callable
+        Called with the address of the page.
+    browser : bool
+        Whether to open it.
+    """
+    port, token = listening.getsockname()[1], new_token()
+    explorer = Explorer(session)
+    server = configured(explorer, port=port, token=token)
+    address = f"http://{ADDRESS}:{port}/?token={token}"
+    tell(address)
+    if browser:
+        # Finding a browser may take a while, and the page has to be answered meanwhile.
+        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    try:
+        server.run(sockets=[listening])
+    finally:
+        explorer.close()

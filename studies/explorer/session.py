@@ -1,0 +1,347 @@
+"""Explorer without a server: from the settings of a page to its day curve, map, sizing and files.
+
+What is computed is what the command line computes: settings become files of an aircraft and a
+mission, as ``--set`` would change them, and these are analysed and sized.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missions.dates import date_code
+from missions.files.errors import InputError
+from missions.files.overrides import with_overrides
+from missions.files.validation import validate
+from missions.files.writing import to_yaml
+from missions.files.yaml import Document
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import ImpossibleDesignError
+from sizing.optimisation.objectives import Objective
+from sizing.parameters import MISSION_PREFIX
+from sizing.results.analysis import Analysis, analyse
+from sizing.results.analysis_summary import settling_line
+from sizing.sunlight import SolarModel
+from solar._version import __version__
+from studies.explorer.fields import DAY, LATITUDE, Choice, Field, fields_of
+from studies.explorer.season import SeasonMaps
+from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
+
+__all__ = ["Inputs", "Session"]
+
+_PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Settings as files: what is computed from, and what is saved.
+
+    Attributes
+    ----------
+    aircraft, mission
+        Validated.
+    aircraft_file, mission_file : Document
+        Data of their files.
+    solar : SolarModel
+        Model and correction.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    aircraft_file: Document
+    mission_file: Document
+    solar: SolarModel
+
+
+class Session:
+    """An aircraft on a mission, and every change that the page can make to them.
+
+    Parameters
+    ----------
+    aircraft_file, mission_file : Document
+        Files as they were read, overrides applied; validated here.
+    solar : SolarModel
+        Model and correction at the start.
+    command : sequence of str, optional
+        How the command line names both, for the command that the page shows.
+
+    Raises
+    ------
+    InputError
+        If a file is not valid.
+    """
+
+    def __init__(
+        self,
+        aircraft_file: Document,
+        mission_file: Document,
+        solar: SolarModel | None = None,
+        *,
+        command: Sequence[str] | None = None,
+    ) -> None:
+        self.aircraft = validate(aircraft_file, Aircraft)
+        self.mission = validate(mission_file, Mission)
+        self.solar = SolarModel() if solar is None else solar
+        self._files = aircraft_file, mission_file
+        names = [document.source.removesuffix(" (shipped)") for document in self._files]
+        self.command = [names[0], "-m", names[1]] if command is None else list(command)
+        self._maps = SeasonMaps()
+        # The scenario that is hardest to fly is where the page begins.
+        start = analyse(
+            self.aircraft,
+            self.mission.model_copy(update={"climb": None}),
+            model=self.solar.model,
+            correction=self.solar.correction,
+            replay=False,
+        )
+        scenarios = start.performance.day.scenarios
+        self.scenarios = [scenarios.label(i) for i in range(len(scenarios))]
+        at = (
+            float(scenarios.latitude_deg[start.worst]),
+            int(scenarios.day_of_year[start.worst]),
+        )
+        self.fields: dict[str, Field | Choice] = fields_of(
+            self.aircraft, self.mission, self.solar, at
+        )
+
+    @property
+    def measured(self) -> bool:
+        """Whether the airframe is measured, so that it cannot be sized."""
+        return isinstance(self.aircraft.airframe, MeasuredAirframe)
+
+    def describe(self) -> dict[str, Any]:
+        """What the page is built from, JSON-ready: names, fields, choices and objectives."""
+        objectives = [
+            {
+                "name": one.value,
+                "label": f"{'largest' if one.maximised else 'least'} {one.label}",
+                "unit": "" if one.unit == "1" else one.unit,
+            }
+            for one in Objective
+            if not one.of_range
+        ]
+        return {
+            "version": __version__,
+            "command": self.command,
+            "aircraft": {
+                "name": self.aircraft.name,
+                "description": self.aircraft.description,
+                "measured": self.measured,
+            },
+            "mission": {
+                "name": self.mission.name,
+                "description": self.mission.description,
+                "scenarios": self.scenarios,
+            },
+            "fields": [
+                {**vars(field), "whole": field.whole, "allowed": field.allowed}
+                for field in self.fields.values()
+                if isinstance(field, Field)
+            ],
+            "choices": [
+                {**vars(choice), "options": [vars(option) for option in choice.options]}
+                for choice in self.fields.values()
+                if isinstance(choice, Choice)
+            ],
+            "objectives": objectives,
+            "cannot_size": (
+                "a measured airframe cannot be sized: its mass does not follow from its geometry"
+                if self.measured
+                else ""
+            ),
+        }
+
+    def settings(self, data: object = None) -> Settings:
+        """Check what a page sent: see :func:`studies.explorer.settings.read_settings`."""
+        return read_settings({} if data is None else data, self.fields)
+
+    def inputs(self, settings: Settings, *, every_scenario: bool = False) -> Inputs:
+        """Aircraft and mission of settings, as their files would be.
+
+        Parameters
+        ----------
+        settings : Settings
+        every_scenario : bool
+            Keep latitudes and dates of the mission's file instead of the single point.
+
+        Returns
+        -------
+        Inputs
+
+        Raises
+        ------
+        RefusedError
+            If values contradict each other or the rules of the files.
+        """
+        changed = {
+            key: value
+            for key, value in settings.values.items()
+            if value != self.fields[key].value and key not in _PLACE
+        }
+        of_mission: dict[str, Any] = {
+            key.removeprefix(MISSION_PREFIX): value
+            for key, value in changed.items()
+            if key.startswith(MISSION_PREFIX)
+        }
+        if not every_scenario:
+            of_mission |= self._moved(settings)
+        of_aircraft = {k: v for k, v in changed.items() if not k.startswith(MISSION_PREFIX)}
+        try:
+            crafts = with_overrides(self._files[0], of_aircraft)
+            wheres = with_overrides(self._files[1], of_mission)
+            aircraft, mission = validate(crafts, Aircraft), validate(wheres, Mission)
+        except InputError as error:
+            raise RefusedError(_refusals(error, settings), "contradiction") from None
+        return Inputs(aircraft, mission, crafts, wheres, settings.solar)
+
+    def _moved(self, settings: Settings) -> dict[str, Any]:
+        """Values that move the mission to a point; none where it is there already."""
+        unmoved = all(settings.values[key] == self.fields[key].value for key in _PLACE)
+        if unmoved and len(self.scenarios) == 1:
+            return {}
+        place = {
+            "latitude_deg": settings.latitude_deg,
+            "dates": {"on": date_code(settings.day_of_year)},
+        }
+        # The mission's launch is one at its own place and day.
+        return place if self.mission.launch is None else {**place, "launch": None}
+
+    def analysis(self, settings: Settings) -> Analysis:
+        """Analysis of the point, as ``solar-uav analyse`` makes it.
+
+        Raises
+        ------
+        RefusedError
+            If values contradict each other, or the aircraft cannot carry its own mass.
+        """
+        made = self.inputs(settings)
+        solar = made.solar
+        try:
+            return analyse(
+                *(made.aircraft, made.mission),
+                model=solar.model,
+                correction=solar.correction,
+                replay=False,
+            )
+        except ImpossibleDesignError as error:
+            raise RefusedError([Refusal("design", None, str(error))], "impossible") from None
+        except ValueError as error:  # a path that the wind does not let be flown
+            raise RefusedError([Refusal("model", solar.model, str(error))]) from None
+
+    def day(self, settings: Settings) -> dict[str, Any]:
+        """Day curve and numbers of the point, JSON-ready.
+
+        Parameters
+        ----------
+        settings : Settings
+
+        Returns
+        -------
+        dict
+            ``curve``: ``time_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` over solar
+            time, to five digits; ``numbers``: what ``solar-uav analyse --json`` prints;
+            ``headline`` and ``notes`` in words.
+
+        Raises
+        ------
+        RefusedError
+            As :meth:`analysis`.
+        """
+        found = self.analysis(settings)
+        perf, record = found.performance, found.to_dict()
+        del record["scenarios"]
+        notes = [one.text for one in found.extrapolations]
+        slow = settling_line(found)
+        charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
+        return {
+            "curve": {
+                "time_h": _digits(perf.day.time_h),
+                "solar_power_w": _digits(perf.solar_power_w[0]),
+                "load_w": _digits(perf.load_w[0]),
+                "state_of_charge": _digits(charge),
+            },
+            "numbers": record,
+            "headline": found.headline(),
+            "notes": notes if slow is None else [slow, *notes],
+        }
+
+    def season(self, settings: Settings, *, coarse: bool = False) -> dict[str, Any]:
+        """Map of excess time over latitude and day of year.
+
+        Parameters
+        ----------
+        settings : Settings
+        coarse : bool
+            As for :meth:`studies.explorer.season.SeasonMaps.excess_time`, which says what comes
+            back.
+
+        Raises
+        ------
+        RefusedError
+            As :meth:`analysis`.
+        """
+        made = self.inputs(settings)
+        try:
+            return self._maps.excess_time(made.aircraft, made.mission, made.solar, coarse=coarse)
+        except ImpossibleDesignError as error:
+            raise RefusedError([Refusal("design", None, str(error))], "impossible") from None
+        except ValueError as error:
+            raise RefusedError([Refusal("model", made.solar.model, str(error))]) from None
+
+    def saved(self, settings: Settings) -> dict[str, Any]:
+        """Files of :meth:`files`, with names for them and the command that analyses them.
+
+        Raises
+        ------
+        RefusedError
+            As :meth:`inputs`.
+        """
+        name = re.sub(r"[^A-Za-z0-9_.-]+", "-", self.aircraft.name).strip("-.")[:60] or "aircraft"
+        names = {"aircraft": f"{name}-explored.yaml", "mission": f"{name}-explored-mission.yaml"}
+        solar = settings.solar
+        words = ["solar-uav", "analyse", names["aircraft"], "--mission", names["mission"]]
+        words += ["--model", solar.model, "--correction", solar.correction]
+        texts = self.files(settings)
+        return {
+            "command": shlex.join(words),
+            "files": [{"name": names[kind], "text": text} for kind, text in texts.items()],
+        }
+
+    def files(self, settings: Settings) -> dict[str, str]:
+        """Text of the two files as they stand, by ``aircraft`` and ``mission``.
+
+        Raises
+        ------
+        RefusedError
+            As :meth:`inputs`.
+        """
+        made = self.inputs(settings)
+        head = f"# Written by solar-uav {__version__} explore from"
+        return {
+            kind: f"{head} {document.source}\n{to_yaml(document.data)}"
+            for kind, document in (
+                ("aircraft", made.aircraft_file),
+                ("mission", made.mission_file),
+            )
+        }
+
+
+def _digits(values: Any) -> list[float]:
+    """Numbers to five digits: more than a screen has pixels."""
+    return [float(f"{value:.5g}") for value in np.asarray(values).tolist()]
+
+
+def _refusals(error: InputError, settings: Settings) -> list[Refusal]:
+    """Mistakes by the field of the page that they belong to."""
+    found = []
+    for problem in error.problems:
+        named = [k for k in settings.values if k.removeprefix(MISSION_PREFIX) == problem.key]
+        key = named[0] if named else problem.key
+        found.append(Refusal(key, settings.values.get(key), problem.message))
+    return found

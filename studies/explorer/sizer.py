@@ -1,0 +1,177 @@
+"""Sizing in a process of its own: one at a time, ended when nobody waits for it any more.
+
+CasADi's solver is not safe in two threads of a process, and cannot be interrupted in one.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import threading
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any, NamedTuple
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.sunlight import SolarModel
+
+__all__ = ["Sizer", "SizerBusyError", "SizerEndedError", "SizingTask", "sizing_record"]
+
+LONGEST_S = 180.0
+
+
+class SizingTask(NamedTuple):
+    """What is to be sized, for what."""
+
+    aircraft: Aircraft
+    mission: Mission
+    objective: Objective
+    solar: SolarModel
+
+
+class SizerBusyError(RuntimeError):
+    """Another sizing is running."""
+
+
+class SizerEndedError(RuntimeError):
+    """The sizing was ended, took too long, or its process died."""
+
+
+class Sizer:
+    """The process, started with the first sizing and kept for the next."""
+
+    def __init__(self, longest_s: float = LONGEST_S) -> None:
+        self._longest_s = longest_s
+        self._busy, self._starting = threading.Lock(), threading.Lock()
+        self._process: multiprocessing.process.BaseProcess | None = None
+        self._pipe: Connection | None = None
+
+    def size(self, task: SizingTask) -> dict[str, Any]:
+        """Size, and wait for it.
+
+        Parameters
+        ----------
+        task : SizingTask
+
+        Returns
+        -------
+        dict
+            Of :func:`sizing_record`, or ``error``: a text that says why there is none.
+
+        Raises
+        ------
+        SizerBusyError
+            If another thread is at it.
+        SizerEndedError
+            If :meth:`end` was called meanwhile, or the time was up.
+        """
+        if not self._busy.acquire(blocking=False):
+            raise SizerBusyError("another sizing is running; wait for it, or cancel it")
+        try:
+            pipe = self._started()
+            pipe.send(task)
+            if not pipe.poll(self._longest_s):
+                raise SizerEndedError(f"no answer within {self._longest_s:g} s")
+            answer: dict[str, Any] = pipe.recv()
+        except (EOFError, OSError) as error:
+            raise SizerEndedError("the sizing was cancelled, or its process ended") from error
+        except BaseException:
+            self.end()
+            raise
+        else:
+            return answer
+        finally:
+            self._busy.release()
+
+    def end(self) -> None:
+        """End the process, in the middle of a sizing if need be; the next starts another one."""
+        with self._starting:
+            process, self._process, self._pipe = self._process, None, None
+        if process is not None:
+            process.kill()
+            process.join()
+
+    def _started(self) -> Connection:
+        with self._starting:
+            if self._process is None or not self._process.is_alive() or self._pipe is None:
+                context = multiprocessing.get_context("spawn")
+                self._pipe, theirs = context.Pipe()
+                self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
+                self._process.start()
+                theirs.close()  # so that the end of the process ends the pipe
+            return self._pipe
+
+
+def _serve(pipe: Connection) -> None:
+    """Work of the process: a sizing for each task, until the other end is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's, which ends this one
+    with suppress(EOFError, OSError):
+        while True:
+            task: SizingTask = pipe.recv()
+            try:
+                answer = sizing_record(task)
+            except ValueError as error:
+                answer = {"error": str(error)}
+            pipe.send(answer)
+
+
+def sizing_record(task: SizingTask) -> dict[str, Any]:
+    """Size in this process.
+
+    Parameters
+    ----------
+    task : SizingTask
+
+    Returns
+    -------
+    dict
+        ``feasible``, ``status``, ``headline`` and ``text`` (what the command line prints);
+        ``record``, what ``solar-uav size --json`` prints; ``limits``, ``missed`` and
+        ``relaxations`` in words; ``values``, the optimum by the keys of the page, and its
+        ``worst_scenario``; both null without an optimum.
+
+    Raises
+    ------
+    ValueError
+        For what cannot be sized at all, such as a scenario without sun.
+    """
+    from sizing.results.sizing import size
+
+    dark = task.mission.scenarios().in_polar_night()
+    if dark.any():
+        where = task.mission.scenarios().label(int(dark.argmax()))
+        raise ValueError(f"polar night: the sun never rises at {where}, so that no design flies")
+    study = size(
+        *(task.aircraft, task.mission, task.objective),
+        model=task.solar.model,
+        correction=task.solar.correction,
+    )
+    record = study.to_dict()
+    values = None
+    if study.design is not None:
+        chosen = study.design.variables
+        payload = study.sized_mission().payload
+        values = {
+            "airframe.wingspan_m": chosen.wingspan_m,
+            "airframe.aspect_ratio": chosen.aspect_ratio,
+            "battery.mass_kg": chosen.battery_mass_kg,
+            "modules.area_m2": chosen.module_area_m2,
+            "mission.payload.mass_kg": payload.mass_kg,
+            "mission.payload.power_w": payload.power_w,
+        }
+        if chosen.lift_coefficient is not None:
+            values["airframe.aerodynamics.lift_coefficient"] = chosen.lift_coefficient
+    return {
+        "feasible": study.feasible,
+        "status": study.status.label,
+        "headline": study.headline(),
+        "text": str(study),
+        "record": record,
+        "limits": list(study.result.active_constraints),
+        "missed": [one.text for one in study.result.violations],
+        "relaxations": record.get("relaxations", []),
+        "values": values,
+        "worst_scenario": record["worst_scenario"],
+    }

@@ -1,0 +1,165 @@
+// Day curve: solar power, load and state of charge over solar time; the starting design dashed.
+
+import { clock, element, fixed } from "./format.js";
+
+const SERIES = [
+  ["solar_power_w", "solar power", "--solar", "W"],
+  ["load_w", "load", "--load", "W"],
+  ["state_of_charge", "state of charge", "--charge", "%"],
+];
+const NICE = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
+
+function ceiling(value) {
+  const scale = 10 ** Math.floor(Math.log10(Math.max(value, 1)));
+  return scale * NICE.find((n) => n * scale >= value * 1.02);
+}
+
+/** Chart in an element; `readout` shows the values under the pointer. */
+export class Day {
+  constructor(holder, legend, readout, words) {
+    Object.assign(this, { holder, readout, words, legend });
+    for (const [, label, colour] of SERIES) {
+      const key = element("i", { className: "key", "aria-hidden": "true" });
+      key.dataset.colour = colour.slice(2);
+      legend.append(element("span", {}, key, label));
+    }
+    this.ghostKey = element(
+      "span",
+      { hidden: true },
+      element("i", { className: "key dashed", "aria-hidden": "true" }),
+      "start",
+    );
+    legend.append(this.ghostKey);
+    new ResizeObserver(() => this.fit()).observe(holder);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.restyle());
+  }
+
+  /** Draw a view, and that of the start where it differs. */
+  show(view, first, ghost) {
+    this.view = view;
+    this.ghostKey.hidden = !ghost;
+    const percent = (values) => values.map((v) => 100 * v);
+    const columns = (c) => [c.solar_power_w, c.load_w, percent(c.state_of_charge)];
+    const none = view.curve.time_h.map(() => null);
+    const behind = ghost ? columns(first.curve) : [none, none, none];
+    this.data = [view.curve.time_h, ...behind, ...columns(view.curve)];
+    const highest = (curve) => Math.max(...curve.solar_power_w, ...curve.load_w);
+    this.top = ceiling(Math.max(highest(view.curve), ghost ? highest(first.curve) : 0));
+    if (this.chart) this.chart.setData(this.data);
+    else this.restyle();
+  }
+
+  restyle() {
+    if (!this.data) return;
+    this.chart?.destroy();
+    this.chart = new uPlot(this.options(), this.data, this.holder);
+  }
+
+  size() {
+    return { width: Math.max(this.holder.clientWidth, 200), height: Math.max(this.holder.clientHeight, 120) };
+  }
+
+  fit() {
+    if (!this.chart) return;
+    const { width, height } = this.size();
+    if (width !== this.chart.width || height !== this.chart.height) this.chart.setSize({ width, height });
+  }
+
+  options() {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name) => style.getPropertyValue(name).trim();
+    const font = `11px ${style.getPropertyValue("--sans")}`;
+    const line = (name, scale, more) => ({ scale, stroke: colour(name), width: 2, points: { show: false }, ...more });
+    const ghost = (name, scale) =>
+      line(`${name}-ghost`, scale, { width: 1.25, dash: [5, 4] });
+    const axis = (more) => ({
+      font,
+      labelFont: font,
+      stroke: colour("--muted"),
+      grid: { stroke: colour("--grid"), width: 1 },
+      ticks: { stroke: colour("--grid"), width: 1, size: 4 },
+      ...more,
+    });
+    return {
+      ...this.size(),
+      padding: [8, 0, 0, 0],
+      legend: { show: false },
+      cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 } },
+      scales: {
+        x: { time: false, range: [0, 24] },
+        W: { range: () => [0, this.top] },
+        "%": { range: [0, 100] },
+      },
+      series: [
+        {},
+        ghost("--solar", "W"),
+        ghost("--load", "W"),
+        ghost("--charge", "%"),
+        line("--solar", "W", { fill: colour("--solar-fill") }),
+        line("--load", "W"),
+        line("--charge", "%"),
+      ],
+      axes: [
+        axis({ splits: (chart) => Array.from({ length: chart.width < 480 ? 5 : 9 }, (_, i) => (chart.width < 480 ? 6 : 3) * i), values: (_, at) => at.map(clock), size: 26, gap: 4 }),
+        axis({ scale: "W", size: 46, gap: 4, values: (_, at) => at.map((v, i) => (i === at.length - 1 ? `${v} W` : v)) }),
+        axis({ scale: "%", side: 1, size: 46, gap: 4, grid: { show: false }, splits: () => [0, 25, 50, 75, 100], values: (_, at) => at.map((v) => `${v} %`) }),
+      ],
+      hooks: {
+        drawClear: [(chart) => this.night(chart, colour("--night"))],
+        draw: [(chart) => this.instants(chart, colour("--muted"))],
+        setCursor: [(chart) => this.read(chart)],
+      },
+    };
+  }
+
+  /** Night behind the curves. */
+  night(chart, colour) {
+    const { sunrise_h: rise, sunset_h: set, solar_energy_wh: energy } = this.view.numbers;
+    const { ctx, bbox } = chart;
+    const dark = rise === null || (energy === 0 && rise === set) ? [[0, energy > 0 ? 0 : 24]] : [[0, rise], [set, 24]];
+    ctx.save();
+    ctx.fillStyle = colour;
+    for (const [from, to] of dark) {
+      const left = chart.valToPos(from, "x", true);
+      ctx.fillRect(left, bbox.top, chart.valToPos(to, "x", true) - left, bbox.height);
+    }
+    ctx.restore();
+  }
+
+  /** Instants of equal power, as dots on the load. */
+  instants(chart, colour) {
+    const n = this.view.numbers;
+    const { ctx } = chart;
+    ctx.save();
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = 1.5 * devicePixelRatio;
+    for (const at of [n.equal_power_morning_h, n.equal_power_evening_h]) {
+      if (at === null) continue;
+      ctx.beginPath();
+      ctx.arc(chart.valToPos(at, "x", true), chart.valToPos(n.power_out_w, "W", true), 4 * devicePixelRatio, 0, 7);
+      ctx.stroke();
+    }
+    ctx.restore();
+  }
+
+  read(chart) {
+    const i = chart.cursor.idx;
+    if (i === null || i === undefined || chart.cursor.left < 0) {
+      this.readout.textContent = "";
+      return;
+    }
+    const at = (row) => this.data[row][i];
+    const watts = (v) => `${fixed(v, v < 100 ? 1 : 0)} W`;
+    this.readout.textContent = `${clock(at(0))}  solar ${watts(at(4))} \u00b7 load ${watts(at(5))} \u00b7 charge ${fixed(at(6), 1)} %`;
+  }
+
+  /** Say the curve in words, once it rests. */
+  say() {
+    const n = this.view.numbers;
+    const peak = Math.max(...this.view.curve.solar_power_w);
+    this.words.textContent =
+      `Solar power peaks at ${fixed(peak, 0)} W, the load is ${fixed(n.power_out_w, 1)} W. ` +
+      `Equal power at ${clock(n.equal_power_morning_h)} and ${clock(n.equal_power_evening_h)} solar time; ` +
+      `battery full at ${clock(n.full_charge_h)}, least charge ${fixed(100 * n.minimum_state_of_charge, 1)} %.`;
+  }
+}

@@ -1,0 +1,221 @@
+// The explorer: settings change, the server is asked, the page is drawn.
+
+import { Gone, live as api } from "./api.js";
+import { Controls } from "./controls.js";
+import { Day } from "./day.js";
+import { element } from "./format.js";
+import { Numbers } from "./numbers.js";
+import { Season } from "./season.js";
+import { Sizing } from "./sizing.js";
+import { State } from "./state.js";
+
+const REST_MS = 160; // without a change, before the map is computed exactly
+const RETRY_MS = 2000;
+const LOOK_MS = 5000;
+const $ = (id) => document.getElementById(id);
+const root = document.documentElement;
+
+// The token has become a cookie; it need not stay in the address and the history.
+if (new URLSearchParams(location.search).has("token")) {
+  history.replaceState(null, "", location.pathname + location.hash);
+}
+
+/** Whether the server is there, and what to do about it. */
+class Connection {
+  constructor(pill, back) {
+    Object.assign(this, { pill, back, there: true });
+    setInterval(() => {
+      if (this.there && document.visibilityState === "visible") this.look();
+    }, LOOK_MS);
+    document.addEventListener("visibilitychange", () => this.look());
+  }
+
+  async look() {
+    try {
+      await api.alive();
+      this.found();
+    } catch (error) {
+      this.lost(error);
+    }
+  }
+
+  found() {
+    if (this.there) return;
+    this.there = true;
+    this.pill.textContent = "";
+    $("notice").hidden = true;
+    root.classList.remove("gone");
+    this.back();
+  }
+
+  lost(error) {
+    const gone = error instanceof Gone;
+    if (!gone && error.status !== 403) return;
+    this.there = false;
+    root.classList.add("gone");
+    this.pill.textContent = "not connected";
+    $("notice").textContent = gone
+      ? "The explorer has ended or cannot be reached. The page keeps its settings and goes on by itself as soon as the server is back."
+      : "Another explorer answers here, with another token. Open the address that it printed; this page then goes on by itself.";
+    $("notice").hidden = false;
+    clearTimeout(this.retry);
+    this.retry = setTimeout(() => this.look(), RETRY_MS);
+  }
+}
+
+/** Asks for views: one at a time, the latest settings next, answers to older jumps dropped. */
+class Live {
+  constructor(state, draw, refuse, connection) {
+    Object.assign(this, { state, draw, refuse, connection, sequence: 0, generation: 0 });
+    state.addEventListener("change", (event) => {
+      if (event.detail.how !== "move") this.generation += 1;
+      this.want("coarse");
+    });
+  }
+
+  want(season) {
+    this.wanted = season;
+    root.dataset.rest = "false";
+    clearTimeout(this.rest);
+    this.next();
+  }
+
+  async next() {
+    if (this.asking || !this.wanted || !this.connection.there) return;
+    const season = this.wanted;
+    const { generation } = this;
+    this.wanted = undefined;
+    this.asking = true;
+    this.sequence += 1;
+    let drawn;
+    try {
+      const view = await api.view(this.state.changes(), season, this.sequence);
+      if (generation === this.generation) {
+        this.draw(view, season);
+        drawn = view;
+      }
+    } catch (error) {
+      if (error instanceof Gone || error.status === 403) this.connection.lost(error);
+      else if (error.kind !== "superseded" && generation === this.generation) {
+        this.refuse(error);
+        root.dataset.rest = "true";
+      }
+    }
+    this.asking = false;
+    if (this.wanted) this.next();
+    else if (drawn && (season === "coarse" || !drawn.season.complete)) {
+      this.rest = setTimeout(() => {
+        this.wanted ??= "exact";
+        this.next();
+      }, season === "coarse" ? REST_MS : 0);
+    } else if (drawn) root.dataset.rest = "true";
+  }
+}
+
+async function begin() {
+  const session = await api.session();
+  const state = new State(session);
+  const first = await api.view({}, "none", 0);
+  $("aircraft-name").textContent = session.aircraft.name;
+  $("mission-name").textContent = session.mission.name;
+  $("aircraft-name").title = session.aircraft.description;
+  $("mission-name").title = session.mission.description;
+  $("version").textContent = `solar-uav ${session.version}`;
+  document.title = `${session.aircraft.name} on ${session.mission.name} \u2013 solar-uav explore`;
+
+  const controls = new Controls($("controls"), state);
+  const numbers = new Numbers($("numbers"), $("verdict-title"), $("verdict-text"));
+  const day = new Day($("day"), $("day-legend"), $("day-readout"), $("day-words"));
+  const season = new Season($("season"), $("season-readout"), $("season-legend"), $("season-detail"), state);
+  new Sizing($("sizing"), $("sizing-result"), session, state, api);
+
+  const draw = (view, detail) => {
+    controls.forgive();
+    root.classList.remove("stale");
+    const sentence = numbers.show(view, first, state.values["mission.required_excess_time_h"]);
+    day.show(view, first, Object.keys(state.changes()).length > 0);
+    if (view.season) season.show(view.season);
+    $("notes").replaceChildren(...view.notes.map((note) => element("li", {}, note)));
+    $("notes").hidden = !view.notes.length;
+    if (detail === "exact") {
+      $("announce").textContent = sentence;
+      day.say();
+    }
+    root.dataset.sequence = view.sequence;
+    root.dataset.season = detail;
+    document.dispatchEvent(new CustomEvent("explorer:drawn", { detail: { sequence: view.sequence, season: detail } }));
+  };
+  const refuse = (error) => {
+    controls.forgive();
+    root.classList.add("stale");
+    for (const problem of error.problems) {
+      controls.complain(problem.field, problem.allowed ? `${problem.message}: ${problem.allowed}` : problem.message);
+    }
+    const heads = { impossible: "Cannot fly", contradiction: "Not possible", refused: "Not possible" };
+    numbers.refuse(heads[error.kind] ?? "Not computed", error.problems[0]?.message ?? error.message);
+    $("announce").textContent = error.message;
+  };
+  const connection = new Connection($("connection"), () => asked.want("coarse"));
+  const asked = new Live(state, draw, refuse, connection);
+
+  const follow = () => {
+    season.draw();
+    $("reset").disabled = !Object.keys(state.changes()).length;
+    command(session, state);
+  };
+  state.addEventListener("change", follow);
+  follow();
+  addEventListener("popstate", () => state.restore());
+  addEventListener("hashchange", () => state.restore());
+  $("reset").addEventListener("click", () => state.reset());
+  $("save").addEventListener("click", () => save(state));
+  $("copy").addEventListener("click", async () => {
+    await navigator.clipboard.writeText($("command").textContent);
+    $("copy").textContent = "Copied";
+    setTimeout(() => ($("copy").textContent = "Copy"), 1500);
+  });
+  asked.want("coarse");
+}
+
+/** Command line of what is seen. */
+function command(session, state) {
+  const quote = (text) => (/^[\w./=-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+  const words = ["solar-uav", "analyse", ...session.command];
+  const several = session.mission.scenarios.length > 1;
+  for (const [key, option] of [["mission.latitude_deg", "--latitude"], ["mission.day_of_year", "--day-of-year"]]) {
+    if (several || state.values[key] !== state.start[key]) words.push(option, String(state.values[key]));
+  }
+  for (const [key, value] of Object.entries(state.changes())) {
+    if (state.fields.has(key) && !(key === "mission.latitude_deg" || key === "mission.day_of_year")) {
+      words.push("--set", `${key}=${value}`);
+    }
+  }
+  for (const key of state.choices.keys()) {
+    const usual = { model: "CAM", correction: "none" }[key];
+    if (state.values[key] !== usual || state.start[key] !== usual) words.push(`--${key}`, state.values[key]);
+  }
+  $("command").textContent = words.map(quote).join(" ");
+}
+
+async function save(state) {
+  let saved;
+  try {
+    saved = await api.files(state.changes());
+  } catch (error) {
+    $("announce").textContent = error.message;
+    return;
+  }
+  $("save-command").textContent = saved.command;
+  const links = saved.files.map(({ name, text }) => {
+    const href = URL.createObjectURL(new Blob([text], { type: "application/yaml" }));
+    return element("a", { className: "button", href, download: name }, name);
+  });
+  $("save-files").replaceChildren(...links);
+  $("save-dialog").showModal();
+  $("save-dialog").addEventListener("close", () => links.forEach((link) => URL.revokeObjectURL(link.href)), { once: true });
+}
+
+begin().catch((error) => {
+  $("notice").hidden = false;
+  $("notice").textContent = error instanceof Gone ? "The explorer does not answer." : error.message;
+});

@@ -1,0 +1,78 @@
+// Verdict and numbers, each beside that of the starting design.
+
+import { clock, date, element, fixed, hours, latitude } from "./format.js";
+
+const UNLIMITED = "unlimited";
+const flies = (n) => n.status === "perpetual" || n.status === "always_lit";
+
+// Label, text of a record, whether more is better (null: neither).
+const NUMBERS = [
+  ["excess time", (n) => (n.status === "always_lit" ? UNLIMITED : hours(n.excess_time_h))],
+  ["charge margin", (n) => hours(n.charge_margin_h)],
+  ["min. charge", (n) => `${fixed(100 * n.minimum_state_of_charge, 1)} %`],
+  ["endurance", (n) => (flies(n) ? UNLIMITED : hours(n.endurance_h, "over a year"))],
+  ["total mass", (n) => `${fixed(n.total_mass_kg, 2)} kg`],
+  ["load", (n) => `${fixed(n.power_out_w, 1)} W`],
+  ["battery", (n) => `${fixed(n.battery_energy_wh, 0)} Wh`],
+  ["solar energy", (n) => `${fixed(n.solar_energy_wh, 0)} Wh`],
+  ["airspeed", (n) => (n.airspeed_m_per_s === null ? "\u2013" : `${fixed(n.airspeed_m_per_s, 1)} m/s`)],
+  ["full at", (n) => clock(n.full_charge_h)],
+];
+
+/** Mood, state and sentence of a record, for a requirement [h]. */
+export function verdict(n, required) {
+  const where = `${latitude(n.latitude_deg)}, ${date(n.day_of_year)}`;
+  const { excess_time_low_h: low, excess_time_high_h: high, solar_power_rms_relative: rms } = n.uncertainty;
+  const error = `one RMS error of ${n.model} (${Math.round(100 * rms)} %)`;
+  const unlimited = low === null && high === null;
+  const spread = `With ${error} the excess time is ${hours(low, UNLIMITED)} to ${hours(high, UNLIMITED)}`;
+  if (n.status === "always_lit") {
+    return ["good", "Always lit", `${where}. Solar power never falls below the load.${unlimited ? "" : ` ${spread}.`}`];
+  }
+  if (n.status === "never_lit") return ["bad", "No sun", `${where}. There is no solar power all day.`];
+  if (!flies(n)) {
+    return ["bad", "Limited flight", `${where}. ${hours(-n.excess_time_h)} of each day lack energy. ${spread}.`];
+  }
+  if (n.excess_time_h < required) {
+    const lack = hours(required - n.excess_time_h);
+    return ["edge", "Perpetual, below requirement", `${where}. ${lack} of excess time are missing. ${spread}.`];
+  }
+  const edge = low !== null && low <= 0;
+  return [edge ? "edge" : "good", edge ? "Perpetual, on the edge" : "Perpetual flight", `${where}. ${spread}.`];
+}
+
+/** Verdict and numbers on the page. */
+export class Numbers {
+  constructor(list, title, text) {
+    Object.assign(this, { list, title, text, cells: [] });
+    for (const [label] of NUMBERS) {
+      const value = element("dd", {}, "\u2013");
+      const start = element("dd", { className: "was" });
+      list.append(element("div", {}, element("dt", {}, label), value, start));
+      this.cells.push([value, start]);
+    }
+  }
+
+  /** Show a view beside that of the start; returns the sentence for screen readers. */
+  show(view, first, required) {
+    const [mood, state, sentence] = verdict(view.numbers, required);
+    this.title.textContent = state;
+    this.title.dataset.mood = mood;
+    this.text.textContent = sentence;
+    NUMBERS.forEach(([label, text], i) => {
+      const [value, start] = this.cells[i];
+      const now = text(view.numbers);
+      const was = text(first.numbers);
+      value.textContent = now;
+      start.textContent = now === was ? "" : `start ${was}`;
+    });
+    return `${state}. Excess time ${NUMBERS[0][1](view.numbers)}.`;
+  }
+
+  /** Tell why there are no numbers. */
+  refuse(state, words) {
+    this.title.textContent = state;
+    this.title.dataset.mood = "bad";
+    this.text.textContent = words;
+  }
+}

@@ -1,0 +1,219 @@
+// Map of excess time over day of year and latitude; pointer and arrow keys move the point.
+
+import { MINUS, MONTHS, MONTH_STARTS, date, element, hours, latitude } from "./format.js";
+
+// ColorBrewer BrBG, readable with any colour vision: brown is limited, green perpetual.
+const BANDS = [
+  [-Infinity, [140, 81, 10]],
+  [-12, [191, 129, 45]],
+  [-6, [223, 194, 125]],
+  [-3, [246, 232, 195]],
+  [0, [199, 234, 229]],
+  [3, [128, 205, 193]],
+  [6, [53, 151, 143]],
+  [9, [1, 102, 94]],
+  [Infinity, [0, 60, 48]],
+];
+const UNLIMITED = 48; // stands for it in the interpolation; never shown as a number
+const LATITUDE = "mission.latitude_deg";
+const DAY = "mission.day_of_year";
+const MARGIN = { left: 40, right: 8, top: 6, bottom: 20 };
+
+function colourOf(value) {
+  if (value >= 24) return BANDS[8][1];
+  let i = 7;
+  while (i > 0 && value < BANDS[i][0]) i -= 1;
+  return BANDS[i][1];
+}
+
+/** Map in an element with a canvas. */
+export class Season {
+  constructor(holder, readout, legend, detail, state) {
+    Object.assign(this, { holder, readout, detail, state });
+    this.canvas = holder.querySelector("canvas");
+    this.image = document.createElement("canvas");
+    this.legend(legend);
+    new ResizeObserver(() => this.draw()).observe(holder);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    holder.addEventListener("pointerdown", (event) => this.press(event));
+    holder.addEventListener("pointermove", (event) => this.hover(event));
+    holder.addEventListener("pointerup", () => this.release());
+    holder.addEventListener("pointercancel", () => this.release());
+    holder.addEventListener("pointerleave", () => this.read(null));
+    holder.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  legend(holder) {
+    const labels = [`< ${MINUS}12`, `${MINUS}12`, `${MINUS}6`, `${MINUS}3`, "0", "3", "6", "9 h", "unlimited"];
+    BANDS.forEach(([, colour], i) => {
+      const swatch = element("i");
+      swatch.style.background = `rgb(${colour})`;
+      holder.append(element("span", {}, swatch, labels[i]));
+    });
+  }
+
+  /** Take a map; rows that are not known yet stay empty. */
+  show(map) {
+    this.map = map;
+    this.paint();
+    this.draw();
+    const step = Math.round(60 * map.step_h);
+    this.detail.textContent = map.complete
+      ? step > 5 ? `steps of ${step} min` : ""
+      : `filling, ${Math.round((100 * map.excess_time_h.filter(Boolean).length) / map.excess_time_h.length)} %`;
+  }
+
+  /** Value between cells, linear; undefined where it is not known. */
+  at(day, lat) {
+    const { latitudes_deg: lats, days, excess_time_h: rows } = this.map;
+    const place = (axis, v) => {
+      const x = Math.min(Math.max((v - axis[0]) / (axis[1] - axis[0]), 0), axis.length - 1);
+      const i = Math.min(Math.floor(x), axis.length - 2);
+      return [i, x - i];
+    };
+    let [r, s] = place(lats, lat);
+    const [c, t] = place(days, day);
+    let [low, high] = [rows[r], rows[r + 1]];
+    if (!low && !high) return undefined;
+    low ??= high;
+    high ??= low;
+    const v = (row, k) => row[k] ?? UNLIMITED;
+    return (1 - s) * ((1 - t) * v(low, c) + t * v(low, c + 1)) + s * ((1 - t) * v(high, c) + t * v(high, c + 1));
+  }
+
+  /** Bands of the map as an image of its own, a pixel for half a day. */
+  paint() {
+    const [width, height] = [365, 181];
+    this.image.width = width * 2;
+    this.image.height = height * 2;
+    const context = this.image.getContext("2d");
+    const pixels = context.createImageData(width * 2, height * 2);
+    let k = 0;
+    for (let y = 0; y < height * 2; y += 1) {
+      for (let x = 0; x < width * 2; x += 1, k += 4) {
+        const value = this.at(1 + x / 2, 90 - y / 2);
+        if (value === undefined) continue;
+        const colour = colourOf(value);
+        pixels.data[k] = colour[0];
+        pixels.data[k + 1] = colour[1];
+        pixels.data[k + 2] = colour[2];
+        pixels.data[k + 3] = 255;
+      }
+    }
+    context.putImageData(pixels, 0, 0);
+  }
+
+  frame() {
+    const { clientWidth: w, clientHeight: h } = this.holder;
+    return { x: MARGIN.left, y: MARGIN.top, w: w - MARGIN.left - MARGIN.right, h: h - MARGIN.top - MARGIN.bottom };
+  }
+
+  draw() {
+    const { clientWidth: width, clientHeight: height } = this.holder;
+    if (!width || !height) return;
+    const ratio = devicePixelRatio || 1;
+    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
+      this.canvas.width = Math.round(width * ratio);
+      this.canvas.height = Math.round(height * ratio);
+    }
+    const c = this.canvas.getContext("2d");
+    c.setTransform(ratio, 0, 0, ratio, 0, 0);
+    c.clearRect(0, 0, width, height);
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name) => style.getPropertyValue(name).trim();
+    const f = this.frame();
+    c.fillStyle = colour("--grid");
+    c.fillRect(f.x, f.y, f.w, f.h);
+    if (this.map) c.drawImage(this.image, f.x, f.y, f.w, f.h);
+    c.font = `11px ${colour("--sans")}`;
+    c.fillStyle = colour("--muted");
+    c.textAlign = "center";
+    c.textBaseline = "top";
+    const x = (day) => f.x + (f.w * (day - 1)) / 364;
+    const y = (lat) => f.y + (f.h * (90 - lat)) / 180;
+    const letters = f.w < 330;
+    MONTHS.forEach((month, i) => {
+      const middle = x(MONTH_STARTS[i] + 15);
+      c.fillText(letters ? month[0] : month, middle, f.y + f.h + 6);
+    });
+    c.strokeStyle = "rgba(0, 0, 0, 0.18)";
+    c.lineWidth = 1;
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    for (const lat of [-60, -30, 0, 30, 60]) {
+      const at = Math.round(y(lat)) + 0.5;
+      c.beginPath();
+      c.moveTo(f.x, at);
+      c.lineTo(f.x + f.w, at);
+      c.stroke();
+      c.fillText(lat === 0 ? "0°" : `${Math.abs(lat)}° ${lat < 0 ? "S" : "N"}`, f.x - 5, at);
+    }
+    const { start, values } = this.state;
+    if (start[DAY] !== values[DAY] || start[LATITUDE] !== values[LATITUDE]) {
+      this.mark(c, x(start[DAY]), y(start[LATITUDE]), 3.5, 1.5);
+    }
+    this.mark(c, x(values[DAY]), y(values[LATITUDE]), 6, 2.5);
+  }
+
+  /** Ring that is seen on any colour. */
+  mark(c, x, y, radius, width) {
+    for (const [stroke, extra] of [["#fff", 2.5], ["#111", 0]]) {
+      c.beginPath();
+      c.arc(x, y, radius, 0, 7);
+      c.strokeStyle = stroke;
+      c.lineWidth = width + extra;
+      c.stroke();
+    }
+  }
+
+  place(event) {
+    const box = this.holder.getBoundingClientRect();
+    const f = this.frame();
+    const share = (v) => Math.min(Math.max(v, 0), 1);
+    const day = Math.round(1 + 364 * share((event.clientX - box.left - f.x) / f.w));
+    const lat = Math.round(10 * (90 - 180 * share((event.clientY - box.top - f.y) / f.h))) / 10;
+    return { [DAY]: day, [LATITUDE]: lat };
+  }
+
+  press(event) {
+    if (event.button !== 0) return;
+    this.holder.setPointerCapture(event.pointerId);
+    this.pressed = true;
+    this.state.set(this.place(event), "move");
+  }
+
+  hover(event) {
+    const at = this.place(event);
+    if (this.pressed) this.state.set(at, "move");
+    this.read(at);
+  }
+
+  release() {
+    if (!this.pressed) return;
+    this.pressed = false;
+    this.state.set({});
+  }
+
+  read(at) {
+    if (!at || !this.map) {
+      this.readout.textContent = "";
+      return;
+    }
+    const value = this.at(at[DAY], at[LATITUDE]);
+    const text = value === undefined ? "" : value >= 24 ? "unlimited" : hours(value);
+    this.readout.textContent = `${date(at[DAY])}, ${latitude(at[LATITUDE])}  ${text}`;
+  }
+
+  key(event) {
+    const by = event.shiftKey ? 10 : 1;
+    const moves = { ArrowLeft: [-by, 0], ArrowRight: [by, 0], ArrowUp: [0, by], ArrowDown: [0, -by] };
+    const move = moves[event.key];
+    if (!move || event.altKey || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    const { values } = this.state;
+    const day = ((values[DAY] - 1 + move[0] + 365) % 365) + 1;
+    const lat = Math.min(Math.max(Math.round(10 * (values[LATITUDE] + move[1])) / 10, -90), 90);
+    this.state.set({ [DAY]: day, [LATITUDE]: lat });
+    this.read({ [DAY]: day, [LATITUDE]: lat });
+  }
+}

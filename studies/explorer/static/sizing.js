@@ -1,0 +1,144 @@
+// Sizing: the best design, what limits it, and what would help where there is none.
+
+import { element, spoken, stepped } from "./format.js";
+import { Gone } from "./api.js";
+
+const REQUIRED = "mission.required_excess_time_h";
+
+const list = (title, items) =>
+  items.length
+    ? [element("h3", {}, title), element("ul", {}, ...items.map((item) => element("li", {}, item)))]
+    : [];
+/** Names of requirements as words. */
+const words = (name) => name.replaceAll("_", " ");
+
+/** Form and result of sizings. */
+export class Sizing {
+  constructor(form, result, session, state, api) {
+    Object.assign(this, { form, result, state, api });
+    const why = session.cannot_size;
+    const field = state.fields.get(REQUIRED);
+    this.objective = element("select", { id: "objective" });
+    for (const one of session.objectives) {
+      this.objective.append(element("option", { value: one.name, selected: one.name === "min_mass" }, one.label));
+    }
+    this.scenarios = element("select", { id: "scenarios" });
+    this.scenarios.append(element("option", { value: "point" }, "the point shown"));
+    const several = session.mission.scenarios.length;
+    if (several > 1) {
+      this.scenarios.append(element("option", { value: "mission", selected: true }, `the mission's ${several} scenarios`));
+    }
+    this.required = element("input", {
+      type: "number", id: "required", step: "any", min: field.minimum, max: field.maximum,
+      inputMode: "decimal", title: field.allowed,
+    });
+    this.required.addEventListener("change", () => {
+      const value = Number(this.required.value);
+      if (this.required.value.trim() !== "" && this.required.checkValidity()) state.set({ [REQUIRED]: value });
+      else this.required.reportValidity();
+    });
+    this.go = element("button", { type: "submit", className: "main" }, "Size it");
+    this.ask = element("button", { type: "button" }, "Why not?");
+    this.stop = element("button", { type: "button", hidden: true }, "Cancel");
+    const labelled = (text, input, unit = "") =>
+      element("div", { className: "line" }, element("label", { htmlFor: input.id }, text), input, element("span", { className: "unit" }, unit));
+    form.append(
+      labelled("find the", this.objective),
+      labelled("for", this.scenarios),
+      labelled("required excess time", this.required, "h"),
+      element("div", { className: "line buttons" }, this.go, this.ask, this.stop),
+    );
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.run(true);
+    });
+    this.ask.addEventListener("click", () => this.run(false));
+    this.stop.addEventListener("click", () => this.abort?.abort());
+    state.addEventListener("change", () => this.show());
+    this.show();
+    if (why) {
+      for (const input of [this.objective, this.scenarios, this.go, this.ask]) input.disabled = true;
+      result.append(element("p", {}, `${why[0].toUpperCase()}${why.slice(1)}.`));
+    }
+  }
+
+  show() {
+    this.required.value = stepped(this.state.values[REQUIRED], 0.01);
+  }
+
+  busy(is) {
+    this.go.disabled = this.ask.disabled = is;
+    this.stop.hidden = !is;
+    this.form.setAttribute("aria-busy", String(is));
+  }
+
+  /** Size; `take` moves the sliders to the optimum. */
+  async run(take) {
+    this.abort = new AbortController();
+    this.busy(true);
+    this.result.replaceChildren(element("p", { className: "quiet" }, "Sizing …"));
+    try {
+      const settings = { ...this.state.changes() };
+      const found = await this.api.size(settings, this.objective.value, this.scenarios.value, this.abort.signal);
+      if (take && found.values) this.take(found);
+      this.tell(found, take);
+    } catch (error) {
+      const cancelled = error.name === "AbortError" || error.kind === "ended";
+      const text = cancelled ? "Cancelled." : error instanceof Gone ? "The server does not answer." : `${error.message}.`;
+      this.result.replaceChildren(element("p", { className: cancelled ? "quiet" : "wrong" }, text));
+    } finally {
+      this.busy(false);
+    }
+  }
+
+  /** Move the sliders to an optimum, and to the scenario that it is hardest in. */
+  take(found) {
+    const values = Object.fromEntries(
+      Object.entries(found.values).filter(([key]) => this.state.fields.has(key)),
+    );
+    const worst = found.worst_scenario;
+    if (worst) {
+      values["mission.latitude_deg"] = worst.latitude_deg;
+      values["mission.day_of_year"] = worst.day_of_year;
+    }
+    this.state.set(values);
+  }
+
+  tell(found, taken) {
+    const parts = [element("p", { className: found.feasible ? "good" : "wrong" }, `${found.headline}.`)];
+    if (found.feasible) {
+      parts.push(...list("Limited by", found.limits.map(words)));
+      if (taken) {
+        parts.push(element("p", { className: "quiet" }, "The sliders are at this optimum; the back button returns."));
+      } else {
+        const use = element("button", { type: "button" }, "Move the sliders there");
+        use.addEventListener("click", () => {
+          this.take(found);
+          this.tell(found, true);
+        });
+        parts.push(element("p", {}, "A design exists, whatever the sliders show. ", use));
+      }
+    } else {
+      parts.push(...list("Missed", found.missed));
+      parts.push(...list("Held back by", found.limits.map(words)));
+      const easier = found.relaxations.map((one) => this.relaxation(one));
+      parts.push(...list("Feasible with one of these, all else unchanged", easier));
+      if (!easier.length) parts.push(element("p", {}, "No single parameter that was tried would make it feasible."));
+    }
+    parts.push(
+      element("details", {}, element("summary", {}, "As the command line prints it"), element("pre", {}, found.text)),
+    );
+    this.result.replaceChildren(...parts);
+  }
+
+  /** A relaxation in words; one of a slider's can be taken at once. */
+  relaxation(one) {
+    const field = this.state.fields.get(one.parameter);
+    if (!field || field.fixed) return one.text;
+    const item = element("span", {}, `${field.label} ${one.direction} ${spoken(field, one.value)} (now ${spoken(field, one.present)}) `);
+    const button = element("button", { type: "button", className: "quiet" }, "Apply");
+    button.addEventListener("click", () => this.state.set({ [field.key]: one.value }));
+    item.append(button);
+    return item;
+  }
+}

@@ -1,0 +1,405 @@
+"""The explorer's server: who is let in, what is refused in words, and what comes back."""
+
+import http.client
+import json
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+pytest.importorskip("uvicorn")
+
+from missions.files.shipped import find_document
+from studies.explorer.app import Explorer
+from studies.explorer.security import MAXIMUM_BODY_BYTES, new_token
+from studies.explorer.serve import ADDRESS, bound_socket, configured
+from studies.explorer.session import Session
+from studies.explorer.sizer import Sizer, SizerEndedError, SizingTask
+
+
+@dataclass
+class Answer:
+    status: int
+    headers: dict[str, str]
+    body: bytes
+
+    def json(self) -> Any:
+        def refuse(constant: str) -> None:
+            raise AssertionError(f"{constant} is not JSON")
+
+        return json.loads(self.body, parse_constant=refuse)
+
+    def error(self) -> dict[str, Any]:
+        assert 400 <= self.status < 500, self.status
+        found = self.json()["error"]
+        assert found["message"]
+        assert "Traceback" not in self.body.decode()
+        return dict(found)
+
+
+@dataclass
+class Server:
+    port: int
+    token: str
+    explorer: Explorer
+    host: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.host = f"{ADDRESS}:{self.port}"
+
+    def ask(
+        self,
+        method: str,
+        path: str,
+        body: bytes | None = None,
+        *,
+        token: str | None = "",
+        host: str | None = None,
+        **headers: str,
+    ) -> Answer:
+        connection = http.client.HTTPConnection(ADDRESS, self.port, timeout=30)
+        connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+        given = {"Host": self.host if host is None else host}
+        if token is not None:
+            given["Authorization"] = f"Bearer {token or self.token}"
+        if body is not None:
+            given |= {"Content-Type": "application/json", "Content-Length": str(len(body))}
+        if method not in ("GET", "HEAD"):
+            given["Origin"] = f"http://{self.host}"
+        given |= {name.replace("_", "-").title(): value for name, value in headers.items()}
+        for name, value in given.items():
+            if value:
+                connection.putheader(name, value)
+        connection.endheaders(body)
+        response = connection.getresponse()
+        answer = Answer(
+            response.status,
+            {name.lower(): value for name, value in response.getheaders()},
+            response.read(),
+        )
+        connection.close()
+        return answer
+
+    def get(self, path: str, **more: Any) -> Answer:
+        return self.ask("GET", path, **more)
+
+    def post(self, path: str, data: Any, **more: Any) -> Answer:
+        body = data if isinstance(data, bytes) else json.dumps(data).encode()
+        return self.ask("POST", path, body, **more)
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    session = Session(
+        find_document("aircraft", "atlantiksolar-design"), find_document("mission", "rafz-july")
+    )
+    listening, token, explorer = bound_socket(0), new_token(), Explorer(session)
+    port = listening.getsockname()[1]
+    running = configured(explorer, port=port, token=token)
+    thread = threading.Thread(target=running.run, args=([listening],))
+    thread.start()
+    yield Server(port, token, explorer)
+    running.should_exit = True
+    thread.join()
+    explorer.close()
+
+
+POSTS = ("/api/view", "/api/size", "/api/files")
+GETS = ("/", "/main.js", "/api/session", "/api/alive", "/vendor/uPlot.LICENSE", "/nothing")
+
+
+def test_page_and_everything_that_it_loads_is_there(server: Server) -> None:
+    page = server.get("/")
+    assert page.status == 200
+    assert page.headers["content-type"] == "text/html; charset=utf-8"
+    text = page.body.decode()
+    for name, kind in (
+        ("main.js", "text/javascript"),
+        ("explorer.css", "text/css"),
+        ("icon.svg", "image/svg+xml"),
+        ("vendor/uPlot.iife.min.js", "text/javascript"),
+        ("vendor/uPlot.min.css", "text/css"),
+    ):
+        assert f'"{name}"' in text
+        file = server.get(f"/{name}")
+        assert file.status == 200
+        assert file.headers["content-type"].startswith(kind)
+    assert "MIT" in server.get("/vendor/uPlot.LICENSE").body.decode()
+
+
+def test_nothing_of_the_page_is_inline_or_from_elsewhere(server: Server) -> None:
+    text = server.get("/").body.decode()
+    assert "style=" not in text
+    assert "<style" not in text
+    assert not re.search(r"\son\w+=", text)
+    assert "://" not in text
+    scripts = text.split("<script")[1:]
+    assert all('src="' in script.split(">")[0] for script in scripts)
+
+
+@pytest.mark.parametrize("path", [*GETS, *POSTS])
+def test_every_answer_has_the_strict_headers(server: Server, path: str) -> None:
+    for answer in (server.get(path), server.get(path, token=None)):
+        policy = answer.headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "frame-ancestors 'none'" in policy
+        assert "unsafe" not in policy
+        assert answer.headers["referrer-policy"] == "no-referrer"
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert answer.headers["cache-control"] == "no-store"
+        assert "server" not in answer.headers
+
+
+@pytest.mark.parametrize("path", GETS)
+@pytest.mark.parametrize("token", [None, "x", "é"])
+def test_without_the_token_there_is_nothing(server: Server, path: str, token: str | None) -> None:
+    answer = server.get(path, token=token)
+    assert answer.status == 403
+    assert "token" in answer.error()["message"]
+    assert "set-cookie" not in answer.headers
+
+
+@pytest.mark.parametrize("path", POSTS)
+def test_without_the_token_nothing_is_computed(server: Server, path: str) -> None:
+    assert server.post(path, {}, token=None).status == 403
+    assert server.post(f"{path}?token={server.token}", {}, token=None).status == 403
+
+
+def test_first_page_turns_the_token_into_a_cookie(server: Server) -> None:
+    first = server.get(f"/?token={server.token}", token=None)
+    assert first.status == 200
+    cookie = first.headers["set-cookie"]
+    assert "HttpOnly" in cookie
+    assert "SameSite=Strict" in cookie
+    pair = cookie.partition(";")[0]
+    assert server.get("/api/session", token=None, cookie=pair).status == 200
+    assert server.get("/api/session", token=None, cookie=f"other=1; {pair}").status == 200
+    assert server.get("/api/session", token=None, cookie=f"x{pair}").status == 403
+    assert server.get(f"/api/session?token={server.token}", token=None).status == 403
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:{port}", "127.0.0.1", "127.0.0.1:1", "[::1]:{port}"]
+)
+def test_other_hosts_are_refused(server: Server, host: str) -> None:
+    answer = server.get("/", host=host.format(port=server.port))
+    assert answer.status == 403
+    assert "127.0.0.1" in answer.error()["message"]
+
+
+def test_localhost_is_the_same_machine(server: Server) -> None:
+    host = f"localhost:{server.port}"
+    assert server.get("/api/alive", host=host).json() == {"alive": True}
+    assert server.post("/api/view", {}, host=host, origin=f"http://{host}").status == 200
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1:1"]
+)
+def test_other_origins_are_refused(server: Server, origin: str) -> None:
+    named = origin.format(port=server.port)
+    assert server.get("/api/session", origin=named).status == 403
+    assert server.post("/api/view", {}, origin=named).error()["kind"] == "origin"
+
+
+def test_post_needs_an_origin(server: Server) -> None:
+    assert server.post("/api/view", {}, origin="").error()["kind"] == "origin"
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (b"", 400),
+        (b"{", 400),
+        (b"[]", 400),
+        (b"3", 400),
+        (b'{"settings": {"battery.mass_kg": NaN}}', 400),
+        (b'{"settings": {"battery.mass_kg": Infinity}}', 400),
+        (b'{"settings": {"battery.mass_kg": 1e999}}', 422),
+        (b'{"settings": {"battery.mass_kg": ' + b"9" * 5000 + b"}}", 400),
+        (b'{"settings": {"battery.mass_kg": ' + b"9" * 400 + b"}}", 422),
+        (b"[" * 8000, 400),
+        (b"\xff\xfe\x00", 400),
+        (b'{"settings": {"battery.mass_kg": "3"}}', 422),
+        (b'{"settings": {"battery.mass_kg": true}}', 422),
+        (b'{"settings": {"nothing": 1}}', 422),
+        (b'{"settings": [1]}', 422),
+        (b'{"settings": {"modules.area_m2": 20}}', 422),
+        (b'{"other": 1}', 422),
+    ],
+)
+@pytest.mark.parametrize("path", POSTS)
+def test_bad_body_is_refused_in_words(server: Server, path: str, body: bytes, status: int) -> None:
+    answer = server.post(path, body)
+    assert answer.status == status
+    problems = answer.error()["problems"]
+    assert status == 400 or all(
+        {"field", "value", "message", "allowed"} == set(p) for p in problems
+    )
+
+
+def test_bad_field_names_value_and_range(server: Server) -> None:
+    answer = server.post("/api/view", {"settings": {"mission.latitude_deg": 91}})
+    (problem,) = answer.error()["problems"]
+    assert problem == {
+        "field": "mission.latitude_deg",
+        "value": 91,
+        "message": "is out of range",
+        "allowed": "a number from -90 to 90 °",
+    }
+
+
+@pytest.mark.parametrize(
+    "body", [{"season": "fine"}, {"season": 3}, {"client": 4}, {"client": "x" * 65}]
+)
+def test_bad_choice_of_a_view_is_refused(server: Server, body: dict[str, Any]) -> None:
+    assert server.post("/api/view", body).status == 422
+
+
+@pytest.mark.parametrize(
+    "body", [{"objective": "cheapest"}, {"objective": "longest_season"}, {"scenarios": "all"}]
+)
+def test_bad_choice_of_a_sizing_is_refused(server: Server, body: dict[str, Any]) -> None:
+    assert server.post("/api/size", body).status == 422
+
+
+def test_too_much_is_refused(server: Server) -> None:
+    assert server.post("/api/view", b" " * (MAXIMUM_BODY_BYTES + 1)).status == 413
+    assert server.get("/?token=" + "x" * 600).status == 414
+    assert server.post("/api/view", b"{}", content_length="-1").status in (400, 413)
+
+
+def test_body_longer_than_allowed_is_cut_though_its_header_is_silent(server: Server) -> None:
+    with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
+        head = (
+            f"POST /api/view HTTP/1.1\r\nHost: {server.host}\r\nOrigin: http://{server.host}\r\n"
+            f"Authorization: Bearer {server.token}\r\nContent-Type: application/json\r\n"
+            "Transfer-Encoding: chunked\r\n\r\n"
+        )
+        chunk = b"1000\r\n" + b" " * 4096 + b"\r\n"
+        raw.sendall(head.encode() + chunk * 5 + b"0\r\n\r\n")
+        assert raw.recv(4096).split()[1] == b"413"
+
+
+def test_other_content_is_refused(server: Server) -> None:
+    assert server.post("/api/view", b"{}", content_type="text/plain").status == 415
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "status"),
+    [
+        ("GET", "/api/view", 404),
+        ("PUT", "/api/view", 405),
+        ("POST", "/api/session", 405),
+        ("GET", "/../session.py", 404),
+        ("GET", "/static/../../session.py", 404),
+        ("GET", "/%2e%2e/session.py", 404),
+        ("GET", "/vendor", 404),
+        ("GET", "/api/other", 404),
+        ("GET", "/etc/passwd", 404),
+    ],
+)
+def test_other_addresses_lead_nowhere(server: Server, method: str, path: str, status: int) -> None:
+    assert server.ask(method, path).status == status
+
+
+def test_view_is_the_session_s(server: Server) -> None:
+    changed = {"battery.mass_kg": 3.2, "model": "CDM"}
+    view = server.post("/api/view", {"settings": changed, "season": "coarse", "sequence": 7}).json()
+    session = server.explorer.session
+    settings = session.settings(changed)
+    assert view == {
+        **session.day(settings),
+        "season": session.season(settings, coarse=True),
+        "sequence": 7,
+    }
+    assert "season" not in server.post("/api/view", {}).json()
+
+
+def test_page_is_described(server: Server) -> None:
+    told = server.get("/api/session").json()
+    assert told == json.loads(json.dumps(server.explorer.session.describe()))
+    assert told["aircraft"]["name"] == "atlantiksolar-design"
+
+
+def test_saved_files_are_told(server: Server) -> None:
+    saved = server.post("/api/files", {"settings": {"battery.mass_kg": 3.2}}).json()
+    assert "mass_kg: 3.2\n" in saved["files"][0]["text"]
+
+
+def test_sizing_gives_values_that_fly(server: Server) -> None:
+    found = server.post("/api/size", {"objective": "min_mass"}).json()
+    assert found["feasible"]
+    assert found["limits"]
+    view = server.post("/api/view", {"settings": found["values"]}).json()
+    assert view["numbers"]["excess_time_h"] == pytest.approx(
+        found["record"]["simulated"]["excess_time_h"], abs=1e-9
+    )
+    assert view["numbers"]["total_mass_kg"] == pytest.approx(found["record"]["total_mass_kg"])
+
+
+def test_infeasible_sizing_says_why_and_what_would_help(server: Server) -> None:
+    asked = {"mission.latitude_deg": 60.0, "mission.day_of_year": 288}
+    found = server.post("/api/size", {"settings": asked | {"mission.payload.mass_kg": 2.0}}).json()
+    assert not found["feasible"]
+    assert found["values"] is None
+    assert "short by" in found["missed"][0]
+    assert any(one["parameter"] == "mission.payload.mass_kg" for one in found["relaxations"])
+
+
+def test_sizing_without_sun_is_refused_in_words(server: Server) -> None:
+    dark = {"mission.latitude_deg": 80.0, "mission.day_of_year": 355}
+    assert "polar night" in server.post("/api/size", {"settings": dark}).error()["message"]
+
+
+def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server: Server) -> None:
+    made = server.explorer.session.inputs(server.explorer.session.settings())
+    from sizing.optimisation.objectives import Objective
+
+    task = SizingTask(made.aircraft, made.mission, Objective.min_mass, made.solar)
+    sizer, outcome = Sizer(), []
+
+    def size() -> None:
+        try:
+            outcome.append(sizer.size(task))
+        except SizerEndedError as error:
+            outcome.append(error)
+
+    thread = threading.Thread(target=size)
+    thread.start()
+    time.sleep(0.2)  # its process takes longer to start
+    sizer.end()
+    thread.join(timeout=20)
+    assert isinstance(outcome[0], SizerEndedError)
+    quick = Sizer(longest_s=0.01)
+    with pytest.raises(SizerEndedError, match="no answer within"):
+        quick.size(task)
+
+
+def test_command_prints_its_address_first_and_ends_by_a_signal() -> None:
+    words = ["explore", "atlantiksolar-as2", "--no-browser", "--port", "0"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "studies.cli", *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    address = process.stdout.readline().strip()
+    assert address.startswith(f"http://{ADDRESS}:")
+    port, _, token = address.removeprefix(f"http://{ADDRESS}:").partition("/?token=")
+    connection = http.client.HTTPConnection(ADDRESS, int(port), timeout=10)
+    connection.request("GET", "/api/session", headers={"Authorization": f"Bearer {token}"})
+    assert json.load(connection.getresponse())["aircraft"]["measured"]
+    process.send_signal(2)
+    out, errors = process.communicate(timeout=10)
+    assert process.returncode == 130
+    assert out == ""
+    assert errors.strip() == "atlantiksolar-as2 on rafz-july (default mission); Ctrl-C ends it"

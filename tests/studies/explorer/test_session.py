@@ -1,0 +1,249 @@
+"""The explorer without its server: settings, day, season, files; equal to the command line's."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from missions.files.shipped import find_document
+from missions.library import load_mission
+from missions.mission import Scenarios
+from sizing.library import load_aircraft
+from sizing.parameters import catalogue
+from sizing.results.analysis import analyse
+from sizing.sunlight import SolarModel
+from studies.explorer.fields import DAY, LATITUDE, Field
+from studies.explorer.season import COARSE_STEP_H, DAYS, LATITUDES_DEG
+from studies.explorer.session import Session
+from studies.explorer.settings import RefusedError
+from studies.maps.feasibility import map_block
+
+MOVED = {
+    LATITUDE: 52.5,
+    DAY: 130,
+    "airframe.wingspan_m": 6.1,
+    "battery.mass_kg": 3.25,
+    "modules.area_m2": 1.5,
+    "mission.payload.mass_kg": 0.2,
+    "mission.payload.power_w": 1.5,
+    "mission.clearness": 0.93,
+    "modules.efficiency_stc": 0.22,
+    "battery.specific_energy_wh_per_kg": 240.0,
+}
+
+
+def session(aircraft: str = "atlantiksolar-design", mission: str = "rafz-july") -> Session:
+    return Session(find_document("aircraft", aircraft), find_document("mission", mission))
+
+
+DESIGN = session()
+
+
+def test_unchanged_settings_are_the_analysis_of_the_files() -> None:
+    shown = DESIGN.day(DESIGN.settings())
+    told = analyse(load_aircraft("atlantiksolar-design"), load_mission("rafz-july")).to_dict()
+    told.pop("scenarios")
+    assert shown["numbers"] == told
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "mission", "changed"),
+    [
+        ("atlantiksolar-design", "rafz-july", MOVED),
+        ("atlantiksolar-design", "central-europe-summer", {}),
+        ("atlantiksolar-design", "rafz-81h", {"battery.mass_kg": 2.5}),
+        ("atlantiksolar-as2", "rafz-81h", {"battery.mass_kg": 2.5, "correction": "report"}),
+        ("atlantiksolar-as2", "rafz-july", {LATITUDE: -33.0, DAY: 2, "model": "FM"}),
+    ],
+)
+def test_saved_files_give_the_same_numbers(
+    tmp_path: Path, aircraft: str, mission: str, changed: dict[str, Any]
+) -> None:
+    one = session(aircraft, mission)
+    settings = one.settings(changed)
+    for kind, text in one.files(settings).items():
+        (tmp_path / f"{kind}.yaml").write_text(text, encoding="utf-8")
+    loaded = analyse(
+        load_aircraft(tmp_path / "aircraft.yaml"),
+        load_mission(tmp_path / "mission.yaml"),
+        model=settings.solar.model,
+        correction=settings.solar.correction,
+        replay=False,
+    ).to_dict()
+    loaded.pop("scenarios")
+    assert one.day(settings)["numbers"] == loaded
+
+
+def test_command_of_saved_files_names_them_and_the_model() -> None:
+    saved = DESIGN.saved(DESIGN.settings({"model": "CDM"}))
+    assert saved["command"] == (
+        "solar-uav analyse atlantiksolar-design-explored.yaml "
+        "--mission atlantiksolar-design-explored-mission.yaml --model CDM --correction none"
+    )
+    assert [file["name"] for file in saved["files"]] == saved["command"].split()[2:5:2]
+
+
+def test_page_begins_at_the_worst_scenario() -> None:
+    several = session(mission="central-europe-summer")
+    assert len(several.scenarios) == 9
+    start = several.settings()
+    worst = analyse(several.aircraft, several.mission).to_dict()
+    assert (start.latitude_deg, start.day_of_year) == (worst["latitude_deg"], worst["day_of_year"])
+
+
+def test_curve_is_that_of_the_analysis() -> None:
+    settings = DESIGN.settings(MOVED)
+    curve = DESIGN.day(settings)["curve"]
+    table = DESIGN.analysis(settings).trajectory()
+    # Five digits are sent.
+    for key, column in (
+        ("time_h", "time_solar_h"),
+        ("solar_power_w", "solar_power_w"),
+        ("load_w", "load_w"),
+        ("state_of_charge", "state_of_charge"),
+    ):
+        assert_allclose(curve[key], table[column], rtol=5e-5)
+
+
+def test_season_is_the_map_of_the_command_line() -> None:
+    settings = DESIGN.settings({"battery.mass_kg": 3.1})
+    made = DESIGN.inputs(settings)
+    exact = DESIGN.season(settings)
+    cells = map_block(made.aircraft, made.mission, LATITUDES_DEG, DAYS, made.solar)["excess_time"]
+    shown = as_array(exact)
+    # Three decimals are sent.
+    assert_allclose(shown, cells, rtol=0.0, atol=5.1e-4)
+    coarse = DESIGN.season(settings, coarse=True)
+    assert coarse["step_h"] == COARSE_STEP_H
+    finite = np.isfinite(cells)
+    assert np.array_equal(np.isfinite(as_array(coarse)), finite)
+    # What docs/explorer.md says of the coarse map.
+    error = np.abs(as_array(coarse)[finite] - cells[finite])
+    assert np.quantile(error, 0.99) < 0.05
+    assert error.max() < 0.15
+
+
+def as_array(season: dict[str, Any]) -> Any:
+    rows = season["excess_time_h"]
+    return np.array([[math.inf if value is None else value for value in row] for row in rows])
+
+
+def test_kept_light_is_that_of_the_technology_at_hand() -> None:
+    one = session()
+    first = one.season(one.settings(), coarse=True)
+    better = one.season(one.settings({"modules.efficiency_stc": 0.26}), coarse=True)
+    again = one.season(one.settings(), coarse=True)
+    assert first == again != better
+    assert better == session().season(one.settings({"modules.efficiency_stc": 0.26}), coarse=True)
+
+
+def test_slow_model_fills_its_map_turn_by_turn() -> None:
+    one = session("atlantiksolar-as2")
+    settings = one.settings({"model": "VM"})
+    known = []
+    for _ in range(60):
+        found = one.season(settings)
+        known.append(sum(row is not None for row in found["excess_time_h"]))
+        if found["complete"]:
+            break
+    assert found["complete"]
+    assert known[0] >= 1
+    assert known == sorted(known)
+    row = int(np.flatnonzero(LATITUDES_DEG == 45.0)[0])
+    days = np.array(found["days"])
+    made = one.inputs(settings)
+    from sizing.performance import performance
+    from sizing.sunlight import solar_day
+
+    lit = solar_day(
+        *(made.aircraft, made.mission, SolarModel("VM")),
+        scenarios=Scenarios(np.full(len(days), 45.0), days),
+        step_h=COARSE_STEP_H,
+    )
+    alone = performance(made.aircraft, made.mission, made.solar, day=lit).cycle.excess_time_h
+    assert_allclose(found["excess_time_h"][row], alone, atol=5.1e-4)
+
+
+def refusals(data: object, one: Session = DESIGN) -> dict[str, Any]:
+    with pytest.raises(RefusedError) as caught:
+        one.day(one.settings(data))
+    return {refusal.field: refusal for refusal in caught.value.refusals}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("battery.mass_kg", math.nan, "out of range"),
+        ("battery.mass_kg", math.inf, "out of range"),
+        ("battery.mass_kg", -1.0, "out of range"),
+        ("battery.mass_kg", 1e300, "out of range"),
+        ("battery.mass_kg", 10**400, "out of range"),
+        ("battery.mass_kg", "3", "must be a number"),
+        ("battery.mass_kg", True, "must be a number"),
+        ("battery.mass_kg", None, "must be a number"),
+        ("battery.mass_kg", [3.0], "must be a number"),
+        (DAY, 12.5, "whole number"),
+        (DAY, 366, "out of range"),
+        (LATITUDE, 90.5, "out of range"),
+        ("model", "cam", "not one of the names"),
+        ("correction", ["none"], "not one of the names"),
+        ("name", "x", "not a field"),
+        ("airframe.kind", "measured", "not a field"),
+    ],
+)
+def test_bad_field_is_refused_in_words(key: str, value: Any, words: str) -> None:
+    refused = refusals({key: value})[key]
+    assert words in refused.message
+    assert refused.allowed
+
+
+def test_everything_that_is_wrong_is_told_together() -> None:
+    assert set(refusals({"battery.mass_kg": "x", "model": 1, "unknown": 2})) == {
+        "battery.mass_kg",
+        "model",
+        "unknown",
+    }
+
+
+def test_settings_must_be_an_object() -> None:
+    assert "object" in refusals([1, 2])["settings"].message
+
+
+def test_contradictions_name_the_field() -> None:
+    assert "wing area" in refusals({"modules.area_m2": 5.0})["modules.area_m2"].message
+
+
+def test_measured_airframe_keeps_its_wing() -> None:
+    built = session("atlantiksolar-as2")
+    field = built.fields["airframe.wingspan_m"]
+    assert isinstance(field, Field)
+    assert "measured" in field.fixed
+    assert (
+        "measured" in refusals({"airframe.wingspan_m": 5.0}, built)["airframe.wingspan_m"].message
+    )
+    assert built.settings({"airframe.wingspan_m": 5.65}).values["airframe.wingspan_m"] == 5.65
+    assert "cannot be sized" in built.describe()["cannot_size"]
+
+
+def test_models_without_surfaces_say_what_they_lack() -> None:
+    plain = session("sky-sailor")
+    assert "module surfaces" in refusals({"model": "FM"}, plain)["model"].message
+    assert "module surfaces" in refusals({"correction": "loiter"}, plain)["correction"].message
+
+
+def test_fields_are_those_of_the_catalogue() -> None:
+    for key, field in DESIGN.fields.items():
+        if isinstance(field, Field) and key not in (LATITUDE, DAY):
+            assert key in catalogue()
+            assert field.minimum <= field.slider[0] <= field.value <= field.slider[1]
+            assert field.slider[1] <= field.maximum
+
+
+def test_impossible_design_is_refused_in_words() -> None:
+    heavy = {"airframe.wingspan_m": 40.0, "battery.mass_kg": 100.0, "mission.payload.mass_kg": 50.0}
+    with pytest.raises(RefusedError) as caught:
+        DESIGN.day(DESIGN.settings(heavy | {"airframe.aspect_ratio": 40.0}))
+    assert caught.value.kind == "impossible"
