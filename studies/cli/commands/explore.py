@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from studies.cli.help_texts import command
 from studies.cli.options import EXIT_FAILED, mission_option, model_options
 
 _NEEDS = "explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
 
 
-@click.command()
+@command("solar-uav explore atlantiksolar-design -m central-europe-summer")
 @click.argument("aircraft")
 @mission_option()
 @click.option(
