@@ -65,6 +65,10 @@ class Explorer:
             Where the server listens.
         token : str
             That requests must carry.
+
+        Returns
+        -------
+        ASGIApp
         """
         routes = [
             Route("/api/alive", self._alive),

@@ -278,8 +278,12 @@ class Session:
         ----------
         settings : Settings
         coarse : bool
-            As for :meth:`studies.explorer.season.SeasonMaps.excess_time`, which says what comes
-            back.
+            Use steps of a quarter of an hour.
+
+        Returns
+        -------
+        dict
+            Of :meth:`studies.explorer.season.SeasonMaps.excess_time`.
 
         Raises
         ------
