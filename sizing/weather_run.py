@@ -11,12 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.air import ZERO_CELSIUS_K
 from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
-from missions.weather.record import Weather, runs_of
+from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, runs_of
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of, thermal_shape
 from sizing.energy.battery import Store
@@ -44,8 +45,10 @@ class DayAxis:
         Hours since the day's first node [h].
     midnight_h : ndarray, shape (day,)
         Solar time of each day's first node, about 0 [h].
+    date : ndarray of datetime64[D], shape (day,)
+        Date of each day in the calendar of the place.
     day_of_year : ndarray of int, shape (day,)
-        Day of year of each day's noon, 1 to 365.
+        That of the date, 1 to 365; 29 February counts as 28 February.
     time_s : ndarray, shape (day,)
         Universal time of each day's first node [s since 1970-01-01].
     """
@@ -53,11 +56,22 @@ class DayAxis:
     nodes: IntArray
     time_h: FloatArray
     midnight_h: FloatArray
+    date: NDArray[np.datetime64]
     day_of_year: IntArray
     time_s: FloatArray
 
     def __len__(self) -> int:
         return len(self.nodes)
+
+    @property
+    def year(self) -> IntArray:
+        """Calendar year of each day."""
+        return self.date.astype("datetime64[Y]").astype(int) + 1970
+
+    @property
+    def month(self) -> IntArray:
+        """Month of each day, 1 to 12."""
+        return self.date.astype("datetime64[M]").astype(int) % 12 + 1
 
     @classmethod
     def of(cls, light: RecordedLight) -> DayAxis:
@@ -78,15 +92,18 @@ class DayAxis:
             raise ValueError("is shorter than a day from one solar midnight to the next")
         first = skip + per_day * np.arange(count)
         nodes = np.minimum(first[:, np.newaxis] + np.arange(per_day + 1), len(light.time_s) - 1)
-        noon = light.day_of_year[nodes[:, per_day // 2]]
-        # Local dates: the calendar of the place, not of Greenwich.
-        noon_local = noon + (12.0 - (noon % 1.0) * HOURS_PER_DAY) / HOURS_PER_DAY
-        midnight_h = light.time_solar_h[first]
+        clock_h = light.time_solar_h[first]
+        midnight_h = np.where(clock_h > 12.0, clock_h - HOURS_PER_DAY, clock_h)
+        # Dates are those of the place at its noon, not of Greenwich.
+        noon_h = HOURS_PER_DAY / 2.0 - midnight_h + light.site.calendar_offset_h
+        date = (light.time_s[first] + SECONDS_PER_HOUR * noon_h).astype("datetime64[s]")
+        date = date.astype("datetime64[D]")
         return cls(
             nodes=nodes,
             time_h=np.asarray(np.arange(per_day + 1) * light.step_h, float),
-            midnight_h=np.where(midnight_h > 12.0, midnight_h - HOURS_PER_DAY, midnight_h),
-            day_of_year=(np.floor(noon_local).astype(int) - 1) % 365 + 1,
+            midnight_h=midnight_h,
+            date=date,
+            day_of_year=day_of_year(date.astype("datetime64[s]").astype(float)).astype(int),
             time_s=light.time_s[first],
         )
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error, shown
-from missions.weather.layouts import END, RawTable
+from missions.weather.raw import END, RawTable
 from missions.weather.record import (
     SECONDS_PER_DAY,
     SECONDS_PER_HOUR,

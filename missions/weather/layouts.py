@@ -13,48 +13,14 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import timedelta, timezone
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
+from missions.weather.plain import read_plain
+from missions.weather.raw import END, MIDDLE, START, RawTable, as_file, head_of, text_of
 from missions.weather.record import Site
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-MAXIMUM_BYTES = 200_000_000
-# Share of the interval that has passed at a row's time.
-START, MIDDLE, END = 0.0, 0.5, 1.0
-
-_BSRN_LINES = 40  # a station's name stands within these
-
-
-class RawTable(NamedTuple):
-    """Table of a file, as pvlib gives it.
-
-    Attributes
-    ----------
-    layout : str
-        Kind of the file.
-    site : Site
-        Where it was taken.
-    table : DataFrame
-        Columns ``ghi``, ``dni``, ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as
-        the file has them; its index is the time, with its zone.
-    passed : float
-        Share of the interval that has passed at a row's time: 0 start, 0.5 middle, 1 end.
-    offset_s : float
-        Seconds to be added to every row's time.
-    first_line : int
-        Line of the first row in the file, counted from 1; 0 where a row is no line.
-    """
-
-    layout: str
-    site: Site
-    table: pd.DataFrame
-    passed: float
-    offset_s: float = 0.0
-    first_line: int = 0
 
 
 def read_layout(path: Path, source: str) -> RawTable:
@@ -87,7 +53,7 @@ def read_layout(path: Path, source: str) -> RawTable:
         "BSRN": _bsrn,
     }.get(layout)
     try:
-        raw = _plain(path, source) if read is None else read(path, source, _iotools(source))
+        raw = read_plain(path, source) if read is None else read(path, source, _iotools(source))
         return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
     except InputError:
         raise
@@ -129,7 +95,7 @@ def layout_of(path: Path, source: str) -> str:
     InputError
         If the file cannot be read or is no text.
     """
-    head = _head(path, source)
+    head = head_of(path, source)
     first = head[0] if head else ""
     text = "\n".join(head)
     if first.startswith("LOCATION,"):
@@ -151,46 +117,8 @@ def layout_of(path: Path, source: str) -> str:
     return "CSV"
 
 
-def _head(path: Path, source: str) -> list[str]:
-    """First lines of a file, as text."""
-    import gzip
-
-    try:
-        if not path.is_file():
-            other = "is no regular file" if path.exists() else "there is no such file"
-            problem = "is a folder" if path.is_dir() else other
-            raise file_error(source, problem)
-        if path.stat().st_size > MAXIMUM_BYTES:
-            raise file_error(source, f"is larger than {MAXIMUM_BYTES // 1_000_000} MB")
-        opener: Callable[..., Any] = gzip.open if path.suffix == ".gz" else open
-        with opener(path, "rb") as file:
-            start = file.read(16384)
-    except (OSError, EOFError) as error:
-        raise file_error(source, f"cannot be read: {error}") from error
-    if not start.strip():
-        raise file_error(source, "is empty")
-    if b"\0" in start:
-        raise file_error(source, "is no text file")
-    return _decoded(start).splitlines()
-
-
-def _decoded(content: bytes) -> str:
-    """Text in UTF-8, or in Latin-1, which many EPW files are written in."""
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
-
-
-def _text(path: Path) -> str:
-    import gzip
-
-    content = gzip.decompress(path.read_bytes()) if path.suffix == ".gz" else path.read_bytes()
-    return _decoded(content).replace("\r\n", "\n").replace("\r", "\n")
-
-
 def _epw(path: Path, source: str, iotools: Any) -> RawTable:
-    text = _text(path)
+    text = text_of(path)
     table, meta = iotools.read_epw(io.StringIO(text))
     place = str(meta.get("city", "")).strip()
     name = "" if place.lower() in ("unknown", "-") else place.title()
@@ -210,7 +138,8 @@ def _epw(path: Path, source: str, iotools: Any) -> RawTable:
 
 
 def _tmy2(path: Path, source: str, iotools: Any) -> RawTable:
-    table, meta = iotools.read_tmy2(str(path))
+    with as_file(path) as plain:
+        table, meta = iotools.read_tmy2(plain)
     table = table.rename(
         columns={"GHI": "ghi", "DNI": "dni", "DHI": "dhi", "DryBulb": "temp_air", "Wspd": "wind"}
     )
@@ -225,7 +154,7 @@ def _tmy2(path: Path, source: str, iotools: Any) -> RawTable:
 
 
 def _tmy3(path: Path, source: str, iotools: Any) -> RawTable:
-    table, meta = iotools.read_tmy3(io.StringIO(_text(path)), map_variables=True)
+    table, meta = iotools.read_tmy3(io.StringIO(text_of(path)), map_variables=True)
     site = Site(
         str(meta.get("Name", "")).strip(' "').title(),
         *_numbers(source, meta, "latitude", "longitude", "altitude", "TZ"),
@@ -241,7 +170,7 @@ def _pvgis_site(source: str, inputs: dict[str, Any]) -> Site:
 
 def _pvgis_tmy(path: Path, source: str, iotools: Any) -> RawTable:
     kind = _pvgis_format(path)
-    content = io.StringIO(_text(path)) if kind == "json" else io.BytesIO(_text(path).encode())
+    content = io.StringIO(text_of(path)) if kind == "json" else io.BytesIO(text_of(path).encode())
     table, meta = iotools.read_pvgis_tmy(content, pvgis_format=kind)
     inputs = meta.get("inputs", {})
     # CSV has it among the inputs, JSON with the place.
@@ -261,7 +190,7 @@ def _pvgis_tmy(path: Path, source: str, iotools: Any) -> RawTable:
 
 def _pvgis_hourly(path: Path, source: str, iotools: Any) -> RawTable:
     kind = _pvgis_format(path)
-    table, meta = iotools.read_pvgis_hourly(io.StringIO(_text(path)), pvgis_format=kind)
+    table, meta = iotools.read_pvgis_hourly(io.StringIO(text_of(path)), pvgis_format=kind)
     inputs = meta["inputs"]
     slope = _slope_deg(inputs)
     if slope not in (None, 0.0):
@@ -299,16 +228,28 @@ def _slope_deg(inputs: dict[str, Any]) -> float | None:
 
 def _psm(path: Path, source: str, iotools: Any) -> RawTable:
     # pandas 3 refuses the columns without a name, and pvlib's reader with them.
-    lines = _text(path).split("\n")
+    lines = text_of(path).split("\n")
     lines[2] = lines[2].rstrip(", ")
+    # It takes whole hours for a time zone, and India has half of one.
+    names, values = (next(csv.reader([line])) for line in lines[:2])
+    zone = dict(zip(names, values, strict=False)).get("Time Zone")
+    zones = ("Time Zone", "Local Time Zone")
+    fields = ["0" if key in zones else value for key, value in zip(names, values, strict=False)]
+    head = io.StringIO()
+    csv.writer(head, lineterminator="").writerow(fields)
+    lines[1] = head.getvalue()
     table, meta = iotools.read_nsrdb_psm4(io.StringIO("\n".join(lines)), map_variables=True)
     city = str(meta.get("City", "")).strip(" -")
+    meta["Time Zone"] = zone
     site = Site(city, *_numbers(source, meta, "latitude", "longitude", "altitude", "Time Zone"))
+    own = timezone(timedelta(hours=site.utc_offset_h))
+    table.index = table.index.tz_localize(None).tz_localize(own)
     return RawTable("NSRDB PSM", site, table, MIDDLE, first_line=4)
 
 
 def _bsrn(path: Path, source: str, iotools: Any) -> RawTable:
-    table, meta = iotools.read_bsrn(str(path))
+    with as_file(path) as plain:
+        table, meta = iotools.read_bsrn(plain)
     address = str(meta.get("address", "")).split(",")
     name = address[1].strip() if len(address) > 1 else str(meta.get("address", "")).strip()
     latitude, longitude, altitude = _numbers(source, meta, "latitude", "longitude", "altitude")
@@ -331,109 +272,3 @@ def _numbers(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
             )
         found.append(value)
     return found
-
-
-# --- plain CSV -------------------------------------------------------------------------------
-
-_SITE_KEYS = {
-    "latitude_deg": 90.0,
-    "longitude_deg": 180.0,
-    "altitude_m": 9000.0,
-    "utc_offset_h": 14.0,
-}
-_COLUMNS = {
-    "time_utc": "time",
-    "time": "time",
-    "ghi": "ghi",
-    "ghi_w_per_m2": "ghi",
-    "dni": "dni",
-    "dni_w_per_m2": "dni",
-    "dhi": "dhi",
-    "dhi_w_per_m2": "dhi",
-    "temperature_c": "temp_air",
-    "temp_air": "temp_air",
-    "wind_m_per_s": "wind_speed",
-    "wind_speed": "wind_speed",
-}
-CSV_HELP = (
-    "a plain table begins with lines '# latitude_deg: 46.8', '# longitude_deg: 6.9' and "
-    "'# altitude_m: 491', then a line of column names: time_utc (ISO 8601, start of the interval), "
-    "ghi, dni, dhi [W/m2] (two of them, or ghi alone), temperature_c, wind_m_per_s"
-)
-
-
-def _plain(path: Path, source: str) -> RawTable:
-    """Plain CSV with its site in comment lines."""
-    import pandas as pd
-
-    lines = _text(path).split("\n")
-    meta, problems = _site_lines(lines, source)
-    begin = next((i for i, line in enumerate(lines) if line and not line.startswith("#")), None)
-    if begin is None:
-        raise file_error(source, f"has no table: {CSV_HELP}")
-    names = [name.strip() for name in next(csv.reader([lines[begin]]))]
-    unknown = [name for name in names if name not in _COLUMNS]
-    chosen = [_COLUMNS[name] for name in names if name in _COLUMNS]
-    if "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
-        raise file_error(source, f"is no weather file that is known: {CSV_HELP}")
-    if unknown:
-        message = f"unknown columns: {', '.join(unknown[:5])}; known: {', '.join(_COLUMNS)}"
-        problems.append(Problem(source, begin + 1, None, "", message))
-    if len(set(chosen)) < len(chosen):
-        problems.append(Problem(source, begin + 1, None, "", "names a column twice"))
-    problems += [
-        Problem(source, None, None, "", f"lacks the line '# {key}: ...': {CSV_HELP}")
-        for key in ("latitude_deg", "longitude_deg", "altitude_m")
-        if key not in meta
-    ]
-    if problems:
-        raise InputError(problems)
-    table = pd.read_csv(io.StringIO("\n".join(lines[begin:])), skipinitialspace=True)
-    table.columns = pd.Index(chosen)
-    table = table.set_index(_plain_times(table.pop("time"), meta, source, begin + 2))
-    site = Site(
-        str(meta.get("name", "")),
-        float(meta["latitude_deg"]),
-        float(meta["longitude_deg"]),
-        float(meta["altitude_m"]),
-        float(meta.get("utc_offset_h", 0.0)),
-    )
-    return RawTable("CSV", site, table, START, first_line=begin + 2)
-
-
-def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Problem]]:
-    """Values of the comment lines ``# key: value``, and what is wrong with them."""
-    meta: dict[str, Any] = {}
-    problems = []
-    for number, line in enumerate(lines, start=1):
-        if not line.startswith("#"):
-            break
-        key, colon, value = line.lstrip("# ").partition(":")
-        key, value = key.strip(), value.strip()
-        if key in ("name", "site") and colon:
-            meta["name"] = value
-        if key not in _SITE_KEYS or not colon:
-            continue
-        limit = _SITE_KEYS[key]
-        try:
-            meta[key] = float(value)
-        except ValueError:
-            meta[key] = math.nan
-        if not abs(meta[key]) <= limit:
-            message = f"must be a number from {-limit:g} to {limit:g} (got {value[:40]!r})"
-            problems.append(Problem(source, number, None, key, message))
-    return meta, problems
-
-
-def _plain_times(column: pd.Series, meta: dict[str, Any], source: str, first: int) -> Any:
-    """Times of a plain table; without a zone they are universal."""
-    import pandas as pd
-
-    times = pd.to_datetime(column.astype("string"), format="ISO8601", utc=True, errors="coerce")
-    wrong = times.isna().to_numpy().nonzero()[0]
-    if len(wrong):
-        row = int(wrong[0])
-        more = f" (and {len(wrong) - 1} more rows)" if len(wrong) > 1 else ""
-        message = f"must be ISO 8601 like 2023-06-21T12:00Z (got {str(column.iloc[row])[:40]!r})"
-        raise InputError([Problem(source, first + row, None, "time_utc", message + more)])
-    return pd.DatetimeIndex(times)

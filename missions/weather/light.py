@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from missions.weather.record import SECONDS_PER_DAY, SECONDS_PER_HOUR, Weather, day_of_year
+from missions.weather.record import SECONDS_PER_DAY, SECONDS_PER_HOUR, Site, Weather, day_of_year
 from solar.clearsky import Irradiance, clear_sky, extraterrestrial_irradiance
 from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
 from solar.types import FloatArray
@@ -29,6 +29,8 @@ class RecordedLight:
 
     Attributes
     ----------
+    site : Site
+        Where it was taken.
     time_s : ndarray
         Universal time of the nodes, the middles of equal steps [s since 1970-01-01].
     step_h : float
@@ -45,6 +47,7 @@ class RecordedLight:
         Wind at flight altitude [m/s].
     """
 
+    site: Site
     time_s: FloatArray
     step_h: float
     day_of_year: FloatArray
@@ -106,6 +109,7 @@ def light_at_altitude(
     temperature, wind = weather.temperature_c, weather.wind_m_per_s
     above_m = altitude_m - site.altitude_m
     return RecordedLight(
+        site=site,
         time_s=time_s,
         step_h=step / SECONDS_PER_HOUR,
         day_of_year=day,

@@ -48,6 +48,16 @@ class Site:
         place = f"{north}, {east}, {self.altitude_m:.0f} m"
         return f"{self.name} ({place})" if self.name else place
 
+    @property
+    def calendar_offset_h(self) -> float:
+        """Mean solar time minus universal time, on the side of the date line of the place's zone.
+
+        A file that does not name its zone has an offset of zero; its calendar is then that of the
+        longitude.
+        """
+        solar_h = self.longitude_deg / 15.0
+        return solar_h + 24.0 * float(np.rint((self.utc_offset_h - solar_h) / 24.0))
+
 
 @dataclass(frozen=True)
 class Weather:

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.dates import date_code, date_label
+from missions.dates import MONTH_NAMES
 from missions.mission import Mission
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.results.records import check_subjects, clock_label, finite, hours
-from sizing.results.tables import MISSING, Column, Line, Result, Summary, Table, facts
+from sizing.results.tables import Column, Line, Result, Summary, Table, facts
+from sizing.results.weather_years import (
+    YearInWeather,
+    year_rows,
+    year_table,
+    year_to_year,
+    years_of,
+)
 from sizing.sunlight import SolarModel
 from sizing.weather_run import (
     WeatherPerformance,
@@ -58,6 +66,13 @@ class WeatherAnalysis(Result):
         """Mission at the record's site."""
         return self.performance.mission
 
+    @cached_property
+    def years(self) -> tuple[YearInWeather, ...]:
+        """Calendar years of the record; none of a typical year."""
+        if self.weather.typical:
+            return ()
+        return years_of(self.performance.recorded, self.performance.clear)
+
     def headline(self) -> str:
         """Aircraft, site and days that close in one line."""
         run = self.performance.recorded
@@ -100,6 +115,8 @@ class WeatherAnalysis(Result):
                 }
                 for days, wait in waits.items()
             ],
+            "years": [one.to_dict() for one in self.years],
+            "year_to_year": year_to_year(self.years),
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
             "share_of_clear_sky_light": self.share_of_clear_light(),
             "wind_above_airspeed_share": self.wind_above_airspeed_share(),
@@ -134,12 +151,11 @@ class WeatherAnalysis(Result):
 
         run, clear = self.performance.recorded, self.performance.clear
         axis = run.axis
-        dates = axis.time_s.astype("datetime64[s]") + np.timedelta64(12, "h")
         return pd.DataFrame(
             {
-                "year": dates.astype("datetime64[Y]").astype(int) + 1970,
+                "year": axis.year,
                 "day_of_year": axis.day_of_year,
-                "date": [date_code(int(day)) for day in axis.day_of_year],
+                "date": [str(date)[5:] for date in axis.date],
                 "dawn_solar_h": run.dawn_h + axis.midnight_h,
                 "closes": run.closes,
                 "clear_sky_closes": clear.closes,
@@ -152,6 +168,17 @@ class WeatherAnalysis(Result):
                 "load_energy_wh": np.trapezoid(run.load_w, axis.time_h, axis=1),
             }
         )
+
+    def to_years_frame(self) -> pd.DataFrame:
+        """A row a year: days, those that close, longest run and endurance."""
+        import pandas as pd
+
+        rows = [
+            {name: value for name, value in one.to_dict().items() if name != "endurance_h"}
+            | {f"endurance_{p}_h": value for p, value in one.endurance_h.items()}
+            for one in self.years
+        ]
+        return pd.DataFrame(rows)
 
     def summary(self) -> Summary:
         """What the terminal shows."""
@@ -166,6 +193,7 @@ class WeatherAnalysis(Result):
         rows = [
             ("days that close", f"{record['days_that_close']} of {days}"),
             ("the same under a clear sky", f"{record['clear_sky_days_that_close']} of {days}"),
+            *year_rows(self.years),
             ("longest run of days that close", f"{record['longest_run_days']} days"),
             ("longest run under a clear sky", f"{clear.longest_run_days} days"),
             (
@@ -182,6 +210,7 @@ class WeatherAnalysis(Result):
         blocks: list[Any] = [
             Line(strong, "strong"),
             facts("", rows),
+            *([year_table(self.years)] if year_to_year(self.years) else []),
             self._months(),
             _windows(record),
         ]
@@ -200,10 +229,8 @@ class WeatherAnalysis(Result):
 
     def _months(self) -> Table:
         """Days that close in every month."""
-        from missions.dates import MONTH_NAMES, month_and_day
-
         run, clear = self.performance.recorded, self.performance.clear
-        month = np.array([month_and_day(int(day))[0] for day in run.axis.day_of_year])
+        month = run.axis.month
         rows = [
             (
                 MONTH_NAMES[number - 1],
@@ -276,15 +303,6 @@ def analyse_weather(
     if mission.pessimistic_clearness < 1.0:
         notes = (*notes, "the mission's clearness plays no part: the clouds are the record's")
     return WeatherAnalysis(aircraft, done, notes)
-
-
-def season_label(run: WeatherRun) -> str:
-    """First and last day that closes, as dates; ``-`` where none does."""
-    days = np.flatnonzero(run.closes)
-    if not len(days):
-        return MISSING
-    first, last = (int(run.axis.day_of_year[i]) for i in (days[0], days[-1]))
-    return f"{date_label(first)} to {date_label(last)}"
 
 
 def _daily_wh(run: WeatherRun) -> Any:

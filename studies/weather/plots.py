@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.dates import MONTH_NAMES, month_and_day
+from missions.dates import MONTH_NAMES
 from sizing.results.weather import WeatherAnalysis
+from sizing.weather_run import WeatherRun
+from solar.types import BoolArray
 from studies.output.plots import BLUE, ORANGE, caption, new_figure
 
 if TYPE_CHECKING:
@@ -16,6 +18,10 @@ if TYPE_CHECKING:
 
 # Survival of flights is drawn up to here [d].
 _LONGEST_DAYS = 200.0
+# A longer record is drawn with a row a year, not a row a month.
+_MONTHS_UP_TO_DAYS = 400
+# Of a leap year, counted from 0.
+_MONTH_STARTS = np.array([0, 31, 60, 91, 121, 152, 182, 213, 244, 274, 305, 335])
 
 
 def plot_weather(analysis: WeatherAnalysis) -> Figure:
@@ -55,21 +61,20 @@ def plot_weather(analysis: WeatherAnalysis) -> Figure:
 
 
 def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> None:
-    """State of charge at dawn, a cell a day: months by days, or years by days of year."""
+    """State of charge at dawn, a cell a day: months by days, or years by days of the year."""
     run = analysis.performance.recorded
-    years = (run.axis.time_s.astype("datetime64[s]") + np.timedelta64(12, "h")).astype(
-        "datetime64[Y]"
-    ).astype(int) + 1970
-    several = len(set(years.tolist())) > 1 and len(run.closes) > 400
+    axis = run.axis
+    several = len(axis) > _MONTHS_UP_TO_DAYS and len(set(axis.year.tolist())) > 1
+    day_of_month = (axis.date - axis.date.astype("datetime64[M]")).astype(int)
     if several:
-        rows, columns = years - years.min(), run.axis.day_of_year - 1
-        names = [str(year) for year in range(years.min(), years.max() + 1)]
-        width = 365
+        first, last = int(axis.year.min()), int(axis.year.max())
+        starts, width = _MONTH_STARTS, 366
+        rows, columns = axis.year - first, starts[axis.month - 1] + day_of_month
+        names = [str(year) for year in range(first, last + 1)]
     else:
-        place = np.array([month_and_day(int(day)) for day in run.axis.day_of_year])
-        present = sorted(set(place[:, 0].tolist()))
-        rows, columns = np.searchsorted(present, place[:, 0]), place[:, 1] - 1
-        names, width = [MONTH_NAMES[month - 1] for month in present], 31
+        present = sorted(set(axis.month.tolist()))
+        rows, columns, width = np.searchsorted(present, axis.month), day_of_month, 31
+        names = [MONTH_NAMES[month - 1] for month in present]
     charge = np.full((len(names), width), np.nan)
     charge[rows, columns] = 100.0 * run.dawn_state_of_charge
     fullest = 10.0 * np.ceil(max(float(np.nanmax(charge)), 1.0) / 10.0)
@@ -84,12 +89,12 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         marker="x",
         markersize=1.5 if several else 4.0,
         color="white",
-        markeredgewidth=0.8,
+        markeredgewidth=0.4 if several else 0.8,
         label="does not close",
     )
-    axes.set_yticks(range(len(names)), names)
+    shown = range(0, len(names), 1 + len(names) // 20)
+    axes.set_yticks(shown, [names[i] for i in shown])
     if several:
-        starts = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334]
         axes.set_xticks(starts, MONTH_NAMES)
     else:
         axes.set_xticks(range(0, 31, 2), [str(day) for day in range(1, 32, 2)])
@@ -106,22 +111,16 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
 
 
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
-    """Share of launches at dawn with a full battery that are still airborne."""
+    """Share of launches at dawn with a full battery that are still airborne; grey: of each year."""
     done = analysis.performance
-    for run, colour, style, label in (
-        (done.clear, ORANGE, "--", "clear sky"),
-        (done.recorded, BLUE, "-", "record"),
-    ):
-        hours = np.sort(run.endurance_h) / 24.0
-        share = 100.0 * (1.0 - np.arange(len(hours)) / len(hours))
-        axes.step(
-            np.append(hours, _LONGEST_DAYS),
-            np.append(share, 0.0 if not run.outlasts.any() else share[-1]),
-            where="pre",
-            color=colour,
-            linestyle=style,
-            label=label,
-        )
+    whole = [one.year for one in analysis.years if one.whole]
+    for number, year in enumerate(whole if len(whole) > 1 else ()):
+        of_year = done.recorded.axis.year == year
+        label = "launches of each year" if not number else ""
+        _draw_share(axes, done.recorded, of_year, color="0.7", linewidth=0.7, label=label)
+    every = np.ones(len(done.recorded.closes), bool)
+    _draw_share(axes, done.clear, every, color=ORANGE, linestyle="--", label="clear sky")
+    _draw_share(axes, done.recorded, every, color=BLUE, label="record")
     axes.set(
         xscale="log",
         xlim=(0.5, _LONGEST_DAYS),
@@ -136,10 +135,18 @@ def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     axes.legend(fontsize="small")
 
 
+def _draw_share(axes: Axes, run: WeatherRun, some: BoolArray, **style: Any) -> None:
+    """Share of some launches that are still airborne over time."""
+    hours = np.sort(run.endurance_h[some]) / 24.0
+    share = 100.0 * (1.0 - np.arange(len(hours)) / len(hours))
+    at_last = share[-1] if run.outlasts[some].any() else 0.0
+    axes.step(np.append(hours, _LONGEST_DAYS), np.append(share, at_last), where="pre", **style)
+
+
 def _draw_season(axes: Axes, analysis: WeatherAnalysis) -> None:
     """Days that close in every month, as a share."""
     done = analysis.performance
-    month = np.array([month_and_day(int(day))[0] for day in done.recorded.axis.day_of_year])
+    month = done.recorded.axis.month
     present = sorted(set(month.tolist()))
     for run, colour, shift, label, hatch in (
         (done.clear, ORANGE, -0.2, "clear sky", "//"),

@@ -5,13 +5,14 @@ import pytest
 from weather_files import SITE, clear_record
 
 from missions.library import load_mission
+from missions.weather.light import light_at_altitude
 from missions.weather.record import Site
 from missions.weather.site import mission_at_site
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
-from sizing.weather_run import run_lengths, wait_for_window, weather_performance
+from sizing.weather_run import DayAxis, run_lengths, wait_for_window, weather_performance
 
 AS2 = load_aircraft("atlantiksolar-as2")
 
@@ -72,6 +73,57 @@ def test_days_are_those_of_the_place_and_not_of_greenwich():
     axis = weather_performance(AS2, mission_at(utc), utc).recorded.axis
     assert axis.day_of_year.tolist() == [196, 197, 198, 199, 200]
     assert np.abs(axis.midnight_h).max() < 0.1
+
+
+@pytest.mark.parametrize(
+    ("longitude_deg", "offset_h"),
+    [
+        *[(77.2, 5.5), (85.3, 5.75), (174.0, 12.0), (180.0, 12.0), (-180.0, -12.0), (179.9, 12.0)],
+        *[(-176.5, 12.75), (-157.4, 14.0), (-171.8, 13.0), (76.0, 8.0), (-109.0, -7.0), (0.0, 0.0)],
+    ],
+)
+def test_every_day_has_the_date_of_its_place(longitude_deg, offset_h):
+    site = Site("", -20.0, longitude_deg, 100.0, offset_h)
+    # From mid-year, over a leap day.
+    record = clear_record(366, first="2003-07-14", site=site, interval_s=10800.0)
+    axis = DayAxis.of(light_at_altitude(record, 500.0, step_s=10800.0))
+    assert len(axis) in (365, 366)
+    assert np.all(np.diff(axis.date).astype(int) == 1)
+    # Independent: the clock of the place at the day's noon.
+    noon = axis.time_s + 3600.0 * (12.0 - axis.midnight_h + offset_h)
+    assert np.array_equal(axis.date, noon.astype("datetime64[s]").astype("datetime64[D]"))
+    assert axis.date[0] == np.datetime64("2003-07-14")
+    assert np.abs(axis.midnight_h).max() <= 3.3  # nodes and the equation of time
+    leap = axis.date == np.datetime64("2004-02-29")
+    assert axis.day_of_year[leap].tolist() == [59]
+    assert axis.day_of_year[0] == 195
+
+
+@pytest.mark.parametrize(
+    ("longitude_deg", "first"), [(-105.0, "2001-01-01"), (120.0, "2001-01-02"), (-180.0, None)]
+)
+def test_records_in_universal_time_have_the_days_of_their_longitude(longitude_deg, first):
+    site = Site("", 40.0, longitude_deg, 100.0, 0.0)
+    record = clear_record(365, first="2001-01-01", site=site, interval_s=10800.0)
+    axis = DayAxis.of(light_at_altitude(record, 500.0, step_s=10800.0))
+    assert len(axis) == 364
+    assert np.abs(axis.midnight_h).max() < 1.8
+    if first is not None:
+        assert axis.date[0] == np.datetime64(first)
+
+
+def test_north_and_south_have_each_others_seasons():
+    seasons = []
+    for latitude_deg in (47.0, -47.0):
+        site = Site("", latitude_deg, 0.0, 100.0, 0.0)
+        record = clear_record(365, first="2001-01-01", site=site, interval_s=10800.0)
+        run = weather_performance(AS2, mission_at(record), record, step_s=1800.0).clear
+        seasons.append(run.axis.day_of_year[run.closes])
+    north, south = seasons
+    # The southern one is half a year later, around the turn of the year.
+    assert np.mean(np.cos(2 * np.pi * (north - 172) / 365)) > 0.4
+    assert np.mean(np.cos(2 * np.pi * (south - 355) / 365)) > 0.4
+    assert abs(len(north) - len(south)) < 20
 
 
 def test_less_light_never_helps():

@@ -166,8 +166,8 @@ def write_psm(path: Path, record: Weather) -> Path:
     lines = [
         "Source,Location ID,City,State,Country,Latitude,Longitude,Time Zone,Elevation,"
         "Local Time Zone",
-        f"NSRDB,1,-,-,-,{site.latitude_deg},{site.longitude_deg},{site.utc_offset_h:.0f},"
-        f"{site.altitude_m:.0f},{site.utc_offset_h:.0f}",
+        f"NSRDB,1,-,-,-,{site.latitude_deg},{site.longitude_deg},{site.utc_offset_h:g},"
+        f"{site.altitude_m:.0f},{site.utc_offset_h:g}",
         "Year,Month,Day,Hour,Minute,DHI,DNI,GHI,Temperature,Wind Speed,Cloud Type,Fill Flag,,",
     ]
     for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):

@@ -193,6 +193,50 @@ def test_mistakes_in_a_plain_table_have_their_lines(tmp_path):
         load_weather(write_plain(tmp_path / "b.csv", record, rows=with_a_bad_time))
 
 
+@pytest.mark.parametrize("write", [write_epw, write_psm])
+@pytest.mark.parametrize(
+    ("offset_h", "longitude_deg"), [(5.5, 77.2), (5.75, 85.3), (-3.5, -52.7), (12.75, -176.5)]
+)
+def test_time_zones_of_parts_of_an_hour(tmp_path, write, offset_h, longitude_deg):
+    site = Site("There", 28.6, longitude_deg, 200.0, offset_h)
+    record = clear_record(2, site=site, interval_s=1800.0 if write is write_psm else 3600.0)
+    found = load_weather(write(tmp_path / "a.csv", record))
+    assert found.site.utc_offset_h == offset_h
+    assert found.start_s == pytest.approx(record.start_s)
+    same_light(found, record)
+
+
+@pytest.mark.parametrize(
+    "change", [gzip.compress, lambda content: b"\xef\xbb\xbf" + content], ids=["packed", "mark"]
+)
+def test_files_may_be_packed_and_begin_with_a_byte_order_mark(tmp_path, change):
+    record = clear_record(2, site=Site("Somewhere", 46.8, 6.9, 491.0, 0.0))
+    minutes = clear_record(1, first="2016-06-01", interval_s=60.0, site=record.site)
+    year = (PVLIB_DATA / "12839.tm2").read_bytes()
+    plain = tmp_path / "a.txt"
+    plain.write_bytes(b"".join(year.splitlines(keepends=True)[: 1 + 24 * 40]))
+    files = [
+        plain,
+        write_plain(tmp_path / "a.csv", record),
+        write_epw(tmp_path / "a.epw", record),
+        write_psm(tmp_path / "b.csv", record),
+        write_bsrn(tmp_path / "a.dat", minutes),
+    ]
+    for path in files:
+        light = load_weather(path)
+        path.write_bytes(change(path.read_bytes()))  # whatever its ending
+        again = load_weather(path)
+        assert (again.layout, again.site) == (light.layout, light.site)
+        assert np.array_equal(again.ghi, light.ghi)
+
+
+def test_other_packings_are_named(tmp_path):
+    path = tmp_path / "a.epw"
+    path.write_bytes(b"PK\x03\x04" + bytes(100))
+    with pytest.raises(InputError, match="is packed with zip: unpack it; allowed: gzip, or none"):
+        load_weather(path)
+
+
 @pytest.mark.parametrize("ends", ["\r\n", "\r"])
 @pytest.mark.parametrize("write", [write_plain, write_epw, write_psm])
 def test_lines_may_end_as_on_any_machine(tmp_path, write, ends):

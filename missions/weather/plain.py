@@ -1,0 +1,136 @@
+"""Plain tables of weather: CSV with the site in comment lines."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from missions.files.errors import InputError, Problem, file_error
+from missions.weather.raw import START, RawTable, text_of
+from missions.weather.record import Site
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_SITE_KEYS = {
+    "latitude_deg": 90.0,
+    "longitude_deg": 180.0,
+    "altitude_m": 9000.0,
+    "utc_offset_h": 14.0,
+}
+_COLUMNS = {
+    "time_utc": "time",
+    "time": "time",
+    "ghi": "ghi",
+    "ghi_w_per_m2": "ghi",
+    "dni": "dni",
+    "dni_w_per_m2": "dni",
+    "dhi": "dhi",
+    "dhi_w_per_m2": "dhi",
+    "temperature_c": "temp_air",
+    "temp_air": "temp_air",
+    "wind_m_per_s": "wind_speed",
+    "wind_speed": "wind_speed",
+}
+CSV_HELP = (
+    "a plain table begins with lines '# latitude_deg: 46.8', '# longitude_deg: 6.9' and "
+    "'# altitude_m: 491', then a line of column names: time_utc (ISO 8601, start of the interval), "
+    "ghi, dni, dhi [W/m2] (two of them, or ghi alone), temperature_c, wind_m_per_s"
+)
+
+
+def read_plain(path: Path, source: str) -> RawTable:
+    """Read a plain CSV table with its site in comment lines.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    source : str
+        Its name, for messages.
+
+    Returns
+    -------
+    RawTable
+
+    Raises
+    ------
+    InputError
+        With the lines of all that is wrong with its head, or of its first time that is none.
+    """
+    import pandas as pd
+
+    lines = text_of(path).split("\n")
+    meta, problems = _site_lines(lines, source)
+    begin = next((i for i, line in enumerate(lines) if line and not line.startswith("#")), None)
+    if begin is None:
+        raise file_error(source, f"has no table: {CSV_HELP}")
+    names = [name.strip() for name in next(csv.reader([lines[begin]]))]
+    unknown = [name for name in names if name not in _COLUMNS]
+    chosen = [_COLUMNS[name] for name in names if name in _COLUMNS]
+    if "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
+        raise file_error(source, f"is no weather file that is known: {CSV_HELP}")
+    if unknown:
+        message = f"unknown columns: {', '.join(unknown[:5])}; known: {', '.join(_COLUMNS)}"
+        problems.append(Problem(source, begin + 1, None, "", message))
+    if len(set(chosen)) < len(chosen):
+        problems.append(Problem(source, begin + 1, None, "", "names a column twice"))
+    problems += [
+        Problem(source, None, None, "", f"lacks the line '# {key}: ...': {CSV_HELP}")
+        for key in ("latitude_deg", "longitude_deg", "altitude_m")
+        if key not in meta
+    ]
+    if problems:
+        raise InputError(problems)
+    table = pd.read_csv(io.StringIO("\n".join(lines[begin:])), skipinitialspace=True)
+    table.columns = pd.Index(chosen)
+    table = table.set_index(_plain_times(table.pop("time"), meta, source, begin + 2))
+    site = Site(
+        str(meta.get("name", "")),
+        float(meta["latitude_deg"]),
+        float(meta["longitude_deg"]),
+        float(meta["altitude_m"]),
+        float(meta.get("utc_offset_h", 0.0)),
+    )
+    return RawTable("CSV", site, table, START, first_line=begin + 2)
+
+
+def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Problem]]:
+    """Values of the comment lines ``# key: value``, and what is wrong with them."""
+    meta: dict[str, Any] = {}
+    problems = []
+    for number, line in enumerate(lines, start=1):
+        if not line.startswith("#"):
+            break
+        key, colon, value = line.lstrip("# ").partition(":")
+        key, value = key.strip(), value.strip()
+        if key in ("name", "site") and colon:
+            meta["name"] = value
+        if key not in _SITE_KEYS or not colon:
+            continue
+        limit = _SITE_KEYS[key]
+        try:
+            meta[key] = float(value)
+        except ValueError:
+            meta[key] = math.nan
+        if not abs(meta[key]) <= limit:
+            message = f"must be a number from {-limit:g} to {limit:g} (got {value[:40]!r})"
+            problems.append(Problem(source, number, None, key, message))
+    return meta, problems
+
+
+def _plain_times(column: pd.Series, meta: dict[str, Any], source: str, first: int) -> Any:
+    """Times of a plain table; without a zone they are universal."""
+    import pandas as pd
+
+    times = pd.to_datetime(column.astype("string"), format="ISO8601", utc=True, errors="coerce")
+    wrong = times.isna().to_numpy().nonzero()[0]
+    if len(wrong):
+        row = int(wrong[0])
+        more = f" (and {len(wrong) - 1} more rows)" if len(wrong) > 1 else ""
+        message = f"must be ISO 8601 like 2023-06-21T12:00Z (got {str(column.iloc[row])[:40]!r})"
+        raise InputError([Problem(source, first + row, None, "time_utc", message + more)])
+    return pd.DatetimeIndex(times)

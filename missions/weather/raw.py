@@ -1,0 +1,125 @@
+"""What is read of a weather file before its values are looked at: text, and a table of columns."""
+
+from __future__ import annotations
+
+import codecs
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, NamedTuple
+
+from missions.files.errors import file_error
+from missions.weather.record import Site
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+MAXIMUM_BYTES = 200_000_000
+# Share of the interval that has passed at a row's time.
+START, MIDDLE, END = 0.0, 0.5, 1.0
+
+_GZIP = b"\x1f\x8b"
+_PACKED = {b"PK\x03\x04": "zip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xaf": "7z"}
+
+
+class RawTable(NamedTuple):
+    """Table of a file, as pvlib gives it.
+
+    Attributes
+    ----------
+    layout : str
+        Kind of the file.
+    site : Site
+        Where it was taken.
+    table : DataFrame
+        Columns ``ghi``, ``dni``, ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as
+        the file has them; its index is the time, with its zone.
+    passed : float
+        Share of the interval that has passed at a row's time: 0 start, 0.5 middle, 1 end.
+    offset_s : float
+        Seconds to be added to every row's time.
+    first_line : int
+        Line of the first row in the file, counted from 1; 0 where a row is no line.
+    """
+
+    layout: str
+    site: Site
+    table: pd.DataFrame
+    passed: float
+    offset_s: float = 0.0
+    first_line: int = 0
+
+
+def head_of(path: Path, source: str) -> list[str]:
+    """First lines of a file, packed with gzip or not.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    source : str
+        Its name, for messages.
+
+    Returns
+    -------
+    list of str
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no text.
+    """
+    import gzip
+    import zlib
+
+    try:
+        if not path.is_file():
+            other = "is no regular file" if path.exists() else "there is no such file"
+            problem = "is a folder" if path.is_dir() else other
+            raise file_error(source, problem)
+        if path.stat().st_size > MAXIMUM_BYTES:
+            raise file_error(source, f"is larger than {MAXIMUM_BYTES // 1_000_000} MB")
+        with path.open("rb") as file:
+            start = file.read(16384)
+        if start.startswith(_GZIP):
+            with gzip.open(path, "rb") as unpacked:
+                start = unpacked.read(16384)
+    except (OSError, EOFError, zlib.error) as error:
+        raise file_error(source, f"cannot be read: {error}") from error
+    if not start.strip():
+        raise file_error(source, "is empty")
+    for begin, kind in _PACKED.items():
+        if start.startswith(begin):
+            raise file_error(source, f"is packed with {kind}: unpack it; allowed: gzip, or none")
+    if b"\0" in start:
+        raise file_error(source, "is no text file")
+    return _decoded(start).splitlines()
+
+
+def _decoded(content: bytes) -> str:
+    """Text in UTF-8, or in Latin-1, which many EPW files are written in."""
+    content = content.removeprefix(codecs.BOM_UTF8)
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def text_of(path: Path) -> str:
+    """All of a file, packed with gzip or not, its lines ended by a line feed."""
+    import gzip
+
+    content = path.read_bytes()
+    if content.startswith(_GZIP):
+        content = gzip.decompress(content)
+    return _decoded(content).replace("\r\n", "\n").replace("\r", "\n")
+
+
+@contextmanager
+def as_file(path: Path) -> Iterator[str]:
+    """Plain copy of a file, for readers that take no packed ones and no byte order marks."""
+    with TemporaryDirectory() as folder:
+        plain = Path(folder) / "plain.txt"
+        plain.write_text(text_of(path), encoding="utf-8")
+        yield str(plain)
