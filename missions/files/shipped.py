@@ -1,9 +1,11 @@
-"""Finding an aircraft or a mission by the name of a shipped file or by a path."""
+"""Finding an aircraft, a mission or a weather record by the name of a shipped file or by a path."""
 
 from __future__ import annotations
 
+import gzip
 from difflib import get_close_matches
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal
 
@@ -14,6 +16,7 @@ Kind = Literal["aircraft", "mission"]
 
 # Packages whose folder ``library`` holds the files.
 _PACKAGES: dict[Kind, str] = {"aircraft": "sizing", "mission": "missions"}
+_RECORD = ".csv.gz"
 
 
 def shipped_names(kind: Kind) -> list[str]:
@@ -22,6 +25,25 @@ def shipped_names(kind: Kind) -> list[str]:
     return sorted(
         f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith(".yaml")
     )
+
+
+def shipped_records() -> list[str]:
+    """Names of the shipped weather records, sorted."""
+    folder = resources.files("missions").joinpath("library")
+    return sorted(f.name.removesuffix(_RECORD) for f in folder.iterdir() if _RECORD in f.name)
+
+
+def shipped_record(name: str) -> Traversable:
+    """File of a shipped weather record."""
+    return resources.files("missions").joinpath("library", f"{name}{_RECORD}")
+
+
+def record_description(name: str) -> str:
+    """What a shipped weather record says of itself."""
+    key = "# description:"
+    with shipped_record(name).open("rb") as file, gzip.open(file, "rt", encoding="utf-8") as text:
+        head = (line for _, line in zip(range(20), text, strict=False))
+        return next((line.removeprefix(key).strip() for line in head if line.startswith(key)), "")
 
 
 def find_document(kind: Kind, name_or_path: str) -> Document:
@@ -63,7 +85,7 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
 
 
 def shipped_text(name: str) -> str:
-    """Text of a shipped aircraft's or mission's file.
+    """Text of a shipped aircraft's or mission's file, or of a weather record.
 
     Raises
     ------
@@ -71,9 +93,12 @@ def shipped_text(name: str) -> str:
         If none of that name is shipped.
     """
     shipped: dict[str, Kind] = {name: kind for kind in _PACKAGES for name in shipped_names(kind)}
+    records = shipped_records()
+    if name in records:
+        return gzip.decompress(shipped_record(name).read_bytes()).decode("utf-8")
     if name not in shipped:
-        message = "no shipped aircraft or mission of that name"
-        raise file_error(name, f"{message} (shipped: {', '.join(shipped)})")
+        message = "no shipped aircraft, mission or weather record of that name"
+        raise file_error(name, f"{message} (shipped: {', '.join([*shipped, *records])})")
     return _text(shipped[name], name)
 
 

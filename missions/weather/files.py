@@ -7,12 +7,11 @@ from contextlib import ExitStack
 from importlib import resources
 from pathlib import Path
 
-from missions.files.errors import printable
+from missions.files.errors import file_error, printable
+from missions.files.shipped import shipped_record, shipped_records
 from missions.weather.checks import checked_record
 from missions.weather.layouts import read_layout
 from missions.weather.record import Weather
-
-_ENDING = ".csv.gz"
 
 
 def load_weather(path: str | os.PathLike[str]) -> Weather:
@@ -40,13 +39,9 @@ def load_weather(path: str | os.PathLike[str]) -> Weather:
     with ExitStack() as stack:
         place = Path(name)
         if name in shipped_records() and not place.exists():
-            shipped = resources.files("missions").joinpath("library", f"{name}{_ENDING}")
-            place, source = stack.enter_context(resources.as_file(shipped)), f"{name} (shipped)"
+            shipped = resources.as_file(shipped_record(name))
+            place, source = stack.enter_context(shipped), f"{name} (shipped)"
+        elif name and not os.path.lexists(place):
+            known = ", ".join(shipped_records())
+            raise file_error(source, f"there is no such file, and none is shipped but {known}")
         return checked_record(read_layout(place, source), source)
-
-
-def shipped_records() -> list[str]:
-    """Names of the weather records that are shipped, sorted."""
-    folder = resources.files("missions").joinpath("library")
-    names = (file.name for file in folder.iterdir())
-    return sorted(name.removesuffix(_ENDING) for name in names if name.endswith(_ENDING))

@@ -36,8 +36,8 @@ class _Lazy(NamedTuple):
 # What one does with the command, in the order in which one does it.
 _TASKS = ("Start", "Design", "Analyse", "Verify")
 _COMMANDS = {
-    "list": _Lazy("files", "list_", "Shipped aircraft and missions.", "Start"),
-    "show": _Lazy("files", "show", "The file of a shipped aircraft or mission.", "Start"),
+    "list": _Lazy("files", "list_", "Shipped aircraft, missions and weather records.", "Start"),
+    "show": _Lazy("files", "show", "The file of a shipped aircraft, mission or record.", "Start"),
     "init": _Lazy("files", "init", "Commented files to start your own aircraft from.", "Start"),
     "validate": _Lazy("files", "validate", "Everything that is wrong with files.", "Start"),
     "size": _Lazy("size", "size", "The best design for a mission.", "Design"),

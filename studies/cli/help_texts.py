@@ -12,7 +12,16 @@ import click
 # command's own.
 _SUBJECTS = {
     "Solar power model, changes of the files": ("--model", "--correction", "--set"),
-    "Output": ("--json", "--csv", "--markdown", "--plot", "--pareto", "--out", "--pdf"),
+    "Output": (
+        "--json",
+        "--csv",
+        "--csv-years",
+        "--markdown",
+        "--plot",
+        "--pareto",
+        "--out",
+        "--pdf",
+    ),
     "Long computations": ("--workers", "--scheduler", "--work", "--keep-parts"),
 }
 _OWN = "Options"

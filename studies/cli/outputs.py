@@ -57,8 +57,8 @@ def tell(
 def write_results(
     data_file: str | None,
     data: Callable[[], bytes],
-    plot_file: str | None,
-    draw: Callable[[], Figure],
+    plot_file: str | None = None,
+    draw: Callable[[], Figure] | None = None,
 ) -> None:
     """Make and write those of both files that were asked for; if one cannot be, neither is.
 
@@ -77,7 +77,7 @@ def write_results(
     contents: dict[str | os.PathLike[str], bytes] = {}
     if data_file is not None:
         contents[data_file] = data()
-    if plot_file is not None:
+    if plot_file is not None and draw is not None:
         contents[plot_file] = figure_bytes(draw(), plot_file)
     write_files_atomically(contents)
 

@@ -84,6 +84,11 @@ class Latitude(click.ParamType[float]):
     help="Write the cycle over time, or the days of the weather record, as CSV.",
 )
 @click.option(
+    "--csv-years",
+    type=click.Path(),
+    help="Write the years of the weather record as CSV, a row a year.",
+)
+@click.option(
     "--plot",
     "plot_file",
     type=click.Path(),
@@ -99,6 +104,7 @@ def analyse(
     days: int | None,
     weather_file: str | None,
     csv_file: str | None,
+    csv_years: str | None,
     plot_file: str | None,
     model: str,
     correction: str,
@@ -120,8 +126,13 @@ def analyse(
         raise click.UsageError("give --days or --weather, not both")
     if weather_file is not None and latitude is not None:
         raise click.UsageError("a weather record has its own place: give --latitude or --weather")
+    if weather_file is not None and (day_of_year is not None or date is not None):
+        option = "--date" if date is not None else "--day-of-year"
+        raise click.UsageError(f"a weather record has its own days: give {option} or --weather")
+    if csv_years is not None and weather_file is None:
+        raise click.UsageError("--csv-years needs --weather: years are those of a weather record")
     check_image(plot_file)
-    check_outputs(csv=csv_file, plot=plot_file)
+    check_outputs(**{"csv": csv_file, "csv-years": csv_years, "plot": plot_file})
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     moved: dict[str, Any] = {} if latitude is None else {"latitude_deg": latitude}
     day = day_of_year if day_of_year is not None else date
@@ -134,7 +145,7 @@ def analyse(
         raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
     require_path(case)
     if weather_file is not None:
-        _in_weather(case, weather_file, csv_file, plot_file, as_json=as_json)
+        _in_weather(case, weather_file, csv_file, csv_years, plot_file, as_json=as_json)
         return
     require_climber(case)
     solar = case.solar
@@ -155,6 +166,7 @@ def _in_weather(
     case: Case,
     weather_file: str,
     csv_file: str | None,
+    csv_years: str | None,
     plot_file: str | None,
     *,
     as_json: bool,
@@ -167,14 +179,18 @@ def _in_weather(
     from studies.output.formats import csv_bytes
     from studies.weather.plots import plot_weather
 
+    weather = load_weather(weather_file)
+    if csv_years is not None and weather.typical:
+        raise click.UsageError("--csv-years needs a record of years: this is a typical year")
     result = analyse_weather(
         case.aircraft,
         case.mission,
-        load_weather(weather_file),
+        weather,
         model=case.solar.model,
         correction=case.solar.correction,
         mission_chosen=not case.mission_is_default,
     )
+    write_results(csv_years, lambda: csv_bytes(result.to_years_frame()))
     write_results(
         csv_file,
         lambda: csv_bytes(result.to_frame()),
@@ -191,4 +207,5 @@ def _in_weather(
             replay=False,
         )
         record = clear_day.to_dict() | record
-    tell(case, case.named(record), result, as_json=as_json, files=(csv_file, plot_file))
+    files = (csv_file, csv_years, plot_file)
+    tell(case, case.named(record), result, as_json=as_json, files=files)

@@ -14,8 +14,13 @@ from studies.cli.options import EXIT_BAD_INPUT, print_json
 @command("solar-uav list", name="list")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def list_(as_json: bool) -> None:
-    """List the aircraft and missions that ship with the package."""
-    from missions.files.shipped import find_document, shipped_names
+    """List the aircraft, missions and weather records that ship with the package."""
+    from missions.files.shipped import (
+        find_document,
+        record_description,
+        shipped_names,
+        shipped_records,
+    )
 
     shipped = {
         kind: {
@@ -24,11 +29,13 @@ def list_(as_json: bool) -> None:
         }
         for kind in ("aircraft", "mission")
     }
+    shipped["weather"] = {name: record_description(name) for name in shipped_records()}
     if as_json:
         print_json(shipped)
         return
+    headings = {"aircraft": "aircraft", "mission": "missions", "weather": "weather records"}
     for kind, entries in shipped.items():
-        click.secho(kind if kind == "aircraft" else "missions", bold=True)
+        click.secho(headings[kind], bold=True)
         for name, description in entries.items():
             click.echo(f"  {name:24} {description}")
 

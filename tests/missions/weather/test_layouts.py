@@ -18,7 +18,8 @@ from weather_files import (
 )
 
 from missions.files.errors import InputError
-from missions.weather.files import load_weather, shipped_records
+from missions.files.shipped import shipped_records
+from missions.weather.files import load_weather
 from missions.weather.record import Site
 
 pvlib = pytest.importorskip("pvlib")

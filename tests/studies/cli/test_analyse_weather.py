@@ -3,6 +3,8 @@ import io
 
 from weather_files import clear_record, write_plain
 
+from missions.weather.files import load_weather
+
 AS2 = "atlantiksolar-as2"
 
 
@@ -41,3 +43,43 @@ def test_mistakes_end_with_two_and_one_line(run, tmp_path):
     assert moved.code == 2
     assert "a weather record has its own place" in moved.err
     assert "Traceback" not in missing.err + far.err + moved.err
+
+
+def test_options_without_effect_are_refused(run):
+    for option, value in (("--date", "06-21"), ("--day-of-year", "172")):
+        told = run("analyse", AS2, option, value, "--weather", "colorado-2023")
+        assert told.code == 2
+        assert f"a weather record has its own days: give {option} or --weather" in told.err
+    told = run("analyse", AS2, "--csv-years", "years.csv")
+    assert (told.code, "--csv-years needs --weather" in told.err) == (2, True)
+
+
+def test_years_are_written_a_row_each(run, tmp_path):
+    path = write_plain(tmp_path / "clear.csv", clear_record(6, first="2001-07-14"))
+    table = tmp_path / "years.csv"
+    assert run("analyse", AS2, "--weather", path, "--csv-years", table).code == 0
+    (row,) = csv.DictReader(io.StringIO(table.read_text()))
+    assert (row["year"], row["days"], row["days_that_close"], row["whole"]) == (
+        *("2001", "6", "6"),
+        "False",
+    )
+
+
+def test_shipped_records_are_listed_and_shown(run, tmp_path):
+    assert "colorado-2023" in run("list").out
+    assert set(run("list", "--json").json()["weather"]) == {"colorado-2023"}
+    text = run("show", "colorado-2023").out
+    copy = tmp_path / "mine.csv"
+    copy.write_text(text)
+    assert len(load_weather(copy)) == 17520
+    missing = run("analyse", AS2, "--weather", "colorado")
+    assert missing.code == 2
+    assert "there is no such file, and none is shipped but colorado-2023" in missing.err
+
+
+def test_what_plays_no_part_in_a_record_is_said(run, tmp_path):
+    path = write_plain(tmp_path / "clear.csv", clear_record(3, first="2001-07-14"))
+    out = run("analyse", AS2, "-m", "rafz-28h", "--weather", path).out
+    assert "the mission's launch plays no part" in out
+    climb = ("--set", "mission.climb={ceiling_m: 1500}")
+    assert "the mission's climb plays no part" in run("analyse", AS2, *climb, "--weather", path).out

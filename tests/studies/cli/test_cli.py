@@ -104,7 +104,9 @@ def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
         assert run("validate", f"{name}-copy.yaml").code == 0
     outcome = run("show", "nothing")
     assert (outcome.code, outcome.out) == (2, "")
-    assert outcome.err.startswith("nothing: no shipped aircraft or mission of that name (shipped: ")
+    assert outcome.err.startswith(
+        "nothing: no shipped aircraft, mission or weather record of that name (shipped: "
+    )
 
 
 def test_sizing_tells_of_a_path_at_another_airspeed(run: Run) -> None:
