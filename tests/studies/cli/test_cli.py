@@ -86,7 +86,7 @@ def test_list(run: Run) -> None:
     outcome = run("list")
     assert (outcome.code, outcome.err) == (0, "")
     shipped = run("list", "--json").json()
-    assert shipped.keys() == {"aircraft", "mission"}
+    assert shipped.keys() == {"aircraft", "mission", "weather"}
     assert {AS2, DESIGN, "sky-sailor"} <= shipped["aircraft"].keys()
     assert {"rafz-july", "rafz-81h", "central-europe-summer"} <= shipped["mission"].keys()
     for descriptions in shipped.values():
