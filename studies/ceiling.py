@@ -23,6 +23,18 @@ from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import together
 from solar.names import CorrectionName, ModelName
+from studies.output.figures.drawing import (
+    CHARGE,
+    DARK_GREY,
+    LOAD,
+    SUN,
+    Canvas,
+    caption,
+    new_figure,
+    outside_ranges,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -179,16 +191,27 @@ def _shown(found: PerpetualCeiling) -> list[AltitudeFlight]:
     return sorted(shown, key=lambda flight: flight.altitude_m)
 
 
-def plot_ceiling(result: Ceiling) -> Figure:
-    """Excess time, power and daily energies over altitude, the ceiling marked."""
-    from studies.output.plots import CHARGE, LOAD, SUN, caption, captioned, new_figure
+@styled
+def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
+    """Excess time, power and daily energies over altitude, the ceiling marked.
 
-    found, mark = result.found, "#555555"
-    name = f"{result.aircraft.name}, {result.mission.name}"
-    figure, panels = new_figure(
+    Parameters
+    ----------
+    result : Ceiling
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
+    found, mark = result.found, DARK_GREY
+    drawn, panels = new_figure(
         1,
         3,
-        title=captioned(f"{name}, worst scenario ({caption(result.solar)})", result.extrapolations),
+        canvas=figure,
+        title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
+        notes=(caption(result.solar), outside_ranges(result.extrapolations)),
         size_in=(9.0, 4.8),
         sharey=True,
     )
@@ -202,9 +225,9 @@ def plot_ceiling(result: Ceiling) -> Figure:
     energy.plot(found.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")
     energy.plot(found.column("load_energy_wh"), altitude_km, "--", color=LOAD, label="load")
     energy.set(xlabel="energy of the day [Wh]", xlim=(0.0, None))
-    energy.legend(loc="upper left", fontsize="small")
+    energy.legend(loc="upper left")
     if found.highest is None:
-        return figure
+        return drawn
     highest_km = found.highest.altitude_m / 1000.0
     if not found.at_search_limit:
         for axes in panels:
@@ -217,4 +240,4 @@ def plot_ceiling(result: Ceiling) -> Figure:
         textcoords="offset points",
         ha="right",
     )
-    return figure
+    return drawn

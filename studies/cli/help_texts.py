@@ -22,6 +22,7 @@ _SUBJECTS = {
         "--out",
         "--pdf",
     ),
+    "Figures": ("--figure-size", "--dpi", "--style", "--no-title"),
     "Long computations": ("--workers", "--scheduler", "--work", "--keep-parts"),
 }
 _OWN = "Options"

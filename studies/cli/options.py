@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import click
 
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
+from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 from studies.output.formats import IMAGE_FORMATS, image_format
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
@@ -268,6 +270,68 @@ def out_option(contents: str) -> Callable[[Command], Command]:
     """Option ``--out`` of commands that write a folder."""
     text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
     return click.option("--out", "out_dir", type=click.Path(), help=text)
+
+
+def figure_options(command: Command) -> Command:
+    """Options of commands that draw; the command has them as ``figure``, a FigureOptions.
+
+    They are refused where no figure is asked for: a command draws with ``--plot`` or ``--out``.
+    """
+
+    @functools.wraps(command)
+    def drawing(*args: Any, **kwargs: Any) -> Any:
+        given = {
+            "size_in": kwargs.pop("figure_size"),
+            "dots_per_inch": kwargs.pop("dpi"),
+            "style": kwargs.pop("style"),
+            "title": False if kwargs.pop("no_title") else None,
+        }
+        asked = {name: value for name, value in given.items() if value is not None}
+        places = {"plot_file": "--plot", "out_dir": "--out"}
+        draws = [option for name, option in places.items() if name in kwargs]
+        if asked and not any(kwargs.get(name) is not None for name in places):
+            option = _FIGURE_OPTIONS[next(iter(asked))]
+            raise click.UsageError(f"{option} is of the figure: give {' or '.join(draws)} too")
+        try:
+            figure = FigureOptions(**asked)
+        except ValueError as error:
+            raise click.BadParameter(str(error), param_hint="--dpi") from None
+        return command(*args, figure=figure, **kwargs)
+
+    found: Any = drawing
+    for option in (
+        click.option("--no-title", is_flag=True, help="Leave title and notes to the caption."),
+        click.option(
+            "--style",
+            type=Parsed("name|file", "studies.output.figures.options:read_style"),
+            metavar="NAME|FILE",
+            help=f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
+            "an .mplstyle file.  [default: default]",
+        ),
+        click.option(
+            "--dpi",
+            type=Parsed("dots", "studies.output.figures.options:read_dots_per_inch"),
+            metavar="DOTS",
+            help="Dots per inch of PNG.  [default: 150]",
+        ),
+        click.option(
+            "--figure-size",
+            type=Parsed("size", "studies.output.figures.options:read_size"),
+            metavar="WIDTHxHEIGHT",
+            help="For example 170x100mm or 7x4in; a width alone, 85mm, leaves the height to the "
+            "figure.",
+        ),
+    ):
+        found = option(found)
+    return cast(Command, found)
+
+
+_FIGURE_OPTIONS = {
+    "size_in": "--figure-size",
+    "dots_per_inch": "--dpi",
+    "style": "--style",
+    "title": "--no-title",
+}
 
 
 def check_image(path: str | None) -> None:

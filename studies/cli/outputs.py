@@ -95,6 +95,6 @@ def figure_bytes(figure: Figure, path: str) -> bytes:
     -------
     bytes
     """
-    from studies.output.plots import to_bytes  # matplotlib takes half a second
+    from studies.output.figures.drawing import to_bytes  # matplotlib takes half a second
 
     return to_bytes(figure, image_format(path) or "png")

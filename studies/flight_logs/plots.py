@@ -13,7 +13,7 @@ from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.errors import Section, day_masks, moving_average
 from studies.flight_logs.samples import Detail, Samples
 from studies.flight_logs.verification import Verification
-from studies.output.plots import (
+from studies.output.figures.drawing import (
     BLUE,
     GREEN,
     MODEL_COLOURS,
@@ -21,9 +21,12 @@ from studies.output.plots import (
     SKY,
     VERMILLION,
     YELLOW,
+    Canvas,
     new_figure,
     shade,
+    styled,
 )
+from studies.output.figures.options import DEFAULT, FigureOptions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,15 +59,31 @@ class _View:
 Draw: TypeAlias = "Callable[[Axes, _View], None]"
 
 
-def figures(result: Verification) -> Iterator[tuple[str, Figure]]:
-    """Figures of all windows and days, each with a name for its file."""
+def figures(
+    result: Verification, *, figure: FigureOptions = DEFAULT
+) -> Iterator[tuple[str, Figure]]:
+    """Figures of all windows and days, each with a name for its file.
+
+    Parameters
+    ----------
+    result : Verification
+        What is drawn.
+    figure : FigureOptions
+        How they look.
+
+    Yields
+    ------
+    name : str
+    drawn : Figure
+    """
     for number in range(len(result.windows)):
-        yield f"window-{number + 1}", window_figure(result, number)
+        yield f"window-{number + 1}", window_figure(result, number, figure=figure)
     for section, (date, mask) in zip(result.days, day_masks(result.samples), strict=True):
-        yield f"day-{date}", day_figure(result, section, mask)
+        yield f"day-{date}", day_figure(result, section, mask, figure=figure)
 
 
-def window_figure(result: Verification, number: int) -> Figure:
+@styled
+def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
     """Power, attitude, efficiencies, shade and MPPT voltage in one window.
 
     Parameters
@@ -73,6 +92,8 @@ def window_figure(result: Verification, number: int) -> Figure:
         What is drawn.
     number : int
         Which of its windows, from 0.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
@@ -80,10 +101,13 @@ def window_figure(result: Verification, number: int) -> Figure:
     """
     section = result.windows[number]
     view = _view(result, result.window_masks[number], result.window_semi, attitude=True)
-    return _figure(result, section, view, [])
+    return _figure(result, section, view, [], figure)
 
 
-def day_figure(result: Verification, section: Section, mask: BoolArray) -> Figure:
+@styled
+def day_figure(
+    result: Verification, section: Section, mask: BoolArray, *, figure: Canvas = DEFAULT
+) -> Figure:
     """The same over a day (UTC), the windows as grey patches.
 
     Parameters
@@ -94,6 +118,8 @@ def day_figure(result: Verification, section: Section, mask: BoolArray) -> Figur
         One of its days.
     mask : ndarray of bool
         Samples of that day.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
@@ -103,7 +129,7 @@ def day_figure(result: Verification, section: Section, mask: BoolArray) -> Figur
     hours = _hours(result.samples, mask)
     inside = [hours[window[mask]] for window in result.window_masks]
     patches = [(float(h.min()), float(h.max())) for h in inside if len(h)]
-    return _figure(result, section, view, patches)
+    return _figure(result, section, view, patches, figure)
 
 
 def _hours(samples: Samples, mask: BoolArray) -> FloatArray:
@@ -148,14 +174,19 @@ def _view(result: Verification, mask: BoolArray, semi_window: int, *, attitude: 
 
 
 def _figure(
-    result: Verification, section: Section, view: _View, patches: list[tuple[float, float]]
+    result: Verification,
+    section: Section,
+    view: _View,
+    patches: list[tuple[float, float]],
+    canvas: Canvas,
 ) -> Figure:
     rows = _rows(view)
     heights = [2.0 if draw is _draw_power else 1.2 for draw in rows]
     figure, every = new_figure(
         len(rows),
-        title=f"{result.aircraft}, {section.label}: models against flight "
-        f"(average over {2 * section.semi_window + 1} samples)",
+        canvas=canvas,
+        title=f"{result.aircraft}, {section.label}: models against flight",
+        notes=(f"average over {2 * section.semi_window + 1} samples",),
         size_in=(8.0, 1.4 * sum(heights) + 0.8),
         sharex=True,
         height_ratios=heights,

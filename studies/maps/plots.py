@@ -28,7 +28,16 @@ from studies.output.columns import (
     extrapolations_of,
     status_names,
 )
-from studies.output.plots import captioned, dataset_caption, new_figure, objective_caption
+from studies.output.figures.drawing import (
+    Canvas,
+    dataset_caption,
+    ink,
+    new_figure,
+    objective_caption,
+    outside_ranges,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,9 +58,22 @@ _LEVELS = 6  # on either side of zero
 _DATES = 6  # along an axis of less than two months
 
 
-def plot_map(data: xr.Dataset) -> Figure:
-    """Excess time over season and latitude, with the edge of perpetual flight drawn as a line."""
-    figure, axes = _begun(data, after="; line: edge of perpetual flight")
+@styled
+def plot_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
+    """Excess time over season and latitude, with the edge of perpetual flight drawn as a line.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Map of a fixed aircraft.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
+    drawn, axes = _begun(figure, data, "line: edge of perpetual flight")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     excess = data["excess_time"].to_numpy()
     top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
@@ -59,44 +81,60 @@ def plot_map(data: xr.Dataset) -> Figure:
     levels = _levels(top)
     norm = BoundaryNorm(levels, ncolors=256, extend="both")
     mesh = axes.pcolormesh(cell_edges(days), cell_edges(latitudes), shown, cmap="PuOr", norm=norm)
-    bar = figure.colorbar(mesh, ax=axes, ticks=levels)
+    bar = drawn.colorbar(mesh, ax=axes, ticks=levels)
     bar.set_label("excess time [h]; beyond the top: no night")
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
         # No edge leads along cells of which nothing is known.
         perpetual = np.where(np.isnan(shown), np.nan, shown > 0.0)
-        axes.contour(days, latitudes, perpetual, [0.5], colors="black")
-    _finish(figure, axes, data)
-    return figure
+        axes.contour(days, latitudes, perpetual, [0.5], colors=ink())
+    _finish(drawn, axes, data)
+    return drawn
 
 
-def plot_resized_map(data: xr.Dataset) -> Figure:
+@styled
+def plot_resized_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     """Objective of the best design over season and latitude.
 
     Lines lead from cell to cell where both have a design.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Map of best designs.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
     """
     name = _SHOWN[data.attrs["objective"]]
-    figure, axes = _begun(data, before=f": {objective_caption(data.attrs['objective'])}")
+    drawn, axes = _begun(figure, data, objective_caption(data.attrs["objective"]))
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     values = np.where(data["status"].isin(SIZED), data[name].to_numpy(), np.nan)
     norm = finite_range(values)
     draw_colour_bar(
-        figure,
+        drawn,
         draw_cells(axes, days, latitudes, values, norm),
         axes,
         f"{data[name].long_name} [{data[name].units}]",
         unlimited=bool(np.isposinf(values).any()),
     )
     draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
-    _finish(figure, axes, data)
-    return figure
+    _finish(drawn, axes, data)
+    return drawn
 
 
-def _begun(data: xr.Dataset, *, before: str = "", after: str = "") -> tuple[Figure, Axes]:
-    """Figure with a title around the solar model."""
-    title = f"{data.attrs['title']}{before} ({dataset_caption(data)}){after}"
-    title = captioned(title, extrapolations_of(data))
-    figure, (axes,) = new_figure(title=title, size_in=(8.5, 5.2), grid="")
-    return figure, axes
+def _begun(canvas: Canvas, data: xr.Dataset, what: str) -> tuple[Figure, Axes]:
+    """Figure with its heading."""
+    drawn, (axes,) = new_figure(
+        canvas=canvas,
+        title=str(data.attrs["title"]),
+        notes=(what, dataset_caption(data), outside_ranges(extrapolations_of(data))),
+        size_in=(8.5, 5.2),
+        grid="",
+    )
+    return drawn, axes
 
 
 def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:

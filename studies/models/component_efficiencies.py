@@ -16,7 +16,16 @@ from sizing.sunlight import day_axis_h
 from solar._version import __version__
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
-from studies.output.plots import BLUE, GREEN, PURPLE, VERMILLION, new_figure
+from studies.output.figures.drawing import (
+    BLUE,
+    GREEN,
+    PURPLE,
+    VERMILLION,
+    Canvas,
+    new_figure,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -146,10 +155,26 @@ _COLUMNS = (
 )
 
 
-def plot_efficiencies(data: xr.Dataset) -> Figure:
-    """Component efficiencies over solar time; their range over the surfaces around the mean."""
-    figure, (axes,) = new_figure(
-        title=f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM, uncorrected)"
+@styled
+def plot_efficiencies(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
+    """Component efficiencies over solar time; their range over the surfaces around the mean.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of :func:`component_efficiencies`.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
+    about = data.attrs
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{about['aircraft']} on {about['mission']}, {about['scenario']}",
+        notes=("FM, uncorrected",),
     )
     time_h = data["time"].to_numpy()
     for (name, (label, colour)), dashes in zip(_LABELS.items(), _DASHES, strict=True):
@@ -163,4 +188,4 @@ def plot_efficiencies(data: xr.Dataset) -> Figure:
         axes.plot(time_h, values, color=colour, linestyle=dashes, label=label)
     axes.set(xlabel="solar time [h]", ylabel="component efficiency [-]", ylim=(0, 1.05))
     axes.legend(loc="lower center", ncols=2)
-    return figure
+    return drawn

@@ -12,7 +12,17 @@ from sizing.optimisation.objectives import Objective
 from studies.maps.season import Season
 from studies.models.comparison import Case, Comparison
 from studies.models.solar_models import model_label
-from studies.output.plots import BLUE, GREEN, VERMILLION, captioned, new_figure
+from studies.output.figures.drawing import (
+    BLUE,
+    GREEN,
+    VERMILLION,
+    Canvas,
+    ink,
+    new_figure,
+    outside_ranges,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,15 +38,27 @@ _LOOKS = {
 _MONTH_STARTS = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
 
 
-def plot_comparison(comparison: Comparison) -> Figure:
-    """Solar energy, excess time and season by every case, and the designs where there are any."""
+@styled
+def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figure:
+    """Solar energy, excess time and season by every case, and the designs where there are any.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
     columns = 4 if comparison.has_designs else 3
-    figure, panels = new_figure(
+    drawn, panels = new_figure(
         1,
         columns,
-        title=captioned(
-            f"{comparison.aircraft.name} on {comparison.mission.name}", comparison.extrapolations
-        ),
+        canvas=figure,
+        title=f"{comparison.aircraft.name} on {comparison.mission.name}",
+        notes=("solar power models compared", outside_ranges(comparison.extrapolations)),
         size_in=(2.9 * columns, 1.9 + 0.27 * len(comparison.cases)),
         grid="x",
         sharey=True,
@@ -54,27 +76,26 @@ def plot_comparison(comparison: Comparison) -> Figure:
     )
     for axes, label, truth in zip(panels, _axis_labels(comparison), truths, strict=False):
         if truth is not None and np.isfinite(truth):
-            axes.axvline(truth, color="black", linestyle=":", linewidth=1)
+            axes.axvline(truth, color=ink(), linestyle=":", linewidth=1)
         axes.set_xlabel(label)
         axes.tick_params(axis="y", length=0)
         axes.spines[["top", "right", "left"]].set_visible(False)
     low, high = panels[1].get_xlim()
     if low < 0.0 < high:
-        panels[1].axvline(0.0, color="black", linewidth=0.8)
+        panels[1].axvline(0.0, color=ink(), linewidth=0.8)
     panels[2].set_xticks(_MONTH_STARTS[::2], MONTH_NAMES[::2], ha="left")
     panels[2].set_xlim(1, 366)
     if comparison.has_designs:
         panels[-1].margins(x=0.15)
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
     panels[0].set_yticks(heights, [c.solar.model for c in comparison.cases])
-    figure.legend(
+    drawn.legend(
         handles=_legend(comparison),
         loc="outside lower center",
         ncols=5,
-        fontsize="small",
         frameon=False,
     )
-    return figure
+    return drawn
 
 
 def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
@@ -99,8 +120,8 @@ def _heights(cases: tuple[Case, ...]) -> Any:
 def _legend(comparison: Comparison) -> list[Line2D]:
     from matplotlib.lines import Line2D
 
-    def entry(label: str, color: str = "black", marker: str = "", ls: Any = "") -> Line2D:
-        return Line2D([], [], color=color, marker=marker, linestyle=ls, label=label)
+    def entry(label: str, color: str = "", marker: str = "", ls: Any = "") -> Line2D:
+        return Line2D([], [], color=color or ink(), marker=marker, linestyle=ls, label=label)
 
     truth = model_label(comparison.reference.solar)
     shown = dict.fromkeys(case.solar.correction for case in comparison.cases)
@@ -176,7 +197,7 @@ def _draw_design(axes: Axes, comparison: Comparison, case: Case, y: float) -> No
         return
     axes.plot([value], [y], color=colour, marker=marker)
     if not case.built.judged.perpetual:
-        axes.plot([value], [y], color="black", marker="x", markersize=9)
+        axes.plot([value], [y], color=ink(), marker="x", markersize=9)
 
 
 _PANELS = (_draw_solar_energy, _draw_excess, _draw_season, _draw_design)

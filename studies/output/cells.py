@@ -19,7 +19,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from studies.output.plots import DARK_GREY, GREY, VERMILLION
+from studies.output.figures.drawing import DARK_GREY, GREY, VERMILLION
 
 FloatArray = NDArray[np.float64]
 _UNLIMITED = VERMILLION  # a colour that the scale does not have

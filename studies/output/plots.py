@@ -1,30 +1,33 @@
-"""Figures: what all of them share, and those of a cycle, a flight and a sizing.
-
-Figures are drawn on their own canvas and returned, never shown.
-"""
+"""Figures of a cycle, a flight and a sizing."""
 
 from __future__ import annotations
 
-import io
 import math
-import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from missions.files.writing import write_bytes_atomically
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import label
-from sizing.results.notes import extrapolation_caption
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
-from solar.names import ModelName
-from studies.output.formats import IMAGE_FORMATS, image_format
+from studies.output.figures.drawing import (
+    CHARGE,
+    LOAD,
+    SUN,
+    Canvas,
+    caption,
+    ink,
+    new_figure,
+    outside_ranges,
+    shade,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -34,167 +37,8 @@ if TYPE_CHECKING:
     from sizing.replay import CalendarRun
     from sizing.results.analysis import Analysis
 
-# Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
-ORANGE, BLUE, GREEN, VERMILLION = "#E69F00", "#0072B2", "#009E73", "#D55E00"
-SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
-GREY, DARK_GREY = "#DDDDDD", "#808080"
-SUN, LOAD, CHARGE, NIGHT = ORANGE, BLUE, GREEN, GREY
-MODEL_COLOURS: dict[ModelName, str] = {
-    "CDM": ORANGE,
-    "CAM": SKY,
-    "VM": GREEN,
-    "FM": VERMILLION,
-}
-DOTS_PER_INCH = 150
 # Instants of the day around which a short text fits into the axes.
 _ROOM_FOR_TEXT_H = (2.4, 21.6)
-
-
-# ---- What all figures share
-
-
-def new_figure(
-    rows: int = 1,
-    columns: int = 1,
-    *,
-    title: str = "",
-    size_in: tuple[float, float] = (8.0, 4.8),
-    grid: str = "both",
-    **options: Any,
-) -> tuple[Figure, list[Axes]]:
-    """Figure with panels.
-
-    Parameters
-    ----------
-    rows, columns : int
-        Number of panels.
-    title : str
-        Over all panels; names from files are text in it, never formulas.
-    size_in : tuple of float
-        Width and height [in].
-    grid : str
-        Lines of the grid: ``x``, ``y``, ``both``, or none if empty.
-    **options
-        What :meth:`matplotlib.figure.Figure.subplots` takes besides, such as ``sharex``.
-
-    Returns
-    -------
-    figure : Figure
-        The figure.
-    panels : list of Axes
-        Row by row.
-    """
-    from matplotlib.figure import Figure  # half a second, for those who draw only
-
-    figure = Figure(figsize=size_in, layout="constrained")
-    panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
-    for axes in panels:
-        axes.set_axisbelow(True)
-        if grid:
-            axes.grid(alpha=0.3, axis=grid)
-    if title:
-        # Wrapping looks for formulas whatever parse_math says; an escaped dollar begins none.
-        figure.suptitle(title.replace("$", r"\$"), wrap=True)
-    return figure, panels
-
-
-def to_bytes(figure: Figure, image_format: str) -> bytes:
-    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`.
-
-    Parameters
-    ----------
-    figure : Figure
-        What was drawn.
-    image_format : str
-        One of :data:`studies.output.formats.IMAGE_FORMATS`.
-
-    Returns
-    -------
-    bytes
-    """
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=image_format, dpi=DOTS_PER_INCH)
-    return buffer.getvalue()
-
-
-def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure to a file, whole or not at all.
-
-    Parameters
-    ----------
-    figure : Figure
-    path : str or path
-        File name; its ending, png, svg or pdf, chooses the format.
-
-    Raises
-    ------
-    ValueError
-        For another ending.
-    OutputError
-        If the file cannot be written.
-    """
-    chosen = image_format(os.fspath(path))
-    if chosen is None:
-        allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
-        raise ValueError(f"{os.fspath(path)!r} must end in one of {allowed}")
-    write_bytes_atomically(path, to_bytes(figure, chosen))
-
-
-def caption(solar: SolarModel) -> str:
-    """Model and correction, for every figure."""
-    corrected = "uncorrected" if solar.correction == "none" else f"correction: {solar.correction}"
-    return f"{solar.model}, {corrected}"
-
-
-def captioned(title: str, found: Sequence[Extrapolation]) -> str:
-    """Title of a figure, with a line of what lies outside the range of a model.
-
-    Parameters
-    ----------
-    title : str
-        What is drawn.
-    found : sequence of Extrapolation
-        What the result tells.
-
-    Returns
-    -------
-    str
-        The title alone where nothing is outside.
-    """
-    line = extrapolation_caption(found)
-    return f"{title}\n{line}" if line else title
-
-
-def dataset_caption(data: xr.Dataset) -> str:
-    """Model and correction that a map or a trade study was computed with."""
-    return caption(SolarModel(data.attrs["solar_model"], data.attrs["correction"]))
-
-
-def objective_caption(objective: str | Objective) -> str:
-    """What is sought, in words, for instance ``smallest wingspan``."""
-    sought = Objective(objective)
-    return f"{'largest' if sought.maximised else 'smallest'} {sought.label}"
-
-
-def shade(
-    axes: Axes, spans: Iterable[tuple[float, float]], label: str | None = None, **style: Any
-) -> None:
-    """Shade spans of the horizontal axis over the whole height, by default in grey.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    spans : iterable of (float, float)
-        Start and end of each span, in units of the axis.
-    label : str, optional
-        Name in the legend.
-    **style
-        Colour and other properties of :meth:`matplotlib.axes.Axes.axvspan`.
-    """
-    looks: dict[str, Any] = {"color": GREY, "zorder": 0, "linewidth": 0} | style
-    for number, (start, end) in enumerate(spans):
-        axes.axvspan(start, end, label=label if number == 0 else None, **looks)
 
 
 def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
@@ -205,7 +49,10 @@ def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -
 # ---- The cycle of a day
 
 
-def plot_cycle(analysis: Analysis, scenario: int | None = None) -> Figure:
+@styled
+def plot_cycle(
+    analysis: Analysis, scenario: int | None = None, *, figure: Canvas = DEFAULT
+) -> Figure:
     """State of charge and power over the cycle of one scenario.
 
     Parameters
@@ -214,6 +61,8 @@ def plot_cycle(analysis: Analysis, scenario: int | None = None) -> Figure:
         What is drawn; its altitude as well, if it climbs.
     scenario : int, optional
         Number of the scenario, by default that of the worst.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
@@ -222,12 +71,12 @@ def plot_cycle(analysis: Analysis, scenario: int | None = None) -> Figure:
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
     panels = 2 if analysis.climb is None else 3
-    figure, every = new_figure(
+    where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
+    drawn, every = new_figure(
         panels,
-        title=captioned(
-            f"{analysis.aircraft.name}, {perf.day.scenarios.label(index)} ({caption(perf.solar)})",
-            analysis.extrapolations,
-        ),
+        canvas=figure,
+        title=f"{analysis.aircraft.name} on {where}",
+        notes=(caption(perf.solar), outside_ranges(analysis.extrapolations)),
         size_in=(8.0, 2.8 * panels),
         sharex=True,
     )
@@ -236,14 +85,14 @@ def plot_cycle(analysis: Analysis, scenario: int | None = None) -> Figure:
     # Below the axes, where no curve can run through it.
     power, charge = (axes.get_legend_handles_labels()[0] for axes in every[:2])
     handles = [*power[:2], *charge, *power[2:]]  # each column a curve and its margin
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
+    drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     if analysis.climb is not None:
         _draw_altitude(every[2], analysis.climb, index)
     sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
     for axes in every:
         shade(axes, [(a, b) for a, b in ((0.0, sunrise), (sunset, 24.0)) if b > a])
     every[-1].set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
-    return figure
+    return drawn
 
 
 def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
@@ -270,7 +119,7 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
     ):
         if np.isfinite(hour):
             level = float(np.interp(hour, time_h, load))
-            axes.plot([hour], [level], "o", color="black", markersize=4)
+            axes.plot([hour], [level], "o", color=ink(), markersize=4)
             shift = -4 if side == "right" else 4
             axes.annotate(name, (hour, level), (shift, 6), textcoords="offset points", ha=side)
     axes.set(ylabel="power [W]", ylim=(0, None))
@@ -296,7 +145,7 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
     )
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
-        axes.axvline(full, color="black", linestyle=":", linewidth=1)
+        axes.axvline(full, color=ink(), linestyle=":", linewidth=1)
         _beside(axes, "full", (full, 50))
         _draw_margin(axes, float(full), float(perf.cycle.charge_margin_h[index]))
     excess = perf.cycle.excess_time_h[index]
@@ -337,7 +186,7 @@ def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
     if margin_h < 2.0:
         _beside(axes, text, (full_h, 62))
         return
-    arrow = {"arrowstyle": "<->", "color": "black", "shrinkA": 0, "shrinkB": 0}
+    arrow = {"arrowstyle": "<->", "color": ink(), "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (full_h + margin_h, 60), (full_h, 60), arrowprops=arrow)
     axes.annotate(text, (full_h + margin_h / 2, 63), ha="center")
 
@@ -345,7 +194,8 @@ def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
 # ---- A flight on the calendar
 
 
-def plot_flight(analysis: Analysis, flight: CalendarRun) -> Figure:
+@styled
+def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEFAULT) -> Figure:
     """State of charge and power of a replayed flight over local time.
 
     Parameters
@@ -354,22 +204,28 @@ def plot_flight(analysis: Analysis, flight: CalendarRun) -> Figure:
         Aircraft, mission and solar model, for the title.
     flight : CalendarRun
         The flight.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
     Figure
     """
-    title = f"{analysis.aircraft.name}, {analysis.mission.name} "
-    title += f"({caption(analysis.performance.solar)})"
-    title = captioned(title, analysis.extrapolations)
-    figure, (power_axes, charge_axes) = new_figure(2, title=title, size_in=(9.0, 5.6), sharex=True)
+    drawn, (power_axes, charge_axes) = new_figure(
+        2,
+        canvas=figure,
+        title=f"{analysis.aircraft.name} on {analysis.mission.name}",
+        notes=(caption(analysis.performance.solar), outside_ranges(analysis.extrapolations)),
+        size_in=(9.0, 5.6),
+        sharex=True,
+    )
     power_axes.plot(flight.clock_h, flight.solar_power_w, color=SUN, label="solar power")
     power_axes.plot(flight.clock_h, flight.load_w, color=LOAD, label="load")
     power_axes.set(ylabel="power [W]", ylim=(0, None))
-    figure.legend(*power_axes.get_legend_handles_labels(), loc="outside upper right", ncols=2)
+    drawn.legend(*power_axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     charge_axes.plot(flight.clock_h, 100 * flight.state_of_charge, color=CHARGE)
     for hour in flight.full_charge_clock_h:
-        charge_axes.axvline(hour, color="black", linestyle=":", linewidth=1)
+        charge_axes.axvline(hour, color=ink(), linestyle=":", linewidth=1)
         _beside(charge_axes, "full", (hour, 50))
     dark = np.flatnonzero(np.diff(np.concatenate(([0], flight.solar_power_w <= 0.0, [0]))))
     nights = flight.clock_h[dark.reshape(-1, 2) - (0, 1)]
@@ -381,7 +237,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun) -> Figure:
         ylim=(0, 105),
         xlim=(flight.clock_h[0], flight.clock_h[-1]),
     )
-    return figure
+    return drawn
 
 
 def _label_clock(axes: Axes, flight: CalendarRun) -> None:
@@ -403,6 +259,7 @@ def _label_clock(axes: Axes, flight: CalendarRun) -> None:
 # ---- A sizing
 
 
+@styled
 def plot_sensitivities(
     sensitivities: list[Sensitivity],
     objective: Objective,
@@ -411,6 +268,7 @@ def plot_sensitivities(
     *,
     bars: int = 15,
     extrapolations: Sequence[Extrapolation] = (),
+    figure: Canvas = DEFAULT,
 ) -> Figure:
     """Change of the objective by one per cent more of each parameter.
 
@@ -428,14 +286,18 @@ def plot_sensitivities(
         Parameters that are shown at most.
     extrapolations : sequence of Extrapolation
         What lies outside the range of a model.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
     Figure
     """
     shown = [s for s in sensitivities if s.value != 0.0][:bars][::-1]
-    figure, (axes,) = new_figure(
-        title=captioned(f"{name} ({caption(solar)})", extrapolations),
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{name}: what one per cent more changes",
+        notes=(caption(solar), outside_ranges(extrapolations)),
         size_in=(9.0, 0.9 + 0.32 * len(shown)),
         grid="x",
     )
@@ -453,10 +315,10 @@ def plot_sensitivities(
             lw=0.0,
         )
     axes.set_yticks(range(len(shown)), labels)
-    axes.axvline(0.0, color="black", linewidth=0.8)
+    axes.axvline(0.0, color=ink(), linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{objective.unit}]")
-    figure.legend(loc="outside lower right", ncols=2, fontsize="small")
-    return figure
+    drawn.legend(loc="outside lower right", ncols=2)
+    return drawn
 
 
 def _with_value(sensitivity: Sensitivity) -> str:
@@ -465,7 +327,14 @@ def _with_value(sensitivity: Sensitivity) -> str:
     return f"{label(sensitivity.parameter)} = {sensitivity.value:.4g} {unit}".rstrip()
 
 
-def plot_masses(masses_kg: dict[str, float], title: str) -> Figure:
+@styled
+def plot_masses(
+    masses_kg: dict[str, float],
+    title: str,
+    *,
+    notes: Sequence[str] = (),
+    figure: Canvas = DEFAULT,
+) -> Figure:
     """Mass budget as horizontal bars, heaviest on top.
 
     Parameters
@@ -474,16 +343,22 @@ def plot_masses(masses_kg: dict[str, float], title: str) -> Figure:
         Mass of each part [kg]; parts without mass are left out.
     title : str
         Name of the aircraft.
+    notes : sequence of str
+        Line below the title.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
     Figure
     """
     items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
-    figure, (axes,) = new_figure(title=title, size_in=(7.0, 3.6), grid="")
+    drawn, (axes,) = new_figure(
+        canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), grid=""
+    )
     names = ["MPPT" if k == "mppt" else k for k, _ in items]
     bars = axes.barh(names, [v for _, v in items], color=LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
     axes.set(xlabel="mass [kg]")
     axes.margins(x=0.15)
-    return figure
+    return drawn

@@ -14,6 +14,8 @@ from sizing.optimisation.objectives import Objective
 from sizing.results.analysis import analyse
 from sizing.results.sizing import SizingStudy, sensitivity_records
 from studies.output import plots
+from studies.output.figures import drawing
+from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
 
@@ -61,10 +63,22 @@ def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[
     return data
 
 
-def sizing_files(study: SizingStudy) -> dict[str, bytes]:
+def sizing_files(study: SizingStudy, figure: FigureOptions = DEFAULT) -> dict[str, bytes]:
     """Tables and figures of an optimum, by the names of their files.
 
     Sensitivities, where there are any, come as a table and as a tornado plot.
+
+    Parameters
+    ----------
+    study : SizingStudy
+        With an optimum.
+    figure : FigureOptions
+        How the figures look.
+
+    Returns
+    -------
+    dict
+        Contents of the files.
     """
     result, worth, solar = study.result, study.sensitivities, study.solar
     assert result.design is not None
@@ -74,20 +88,27 @@ def sizing_files(study: SizingStudy) -> dict[str, bytes]:
     )
     masses = plots.plot_masses(
         result.design.masses._asdict(),
-        plots.captioned(f"{sized.name}: mass budget", study.extrapolations),
+        f"{sized.name}: mass budget",
+        notes=(drawing.outside_ranges(study.extrapolations),),
+        figure=figure,
     )
     contents = {
         "scenarios.csv": csv_bytes(study.scenarios()),
         "masses.csv": csv_bytes(study.masses()),
-        "cycle.png": plots.to_bytes(plots.plot_cycle(analysis), "png"),
-        "masses.png": plots.to_bytes(masses, "png"),
+        "cycle.png": drawing.to_bytes(plots.plot_cycle(analysis, figure=figure), "png"),
+        "masses.png": drawing.to_bytes(masses, "png"),
     }
     if worth:
         import pandas as pd
 
         contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(sensitivity_records(worth)))
         tornado = plots.plot_sensitivities(
-            worth, result.objective, sized.name, solar, extrapolations=study.extrapolations
+            worth,
+            result.objective,
+            sized.name,
+            solar,
+            extrapolations=study.extrapolations,
+            figure=figure,
         )
-        contents["sensitivities.png"] = plots.to_bytes(tornado, "png")
+        contents["sensitivities.png"] = drawing.to_bytes(tornado, "png")
     return contents

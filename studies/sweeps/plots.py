@@ -29,17 +29,21 @@ from studies.output.columns import (
     failed_count,
     status_names,
 )
-from studies.output.plots import (
+from studies.output.figures.drawing import (
     CHARGE,
     DARK_GREY,
     GREY,
     LOAD,
     SUN,
-    captioned,
+    Canvas,
     dataset_caption,
+    ink,
     new_figure,
     objective_caption,
+    outside_ranges,
+    styled,
 )
+from studies.output.figures.options import DEFAULT
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.points import PointStatus
 from studies.sweeps.study import feasible, to_table
@@ -69,8 +73,20 @@ _MORE_IS_BETTER = {
 }
 
 
-def plot_sweep(data: xr.Dataset) -> Figure:
+@styled
+def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     """Chart that suits a study: lines, contours, panels, parallel coordinates or a tornado.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Trade study.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
 
     Raises
     ------
@@ -78,13 +94,13 @@ def plot_sweep(data: xr.Dataset) -> Figure:
         If there are more panels than a page takes, or no point to draw.
     """
     if data.attrs["sample"] == "one-at-a-time":
-        return one_at_a_time_figure(data)
+        return _one_at_a_time_figure(data, figure)
     axes = [str(name) for name in data["status"].dims]
     if data.attrs["sample"] != "grid" or len(axes) > 3:
-        return parallel_figure(data)
+        return _parallel_figure(data, figure)
     if len(axes) == 1:
-        return line_figure(data)
-    return contour_figure(data)
+        return _line_figure(data, figure)
+    return _contour_figure(data, figure)
 
 
 def _label(data: xr.Dataset, name: str) -> str:
@@ -94,13 +110,18 @@ def _label(data: xr.Dataset, name: str) -> str:
     return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 
-def _title(data: xr.Dataset, note: str = "") -> str:
+def _heading(data: xr.Dataset, note: str = "") -> dict[str, Any]:
+    """Title and notes, as :func:`new_figure` takes them."""
     objective = data.attrs["objective"]
-    sized = f", sized for the {objective_caption(objective)}" if objective else ""
     failed = failed_count(data)
-    lost = f"; {failed} of {data['status'].size} points failed" if failed else ""
-    title = f"{data.attrs['title']}{sized} ({dataset_caption(data)}){lost}{note}"
-    return captioned(title, extrapolations_of(data))
+    notes = (
+        f"sized for the {objective_caption(objective)}" if objective else "",
+        dataset_caption(data),
+        f"{failed} of {data['status'].size} points failed" if failed else "",
+        note,
+        outside_ranges(extrapolations_of(data)),
+    )
+    return {"title": str(data.attrs["title"]), "notes": notes}
 
 
 def _variables(data: xr.Dataset) -> tuple[str, str]:
@@ -122,10 +143,10 @@ def _reasons(data: xr.Dataset) -> dict[int, str]:
 # ---- Grids
 
 
-def line_figure(data: xr.Dataset) -> Figure:
+def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     """Both variables over a single axis; points without a result break the line."""
     (name,) = (str(n) for n in data["status"].dims)
-    figure, panels = new_figure(2, title=_title(data), size_in=(7.0, 5.4), sharex=True)
+    figure, panels = new_figure(2, canvas=canvas, **_heading(data), size_in=(7.0, 5.4), sharex=True)
     shown = _drawable(data).to_numpy()
     x = data[name].to_numpy()
     for axes, variable, colour in zip(panels, _variables(data), (LOAD, CHARGE), strict=True):
@@ -133,7 +154,7 @@ def line_figure(data: xr.Dataset) -> Figure:
         axes.plot(x, np.where(np.isinf(values), np.nan, values), "o-", color=colour, markersize=4)
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
-            axes.axhline(0.0, color="black", linewidth=0.8)
+            axes.axhline(0.0, color=ink(), linewidth=0.8)
         for value, reason in _reasons(data).items():
             gone = x[data["status"].to_numpy() == value]
             if len(gone):
@@ -150,7 +171,7 @@ def line_figure(data: xr.Dataset) -> Figure:
     return figure
 
 
-def contour_figure(data: xr.Dataset) -> Figure:
+def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     """Two variables over the first two axes; a third axis makes panels.
 
     Colours are the computed points themselves; contour lines are drawn between neighbouring points
@@ -166,7 +187,8 @@ def contour_figure(data: xr.Dataset) -> Figure:
     figure, panels = new_figure(
         2,
         len(third),
-        title=_title(data),
+        canvas=canvas,
+        **_heading(data),
         size_in=(1.6 + 3.6 * len(third), 7.2),
         grid="",
         sharex=True,
@@ -226,7 +248,7 @@ _LIMITED = {True: "not perpetual"}
 # ---- Samples
 
 
-def parallel_figure(data: xr.Dataset) -> Figure:
+def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     """Each point as a line over the varied keys and the first variable, coloured by the latter.
 
     Raises
@@ -242,9 +264,12 @@ def parallel_figure(data: xr.Dataset) -> Figure:
     names = [n for n in (str(name) for name in data.coords) if n in table.columns]
     columns = [*names, variable]
     lost = int((~_drawable(data)).sum())
-    note = f"; {lost} points without a result left out" if lost else ""
+    note = f"{lost} points without a result left out" if lost else ""
     figure, (axes,) = new_figure(
-        title=_title(data, note), size_in=(2.0 + 1.7 * len(columns), 5.0), grid=""
+        canvas=canvas,
+        **_heading(data, note),
+        size_in=(2.0 + 1.7 * len(columns), 5.0),
+        grid="",
     )
     low, high = (getattr(table[columns], end)() for end in ("min", "max"))
     span = (high - low).where(high > low, 1.0)
@@ -256,7 +281,7 @@ def parallel_figure(data: xr.Dataset) -> Figure:
         colour = colours(norm(row[variable])) if row["good"] else GREY
         axes.plot(range(len(columns)), heights, color=colour, alpha=0.7, linewidth=1)
     for place, name in enumerate(columns):
-        axes.plot([place, place], [0.0, 1.0], color="black", linewidth=0.8)
+        axes.plot([place, place], [0.0, 1.0], color=ink(), linewidth=0.8)
         for height, value in ((-0.04, low[name]), (1.04, high[name])):
             axes.annotate(f"{value:.4g}", (place, height), ha="center", va="center")
     axes.set_xticks(range(len(columns)), [_label(data, n).replace(" [", "\n[") for n in columns])
@@ -269,7 +294,7 @@ def parallel_figure(data: xr.Dataset) -> Figure:
     return figure
 
 
-def one_at_a_time_figure(data: xr.Dataset) -> Figure:
+def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     """Range of the first variable over the values of each key, the widest on top.
 
     Raises
@@ -288,7 +313,10 @@ def one_at_a_time_figure(data: xr.Dataset) -> Figure:
         bars.append((str(name), rows[rows["drawable"]], int((~rows["drawable"]).sum())))
     bars.sort(key=lambda bar: _spread(bar[1][variable], base[variable]))
     figure, (axes,) = new_figure(
-        title=_title(data), size_in=(9.0, 1.4 + 0.55 * len(bars)), grid="x"
+        canvas=canvas,
+        **_heading(data),
+        size_in=(9.0, 1.4 + 0.55 * len(bars)),
+        grid="x",
     )
     for place, (name, rows, lost) in enumerate(bars):
         _draw_bar(axes, place, rows, name, variable, base)
@@ -300,7 +328,7 @@ def one_at_a_time_figure(data: xr.Dataset) -> Figure:
                 ha="right",
                 fontsize="x-small",
             )
-    axes.axvline(base[variable], color="black", linewidth=0.8)
+    axes.axvline(base[variable], color=ink(), linewidth=0.8)
     labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels, fontsize="small")
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
@@ -405,7 +433,8 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
     return table
 
 
-def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
+@styled
+def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -> Figure:
     """All feasible points over two variables, and those that no other beats in both.
 
     Parameters
@@ -414,6 +443,8 @@ def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
         Trade study.
     x, y : str
         Columns over and up, see :func:`pareto_table`.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
@@ -429,8 +460,8 @@ def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
         raise ValueError("no point is feasible: there is no front to draw")
     front = table[table["pareto_front"]].sort_values(x)
     count = data["status"].size - len(table)
-    note = f"; {count} points without a design left out" if count else ""
-    figure, (axes,) = new_figure(title=_title(data, note), size_in=(7.0, 5.0))
+    note = f"{count} points without a design left out" if count else ""
+    drawn, (axes,) = new_figure(canvas=figure, **_heading(data, note), size_in=(7.0, 5.0))
     axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
     axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
     better = {name: "more" if name in _MORE_IS_BETTER else "less" for name in (x, y)}
@@ -439,4 +470,4 @@ def plot_pareto(data: xr.Dataset, x: str, y: str) -> Figure:
         ylabel=f"{_label(data, y)}; {better[y]} is better",
     )
     axes.legend()
-    return figure
+    return drawn

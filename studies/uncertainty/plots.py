@@ -8,7 +8,17 @@ import numpy as np
 
 from sizing.results.uncertainty import PERCENTILES, UncertaintyAnalysis
 from sizing.uncertainty.inputs import UncertainInput
-from studies.output.plots import BLUE, DARK_GREY, ORANGE, VERMILLION, caption, new_figure
+from studies.output.figures.drawing import (
+    BLUE,
+    DARK_GREY,
+    ORANGE,
+    VERMILLION,
+    Canvas,
+    caption,
+    new_figure,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,7 +27,8 @@ if TYPE_CHECKING:
 _MOST_BARS = 12
 
 
-def plot_uncertainty(analysis: UncertaintyAnalysis) -> Figure:
+@styled
+def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT) -> Figure:
     """Draw how the excess time scatters, and which inputs make it scatter.
 
     On the left a histogram of the draws with P10, P50 and P90; on the right a tornado: the range of
@@ -27,23 +38,27 @@ def plot_uncertainty(analysis: UncertaintyAnalysis) -> Figure:
     Parameters
     ----------
     analysis : UncertaintyAnalysis
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
     Figure
     """
     count = min(len(analysis.inputs), _MOST_BARS)
-    figure, (spread, causes) = new_figure(
+    drawn, (spread, causes) = new_figure(
         1,
         2,
-        title=f"{analysis.headline()} ({caption(analysis.solar)})",
+        canvas=figure,
+        title=analysis.headline(),
+        notes=(caption(analysis.solar),),
         size_in=(10.0, max(3.6, 1.8 + 0.42 * count)),
         grid="x",
         width_ratios=(1.0, 1.15),
     )
     _draw_spread(spread, analysis)
     _draw_causes(causes, analysis)
-    return figure
+    return drawn
 
 
 def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:

@@ -19,16 +19,20 @@ from sizing.results.tables import Column, Table
 from sizing.smooth import Value
 from solar.types import FloatArray
 from studies.output.figure_script import write_figure
-from studies.output.plots import (
+from studies.output.figures.drawing import (
     BLUE,
     GREEN,
     ORANGE,
     PURPLE,
     SKY,
     VERMILLION,
+    Canvas,
+    ink,
     new_figure,
+    styled,
     to_bytes,
 )
+from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.validation.built_aircraft import ATLANTIKSOLAR
 
 if TYPE_CHECKING:
@@ -210,7 +214,10 @@ def check_curve(polar: WingPolar, case: PowerCase = AS1) -> CurveCheck:
     return CurveCheck(polar, speed, measured, case.electric_power_w(polar, speed))
 
 
-def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure:
+@styled
+def power_curve_figure(
+    polars: list[WingPolar], case: PowerCase = AS1, *, figure: Canvas = DEFAULT
+) -> Figure:
     """Power over airspeed with each polar, the flight's eleven points, and the residuals.
 
     Parameters
@@ -219,14 +226,18 @@ def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure
         A curve each.
     case : PowerCase
         Aircraft that flew.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
     Figure
     """
-    figure, (axes, residual_axes) = new_figure(
+    drawn, (axes, residual_axes) = new_figure(
         2,
-        title=f"{case.name}, {case.mass_kg:g} kg, level flight at {case.density_kg_per_m3:g} kg/m³",
+        canvas=figure,
+        title=f"{case.name}: power of level flight",
+        notes=(f"{case.mass_kg:g} kg, air of {case.density_kg_per_m3:g} kg/m³",),
         size_in=(8.0, 6.2),
         sharex=True,
         height_ratios=(2, 1),
@@ -241,12 +252,14 @@ def power_curve_figure(polars: list[WingPolar], case: PowerCase = AS1) -> Figure
         residual_axes.plot(
             check.airspeed_m_per_s, check.residual_w, "o-", color=colour, markersize=3, linewidth=1
         )
-    axes.plot(flight[:, 0], flight[:, 1], "ko", markersize=4, label="flight, means over 200 s")
+    axes.plot(
+        flight[:, 0], flight[:, 1], "o", color=ink(), markersize=4, label="flight, means over 200 s"
+    )
     axes.set(ylabel="electric power [W]", ylim=(0, None))
     axes.legend(loc="upper left", fontsize="small")
-    residual_axes.axhline(0.0, color="black", linewidth=1)
+    residual_axes.axhline(0.0, color=ink(), linewidth=1)
     residual_axes.set(xlabel="airspeed [m/s]", ylabel="model − flight [W]")
-    return figure
+    return drawn
 
 
 def _stall_speed(polar: WingPolar, case: PowerCase) -> float:
@@ -258,13 +271,25 @@ def _stall_speed(polar: WingPolar, case: PowerCase) -> float:
     return float(polar.stall_speed_m_per_s(flight_speed))
 
 
-def power_curve_image(image_format: str = "png") -> bytes:
-    """Image of AS-1's power with every shipped airfoil, calibrated with AS-2's one number."""
+def power_curve_image(image_format: str = "png", figure: FigureOptions = DEFAULT) -> bytes:
+    """Image of AS-1's power with every shipped airfoil, calibrated with AS-2's one number.
+
+    Parameters
+    ----------
+    image_format : str
+        One of :data:`studies.output.formats.IMAGE_FORMATS`.
+    figure : FigureOptions
+        How it looks.
+
+    Returns
+    -------
+    bytes
+    """
     polars = [
         wing_polar(check.airfoil, AS1, calibration=check.calibration)
         for check in check_level_flight()
     ]
-    return to_bytes(power_curve_figure(polars), image_format)
+    return to_bytes(power_curve_figure(polars, figure=figure), image_format)
 
 
 def power_tables() -> tuple[Table, Table]:

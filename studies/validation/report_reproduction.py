@@ -23,7 +23,16 @@ from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import modelled_power
 from solar.names import MODEL_NAMES, ModelName
 from solar.types import FloatArray
-from studies.output.plots import MODEL_COLOURS, new_figure, shade
+from studies.output.figures.drawing import (
+    MODEL_COLOURS,
+    MODEL_LINES,
+    Canvas,
+    ink,
+    new_figure,
+    shade,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -269,28 +278,45 @@ def assumptions(mission: Mission) -> dict[str, Any]:
     }
 
 
-def reproduction_figure(result: Reproduction) -> Figure:
-    """All models over solar time, with the report's windows and the flight's means in them."""
+@styled
+def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Figure:
+    """All models over solar time, with the report's windows and the flight's means in them.
+
+    Parameters
+    ----------
+    result : Reproduction
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
     aircraft, mission, time_h = result.aircraft, result.mission, _axis(4.0, 10.0)
-    figure, (axes,) = new_figure(
-        title=f"{aircraft.name}, 1 July, 47.6 N, loiter in {mission.wind_m_per_s:g} m/s of "
-        "easterly wind (uncorrected)"
+    wind = f"loiter in {mission.wind_m_per_s:g} m/s of easterly wind"
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{aircraft.name} on {mission.name}, 47.6 N, 1 Jul",
+        notes=("all models, uncorrected", wind),
     )
-    for model, dashes in zip(MODEL_NAMES, (":", "-.", "--", "-"), strict=True):
+    for model in MODEL_NAMES:
         power = power_w(aircraft, mission, model, time_h)
-        axes.plot(time_h, power, color=MODEL_COLOURS[model], linestyle=dashes, label=model)
+        axes.plot(
+            time_h, power, color=MODEL_COLOURS[model], linestyle=MODEL_LINES[model], label=model
+        )
     shade(axes, [(window.from_h, window.to_h) for window in WINDOWS])
     axes.plot(
         [(window.from_h + window.to_h) / 2.0 for window in WINDOWS],
         [window.measured_w for window in WINDOWS],
-        "k_",
+        "_",
+        color=ink(),
         markersize=12,
         markeredgewidth=2,
         label="flight, mean of a window",
     )
     axes.set(xlabel="solar time [h]", ylabel="solar power [W]", xlim=(4, 10), ylim=(0, None))
     axes.legend()
-    return figure
+    return drawn
 
 
 def _axis(start_h: float, end_h: float) -> FloatArray:

@@ -24,7 +24,18 @@ from sizing.structures.models import (
 from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
 from studies.output.figure_script import write_figure
-from studies.output.plots import CHARGE, LOAD, PURPLE, SUN, new_figure, to_bytes
+from studies.output.figures.drawing import (
+    CHARGE,
+    LOAD,
+    PURPLE,
+    SUN,
+    Canvas,
+    ink,
+    new_figure,
+    styled,
+    to_bytes,
+)
+from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.validation.built_aircraft import (
     ATLANTIKSOLAR,
     BUILT,
@@ -53,11 +64,16 @@ def models() -> dict[str, StructureModel]:
     }
 
 
-def structure_figure() -> Figure:
+@styled
+def structure_figure(*, figure: Canvas = DEFAULT) -> Figure:
     """Structural mass over wingspans of 2 to 30 m, with the aircraft that are known."""
     loading = ATLANTIKSOLAR.total_mass_kg * ATLANTIKSOLAR.aspect_ratio / 5.65**2
-    title = f"aspect ratio {ATLANTIKSOLAR.aspect_ratio:g}, wing loading {loading:.1f} kg/m²"
-    figure, (axes,) = new_figure(title=title, size_in=(8.0, 5.4))
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title="Structural mass of wings by five models",
+        notes=(f"aspect ratio {ATLANTIKSOLAR.aspect_ratio:g}, wing loading {loading:.1f} kg/m²",),
+        size_in=(8.0, 5.4),
+    )
     span_m = np.geomspace(2.0, 30.0, 120)
     cases = family(span_m)
     styles = ((LOAD, "-"), (LOAD, ":"), (CHARGE, "--"), (SUN, "-."), (PURPLE, (0, (8, 2))))
@@ -68,7 +84,7 @@ def structure_figure() -> Figure:
     )
     for case, marker in zip(BUILT, "os", strict=True):
         label = f"{case.name}, AR {case.aspect_ratio:g}, as built"
-        axes.plot([case.wingspan_m], [case.built_kg], marker, color="black", label=label)
+        axes.plot([case.wingspan_m], [case.built_kg], marker, color=ink(), label=label)
     axes.plot(
         [SKY_SAILOR.wingspan_m],
         [SKY_SAILOR.mass_kg(calibrated_rib_wing())],
@@ -83,12 +99,24 @@ def structure_figure() -> Figure:
     axes.set_xticks([], minor=True)
     axes.set_ylim(0.05, 2000.0)
     axes.legend(loc="upper left", fontsize="small")
-    return figure
+    return drawn
 
 
-def structure_image(drawn_as: str = "png") -> bytes:
-    """Image of the comparison in a format of :data:`studies.output.formats.IMAGE_FORMATS`."""
-    return to_bytes(structure_figure(), drawn_as)
+def structure_image(drawn_as: str = "png", figure: FigureOptions = DEFAULT) -> bytes:
+    """Image of the comparison.
+
+    Parameters
+    ----------
+    drawn_as : str
+        One of :data:`studies.output.formats.IMAGE_FORMATS`.
+    figure : FigureOptions
+        How it looks.
+
+    Returns
+    -------
+    bytes
+    """
+    return to_bytes(structure_figure(figure=figure), drawn_as)
 
 
 def structure_tables() -> tuple[Table, Table, Table]:

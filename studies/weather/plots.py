@@ -10,7 +10,8 @@ from missions.dates import MONTH_NAMES
 from sizing.results.weather import WeatherAnalysis
 from sizing.weather_run import WeatherRun
 from solar.types import BoolArray
-from studies.output.plots import BLUE, ORANGE, caption, new_figure
+from studies.output.figures.drawing import BLUE, ORANGE, Canvas, caption, new_figure, styled
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +25,8 @@ _MONTHS_UP_TO_DAYS = 400
 _MONTH_STARTS = np.array([0, 31, 60, 91, 121, 152, 182, 213, 244, 274, 305, 335])
 
 
-def plot_weather(analysis: WeatherAnalysis) -> Figure:
+@styled
+def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figure:
     """Draw how an aircraft flies through a weather record.
 
     Above, a calendar of the state of charge at every dawn, with the days that do not close crossed;
@@ -34,16 +36,20 @@ def plot_weather(analysis: WeatherAnalysis) -> Figure:
     Parameters
     ----------
     analysis : WeatherAnalysis
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
 
     Returns
     -------
     Figure
     """
     run = analysis.performance.recorded
-    figure, panels = new_figure(
+    drawn, panels = new_figure(
         2,
         2,
-        title=f"{analysis.headline()} ({caption(analysis.performance.solar)})",
+        canvas=figure,
+        title=analysis.headline(),
+        notes=(caption(analysis.performance.solar),),
         size_in=(9.0, 7.4),
         grid="",
         height_ratios=(1.5, 1.0),
@@ -52,12 +58,12 @@ def plot_weather(analysis: WeatherAnalysis) -> Figure:
     grid = calendar.get_subplotspec().get_gridspec()  # type: ignore[union-attr]  # subplots have one
     calendar.set_subplotspec(grid[0, :])
     spare.remove()
-    _draw_calendar(figure, calendar, analysis)
+    _draw_calendar(drawn, calendar, analysis)
     _draw_survival(survival, analysis)
     _draw_season(season, analysis)
     if not np.any(run.closes):
         season.text(0.5, 0.5, "no day closes", transform=season.transAxes, ha="center")
-    return figure
+    return drawn
 
 
 def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> None:

@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from studies.cli.files import Case
 
 from studies.cli.help_texts import command
-from studies.cli.options import Parsed, check_image, mission_option, solar_options
+from studies.cli.options import Parsed, check_image, figure_options, mission_option, solar_options
+from studies.output.figures.options import FigureOptions
 
 
 class Latitude(click.ParamType[float]):
@@ -95,6 +96,7 @@ class Latitude(click.ParamType[float]):
     help="Draw the cycle, or the weather record (png, svg, pdf).",
 )
 @solar_options
+@figure_options
 def analyse(
     aircraft: str,
     mission: str,
@@ -106,6 +108,7 @@ def analyse(
     csv_file: str | None,
     csv_years: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -145,7 +148,7 @@ def analyse(
         raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
     require_path(case)
     if weather_file is not None:
-        _in_weather(case, weather_file, csv_file, csv_years, plot_file, as_json=as_json)
+        _in_weather(case, weather_file, csv_file, csv_years, plot_file, figure, as_json=as_json)
         return
     require_climber(case)
     solar = case.solar
@@ -157,7 +160,11 @@ def analyse(
         csv_file,
         lambda: csv_bytes(result.trajectory()),
         plot_file,
-        lambda: plot_cycle(result) if flight is None else plot_flight(result, flight),
+        lambda: (
+            plot_cycle(result, figure=figure)
+            if flight is None
+            else plot_flight(result, flight, figure=figure)
+        ),
     )
     tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
 
@@ -168,6 +175,7 @@ def _in_weather(
     csv_file: str | None,
     csv_years: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
     *,
     as_json: bool,
 ) -> None:
@@ -195,7 +203,7 @@ def _in_weather(
         csv_file,
         lambda: csv_bytes(result.to_frame()),
         plot_file,
-        lambda: plot_weather(result),
+        lambda: plot_weather(result, figure=figure),
     )
     record = {"weather": result.to_dict()}
     if as_json:

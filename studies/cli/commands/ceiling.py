@@ -9,9 +9,11 @@ from studies.cli.options import (
     EXIT_FAILED,
     RealRange,
     check_image,
+    figure_options,
     mission_option,
     solar_options,
 )
+from studies.output.figures.options import FigureOptions
 
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
@@ -40,6 +42,7 @@ _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the altitudes as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw them (png, svg, pdf).")
 @solar_options
+@figure_options
 def ceiling(
     aircraft: str,
     mission: str,
@@ -47,6 +50,7 @@ def ceiling(
     step_m: float,
     csv_file: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -83,7 +87,7 @@ def ceiling(
         csv_file,
         lambda: csv_bytes(result.to_frame()),
         plot_file,
-        lambda: plot_ceiling(result),
+        lambda: plot_ceiling(result, figure=figure),
     )
     tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
     if result.found.highest is None:

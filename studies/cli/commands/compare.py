@@ -20,12 +20,14 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     check_image,
+    figure_options,
     json_option,
     mission_option,
     out_option,
     required_time_option,
     set_option,
 )
+from studies.output.figures.options import FigureOptions
 
 DEFAULT_OBJECTIVE = "min_wingspan"
 
@@ -102,6 +104,7 @@ class Names(click.ParamType["tuple[str, ...]"]):
 @out_option("figure")
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the figure (png, svg, pdf).")
+@figure_options
 def compare(
     aircraft: str,
     mission: str,
@@ -115,6 +118,7 @@ def compare(
     out_dir: str | None,
     csv_file: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
 ) -> None:
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
     from missions.files.writing import check_writable_folder
@@ -158,12 +162,12 @@ def compare(
             csv_file,
             lambda: csv_bytes(found.to_frame()),
             plot_file,
-            lambda: plot_comparison(found),
+            lambda: plot_comparison(found, figure=figure),
         )
     else:
         contents = {
             "comparison.csv": csv_bytes(found.to_frame()),
-            "comparison.png": figure_bytes(plot_comparison(found), "comparison.png"),
+            "comparison.png": figure_bytes(plot_comparison(found, figure=figure), "comparison.png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
     files = () if out_dir is not None else (csv_file, plot_file)

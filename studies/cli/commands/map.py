@@ -11,10 +11,12 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     Grid,
     check_image,
+    figure_options,
     mission_option,
     solar_options,
     work_options,
 )
+from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,6 +55,7 @@ if TYPE_CHECKING:
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")
 @work_options
 @solar_options
+@figure_options
 def map_(
     aircraft: str,
     mission: str,
@@ -62,6 +65,7 @@ def map_(
     objective: str | None,
     out_file: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
     workers: int | None,
     scheduler: str | None,
     work_dir: str | None,
@@ -109,13 +113,13 @@ def map_(
             out_file,
             lambda: to_netcdf_bytes(data),
             plot_file,
-            lambda: _drawn(data, resized=objective is not None),
+            lambda: _drawn(data, figure, resized=objective is not None),
         )
         named = case.named(record(data))
         tell(case, named, lambda: table(data), as_json=as_json, files=(out_file, plot_file))
 
 
-def _drawn(data: xr.Dataset, *, resized: bool) -> Figure:
+def _drawn(data: xr.Dataset, figure: FigureOptions, *, resized: bool) -> Figure:
     from studies.maps.plots import plot_map, plot_resized_map
 
-    return plot_resized_map(data) if resized else plot_map(data)
+    return (plot_resized_map if resized else plot_map)(data, figure=figure)

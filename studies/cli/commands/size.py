@@ -12,11 +12,13 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     RealRange,
+    figure_options,
     mission_option,
     out_option,
     required_time_option,
     solar_options,
 )
+from studies.output.figures.options import FigureOptions
 
 
 def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
@@ -59,12 +61,14 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     "inputs of aircraft and mission scatter, for instance 0.95.",
 )
 @solar_options
+@figure_options
 def size(
     aircraft: str,
     mission: str | None,
     objective: str,
     required_h: float | None,
     out_dir: str | None,
+    figure: FigureOptions,
     with_sensitivities: bool,
     with_cross_check: bool,
     reliability: float | None,
@@ -124,7 +128,7 @@ def size(
     written = out_dir if study.feasible else None
     if written is not None:
         inputs = sized_inputs(study, case.inputs())
-        write_run_folder(Path(written), inputs, record, sizing_files(study))
+        write_run_folder(Path(written), inputs, record, sizing_files(study, figure))
     tell(case, record, study, as_json=as_json, out_dir=written)
     if not study.feasible:
         sys.exit(EXIT_FAILED)

@@ -17,10 +17,12 @@ from studies.cli.options import (
     EXIT_FAILED,
     Parsed,
     check_image,
+    figure_options,
     mission_option,
     solar_options,
     work_options,
 )
+from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
     from studies.sweeps.axes import Axis
@@ -78,6 +80,7 @@ _MOST_SAMPLES = 1_000_000
 )
 @work_options
 @solar_options
+@figure_options
 def sweep(
     aircraft: str,
     mission: str,
@@ -89,6 +92,7 @@ def sweep(
     seed: int,
     out_file: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
     pareto: tuple[str, str] | None,
     workers: int | None,
     scheduler: str | None,
@@ -152,8 +156,12 @@ def sweep(
             from studies.sweeps.plots import plot_pareto, plot_sweep
 
             try:
-                figure = plot_sweep(data) if pareto is None else plot_pareto(data, *pareto)
-                contents[plot_file] = figure_bytes(figure, plot_file)
+                drawn = (
+                    plot_sweep(data, figure=figure)
+                    if pareto is None
+                    else plot_pareto(data, *pareto, figure=figure)
+                )
+                contents[plot_file] = figure_bytes(drawn, plot_file)
             except ValueError as error:
                 # The points are worth keeping even where there is nothing to draw.
                 trouble = str(error)

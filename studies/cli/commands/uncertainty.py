@@ -5,7 +5,8 @@ from __future__ import annotations
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import check_image, mission_option, solar_options
+from studies.cli.options import check_image, figure_options, mission_option, solar_options
+from studies.output.figures.options import FigureOptions
 
 
 @command("solar-uav uncertainty atlantiksolar-as2 --samples 1024")
@@ -33,6 +34,7 @@ from studies.cli.options import check_image, mission_option, solar_options
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the draws as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw them (png, svg, pdf).")
 @solar_options
+@figure_options
 def uncertainty(
     aircraft: str,
     mission: str,
@@ -41,6 +43,7 @@ def uncertainty(
     no_model_error: bool,
     csv_file: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -78,6 +81,6 @@ def uncertainty(
         csv_file,
         lambda: csv_bytes(result.to_frame()),
         plot_file,
-        lambda: plot_uncertainty(result),
+        lambda: plot_uncertainty(result, figure=figure),
     )
     tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))

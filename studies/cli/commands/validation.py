@@ -15,11 +15,13 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     check_image,
+    figure_options,
     mission_option,
     out_option,
     print_json,
     set_option,
 )
+from studies.output.figures.options import FigureOptions
 
 
 @command("solar-uav published --explain")
@@ -109,12 +111,14 @@ def loiter_correction(
 @set_option
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table over time as CSV.")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw it (png, svg, pdf).")
+@figure_options
 def efficiencies(
     aircraft: str,
     mission: str,
     overrides: tuple[str, ...],
     csv_file: str | None,
     plot_file: str | None,
+    figure: FigureOptions,
 ) -> None:
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
     from studies.cli.checks import check_outputs, refuse_polar_night, require_path
@@ -132,7 +136,7 @@ def efficiencies(
         csv_file,
         lambda: data.to_dataframe().to_csv().encode(),
         plot_file,
-        lambda: study.plot_efficiencies(data),
+        lambda: study.plot_efficiencies(data, figure=figure),
     )
     tell(case, {}, study.efficiency_table(data), files=(csv_file, plot_file))
 
@@ -140,7 +144,8 @@ def efficiencies(
 @command("solar-uav reproduce-report --out reproduced", name="reproduce-report")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @out_option("figure and table")
-def reproduce_report(as_json: bool, out_dir: str | None) -> None:
+@figure_options
+def reproduce_report(as_json: bool, out_dir: str | None, figure: FigureOptions) -> None:
     """Fly the verification morning of Oettershagen's report on solar power models.
 
     All four models, beside the report's own numbers and the power measured in flight.
@@ -148,7 +153,7 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
     from missions.files.writing import check_writable_folder
     from studies.cli.files import Case, open_aircraft, open_mission
     from studies.cli.outputs import tell
-    from studies.output.plots import to_bytes
+    from studies.output.figures.drawing import to_bytes
     from studies.output.run_folder import write_run_folder
     from studies.validation import report_reproduction as study
 
@@ -161,7 +166,7 @@ def reproduce_report(as_json: bool, out_dir: str | None) -> None:
         tables = "\n".join(table.to_markdown() for table in result.tables())
         contents = {
             "report.md": tables.encode(),
-            "report.png": to_bytes(study.reproduction_figure(result), "png"),
+            "report.png": to_bytes(study.reproduction_figure(result, figure=figure), "png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
     tell(case, record, result, as_json=as_json, out_dir=out_dir)

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import Parsed, json_option, mission_option, out_option, set_option
+from studies.cli.options import (
+    Parsed,
+    figure_options,
+    json_option,
+    mission_option,
+    out_option,
+    set_option,
+)
+from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
     from studies.flight_logs.errors import Window
@@ -38,6 +46,7 @@ _LONGEST_FILTER = 1_000_000
 @set_option
 @json_option
 @out_option("samples and figures")
+@figure_options
 def verify(
     aircraft: str,
     log_file: str,
@@ -47,6 +56,7 @@ def verify(
     overrides: tuple[str, ...],
     as_json: bool,
     out_dir: str | None,
+    figure: FigureOptions,
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.files.writing import check_writable_folder
@@ -66,7 +76,8 @@ def verify(
     record = case.named(result.to_dict())
     if out_dir is not None:
         contents = {"samples.csv": result.to_csv().encode()}
-        contents |= {f"{n}.png": figure_bytes(figure, f"{n}.png") for n, figure in figures(result)}
+        for name, drawn in figures(result, figure=figure):
+            contents[f"{name}.png"] = figure_bytes(drawn, f"{name}.png")
         inputs = case.inputs(log=Path(log_file))
         write_run_folder(Path(out_dir), inputs, record, contents)
     tell(case, record, result, as_json=as_json, out_dir=out_dir)

@@ -124,7 +124,7 @@ def test_figures_name_what_is_outside_in_a_line_of_their_title() -> None:
         plot_ceiling(ceiling),
     ]
     for figure in figures:
-        assert figure.get_suptitle().splitlines()[-1] == line
+        assert figure.get_suptitle().splitlines()[-1].endswith(f" · {line}")
     assert line not in plot_cycle(analyse(AS2, mission())).get_suptitle()
 
 

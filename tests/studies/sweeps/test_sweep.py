@@ -352,7 +352,7 @@ def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str,
 
 def test_points_without_a_design_are_not_drawn_over() -> None:
     data = study(DESIGN, JULY, "wingspan_m=3:8:0.5", "battery_mass_kg=1:5:0.5", cover=False)
-    colours = sweep_plots.contour_figure(data).axes[0].collections[0].get_array()
+    colours = sweep_plots.plot_sweep(data).axes[0].collections[0].get_array()
     drawn = ~np.ma.getmaskarray(colours).reshape(9, 11)
     np.testing.assert_array_equal(drawn, (data["status"] == PointStatus.perpetual).values.T)
 

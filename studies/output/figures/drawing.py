@@ -1,0 +1,292 @@
+"""How every figure begins and ends: its canvas in the style that was asked for, palette, file.
+
+Figures are drawn on their own canvas and returned, never shown.
+"""
+
+from __future__ import annotations
+
+import functools
+import io
+import os
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
+
+from missions.files.writing import write_bytes_atomically
+from sizing.optimisation.objectives import Objective
+from sizing.results.notes import extrapolation_caption
+from sizing.sunlight import SolarModel
+from sizing.validity.ranges import Extrapolation
+from solar.names import ModelName
+from studies.output.figures.options import DEFAULT, FigureOptions
+from studies.output.formats import IMAGE_FORMATS, image_format
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Where a figure is drawn: on a canvas of its own as these options ask for, or on one that is given.
+Canvas: TypeAlias = "FigureOptions | Figure"
+Arguments = ParamSpec("Arguments")
+
+# Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
+ORANGE, BLUE, GREEN, VERMILLION = "#E69F00", "#0072B2", "#009E73", "#D55E00"
+SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
+GREY, DARK_GREY = "#DDDDDD", "#808080"
+SUN, LOAD, CHARGE, NIGHT = ORANGE, BLUE, GREEN, GREY
+# A line style for each colour, so that print in grey is read as well.
+SUN_LINE, LOAD_LINE, CHARGE_LINE = "-", "--", "-"
+MODEL_COLOURS: dict[ModelName, str] = {
+    "CDM": ORANGE,
+    "CAM": SKY,
+    "VM": GREEN,
+    "FM": VERMILLION,
+}
+MODEL_LINES: dict[ModelName, str] = {"CDM": ":", "CAM": "-.", "VM": "--", "FM": "-"}
+DOTS_PER_INCH = 150
+_DARK_NIGHT = "#404040"
+# Settings of matplotlib are those of the process: one figure at a time.
+_SETTINGS = threading.RLock()
+
+
+@contextmanager
+def in_style(options: FigureOptions) -> Iterator[None]:
+    """Draw in a style, whatever settings the machine has; one thread at a time.
+
+    Raises
+    ------
+    ValueError
+        If there is no such style.
+    """
+    from matplotlib import style
+
+    with _SETTINGS, style.context(["default", options.settings()]):
+        yield
+
+
+def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
+    """Make a function draw in the style of its keyword ``figure``.
+
+    A figure that is given in its place is drawn on as it is, in the settings of its owner.
+    """
+
+    @functools.wraps(draw)
+    def drawn(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Figure:
+        canvas = kwargs.get("figure", DEFAULT)
+        if not isinstance(canvas, FigureOptions):
+            return draw(*args, **kwargs)
+        with in_style(canvas):
+            return draw(*args, **kwargs)
+
+    return drawn
+
+
+@functools.cache
+def _styled_figure() -> type[Figure]:
+    """Class of figures; matplotlib takes half a second, for those who draw only."""
+    from matplotlib.figure import Figure
+
+    class StyledFigure(Figure):
+        """Figure that is saved as it was drawn: fonts and lines of its style, its resolution."""
+
+        options: FigureOptions = DEFAULT
+
+        def savefig(self, fname: Any, **kwargs: Any) -> None:
+            """Write the figure as :meth:`matplotlib.figure.Figure.savefig` does.
+
+            Parameters
+            ----------
+            fname : str, path or file
+                Where to.
+            **kwargs
+                As there.
+            """
+            import matplotlib as mpl
+
+            settings: Any = self.options.settings()
+            with _SETTINGS, mpl.rc_context(settings):
+                kwargs.setdefault("dpi", self.options.dots_per_inch or DOTS_PER_INCH)
+                super().savefig(fname, **kwargs)
+
+    return StyledFigure
+
+
+def new_figure(
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    canvas: Canvas = DEFAULT,
+    title: str = "",
+    notes: Sequence[str] = (),
+    size_in: tuple[float, float] = (8.0, 4.8),
+    grid: str = "both",
+    **options: Any,
+) -> tuple[Figure, list[Axes]]:
+    """Figure with panels.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Number of panels.
+    canvas : FigureOptions or Figure
+        How the figure looks, or a figure that is drawn on.
+    title : str
+        Over all panels; names from files are text in it, never formulas.
+    notes : sequence of str
+        Line below the title, in smaller type; empty ones are left out.
+    size_in : tuple of float
+        Width and height [in] where the options have none.
+    grid : str
+        Lines of the grid: ``x``, ``y``, ``both``, or none if empty.
+    **options
+        What :meth:`matplotlib.figure.Figure.subplots` takes besides, such as ``sharex``.
+
+    Returns
+    -------
+    figure : Figure
+        The figure.
+    panels : list of Axes
+        Row by row.
+    """
+    figure = _begun(canvas, size_in) if isinstance(canvas, FigureOptions) else canvas
+    panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
+    for axes in panels:
+        axes.set_axisbelow(True)
+        if grid:
+            axes.grid(alpha=0.3, axis=grid)
+    if title and (not isinstance(canvas, FigureOptions) or canvas.title):
+        _write_heading(figure, title, [note for note in notes if note])
+    return figure, panels
+
+
+def _begun(options: FigureOptions, size_in: tuple[float, float]) -> Figure:
+    """Canvas of the size that was asked for; of a width alone with the height that is usual."""
+    width, height = options.size_in or size_in
+    if height is None:
+        height = min(size_in[1], max(size_in[1] * width / size_in[0], 2.6))
+    figure = _styled_figure()(figsize=(width, height), layout="constrained")
+    figure.options = options  # type: ignore[attr-defined]  # of the class above
+    return figure
+
+
+def _write_heading(figure: Figure, title: str, notes: Sequence[str]) -> None:
+    """Title, and below it the notes."""
+    text = "\n".join([title, " · ".join(notes)]) if notes else title
+    # Wrapping looks for formulas whatever parse_math says; an escaped dollar begins none.
+    figure.suptitle(text.replace("$", r"\$"), wrap=True)
+
+
+def to_bytes(figure: Figure, image_format: str) -> bytes:
+    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`.
+
+    Parameters
+    ----------
+    figure : Figure
+        What was drawn.
+    image_format : str
+        One of :data:`studies.output.formats.IMAGE_FORMATS`.
+
+    Returns
+    -------
+    bytes
+    """
+    buffer = io.BytesIO()
+    options = getattr(figure, "options", DEFAULT)
+    dots = options.dots_per_inch or DOTS_PER_INCH
+    figure.savefig(buffer, format=image_format, dpi=dots)
+    return buffer.getvalue()
+
+
+def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure to a file, whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : str or path
+        File name; its ending, png, svg or pdf, chooses the format.
+
+    Raises
+    ------
+    ValueError
+        For another ending.
+    OutputError
+        If the file cannot be written.
+    """
+    chosen = image_format(os.fspath(path))
+    if chosen is None:
+        allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
+        raise ValueError(f"{os.fspath(path)!r} must end in one of {allowed}")
+    write_bytes_atomically(path, to_bytes(figure, chosen))
+
+
+# ---- Words of headings
+
+
+def caption(solar: SolarModel) -> str:
+    """Model and correction, for every figure."""
+    corrected = "uncorrected" if solar.correction == "none" else f"correction: {solar.correction}"
+    return f"{solar.model}, {corrected}"
+
+
+def outside_ranges(found: Sequence[Extrapolation]) -> str:
+    """What lies outside the range of a model, for the line below a title; empty if nothing does."""
+    return extrapolation_caption(found)
+
+
+def dataset_caption(data: xr.Dataset) -> str:
+    """Model and correction that a map or a trade study was computed with."""
+    return caption(SolarModel(data.attrs["solar_model"], data.attrs["correction"]))
+
+
+def objective_caption(objective: str | Objective) -> str:
+    """What is sought, in words, for instance ``smallest wingspan``."""
+    sought = Objective(objective)
+    return f"{'largest' if sought.maximised else 'smallest'} {sought.label}"
+
+
+# ---- Colours of the style, and what is drawn with them
+
+
+def ink() -> str:
+    """Colour of text and of lines without a meaning of their own, dark or light as the style is."""
+    import matplotlib as mpl
+
+    return str(mpl.rcParams["text.color"])
+
+
+def paper() -> str:
+    """Colour of the ground that is drawn on."""
+    import matplotlib as mpl
+
+    return str(mpl.rcParams["axes.facecolor"])
+
+
+def night() -> str:
+    """Colour of the night, and of what is not shown: grey, a little off the ground."""
+    from matplotlib.colors import to_rgb
+
+    return GREY if sum(to_rgb(paper())) > 1.5 else _DARK_NIGHT
+
+
+def shade(
+    axes: Axes, spans: Iterable[tuple[float, float]], label: str | None = None, **style: Any
+) -> None:
+    """Shade spans of the horizontal axis over the whole height, by default in grey.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    spans : iterable of (float, float)
+        Start and end of each span, in units of the axis.
+    label : str, optional
+        Name in the legend.
+    **style
+        Colour and other properties of :meth:`matplotlib.axes.Axes.axvspan`.
+    """
+    looks: dict[str, Any] = {"color": night(), "zorder": 0, "linewidth": 0} | style
+    for number, (start, end) in enumerate(spans):
+        axes.axvspan(start, end, label=label if number == 0 else None, **looks)

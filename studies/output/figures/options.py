@@ -1,0 +1,210 @@
+"""Size, resolution and style of figures as a user asks for them; matplotlib only where it must be.
+
+A style is a shipped name, a name of matplotlib, or a file in the format of matplotlib's
+``.mplstyle``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+__all__ = [
+    "DEFAULT",
+    "SHIPPED_STYLES",
+    "FigureOptions",
+    "read_dots_per_inch",
+    "read_size",
+    "read_style",
+]
+
+SHIPPED_STYLES = ("default", "paper", "slides", "dark")
+
+_MM_PER_INCH = 25.4
+_UNITS_PER_INCH = {"mm": _MM_PER_INCH, "cm": _MM_PER_INCH / 10.0, "in": 1.0}
+_SIZE = re.compile(
+    r"(?P<width>\d+(?:\.\d+)?)\s*(?:[xX×]\s*(?P<height>\d+(?:\.\d+)?)\s*)?(?P<unit>mm|cm|in)"
+)
+_BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*")*')
+_LEAST_MM, _MOST_MM = 40.0, 2500.0
+_LEAST_DPI, _MOST_DPI = 20.0, 2400.0
+_MOST_DOTS = 2**16  # on either side: what matplotlib's renderer takes
+
+
+@dataclass(frozen=True)
+class FigureOptions:
+    """How a figure is to look.
+
+    Parameters
+    ----------
+    size_in : (float, float or None), optional
+        Width and height [in]; without a height the figure has the one that its content takes, and
+        without either its own size.
+    dots_per_inch : float, optional
+        Resolution of PNG, and of images within SVG and PDF; by default 150.
+    style : str
+        Name of a shipped style or of one of matplotlib's, or a file.
+    title : bool
+        Whether title and subtitle stand over the figure.
+
+    Raises
+    ------
+    ValueError
+        If a size or a resolution is out of range, or both together ask for too many dots.
+    """
+
+    size_in: tuple[float, float | None] | None = None
+    dots_per_inch: float | None = None
+    style: str = "default"
+    title: bool = True
+
+    def __post_init__(self) -> None:
+        for side in self.size_in or ():
+            if side is not None and not _LEAST_MM <= round(side * _MM_PER_INCH, 6) <= _MOST_MM:
+                raise ValueError(
+                    f"width and height must be from {_LEAST_MM:g} to {_MOST_MM:g} mm "
+                    f"(got {side * _MM_PER_INCH:g} mm)"
+                )
+        dots = self.dots_per_inch
+        if dots is None:
+            return
+        if not _LEAST_DPI <= dots <= _MOST_DPI:
+            raise ValueError(f"must be from {_LEAST_DPI:g} to {_MOST_DPI:g} (got {dots:g})")
+        longest = max((side for side in self.size_in or () if side is not None), default=0.0)
+        if longest * dots >= _MOST_DOTS:
+            raise ValueError(
+                f"{longest * _MM_PER_INCH:g} mm at {dots:g} dots per inch are "
+                f"{longest * dots:.0f} dots, at most {_MOST_DOTS - 1} can be drawn"
+            )
+
+    def settings(self) -> dict[str, Any]:
+        """Settings of the style, in the names of matplotlib's ``rcParams``; its own not repeated.
+
+        Raises
+        ------
+        ValueError
+            If there is no such style, or its file is not one.
+        """
+        found = _settings_of_file(_shipped("default"), "default")
+        if self.style != "default":
+            found |= style_settings(self.style)
+        return found
+
+
+DEFAULT = FigureOptions()
+
+
+def read_size(text: str) -> tuple[float, float | None]:
+    """Read ``170x100mm``, ``17x10cm``, ``7x4in``, or a width alone, such as ``85mm``.
+
+    Returns
+    -------
+    (float, float or None)
+        Width and height [in].
+
+    Raises
+    ------
+    ValueError
+        If the text is none of them, or out of range.
+    """
+    match = _SIZE.fullmatch(text.strip())
+    if match is None:
+        raise ValueError(
+            f"{text!r} is no size of a figure; allowed: WIDTHxHEIGHT or WIDTH with mm, cm or in, "
+            "for example 170x100mm, 7x4in or 85mm"
+        )
+    per_inch = _UNITS_PER_INCH[match["unit"]]
+    height = None if match["height"] is None else float(match["height"]) / per_inch
+    size_in = (float(match["width"]) / per_inch, height)
+    FigureOptions(size_in=size_in)
+    return size_in
+
+
+def read_dots_per_inch(text: str) -> float:
+    """Read a resolution.
+
+    Raises
+    ------
+    ValueError
+        If the text is no number, or out of range.
+    """
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if math.isnan(number):
+        raise ValueError(f"{text!r} is no number of dots per inch, for example 300")
+    FigureOptions(dots_per_inch=number)
+    return number
+
+
+def read_style(text: str) -> str:
+    """Check that a style exists and can be read.
+
+    Raises
+    ------
+    ValueError
+        If not.
+    """
+    if text not in SHIPPED_STYLES:
+        style_settings(text)
+    return text
+
+
+def style_settings(style: str) -> dict[str, Any]:
+    """Settings of a shipped style, one of matplotlib's, or a file.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if style in SHIPPED_STYLES:
+        return _settings_of_file(_shipped(style), style)
+    import matplotlib.style  # half a second, for those who ask for it only
+
+    library: dict[str, Any] = matplotlib.style.library
+    if style in library:
+        return dict(library[style])
+    path = Path(style)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError, ValueError):
+        known = ", ".join(SHIPPED_STYLES)
+        raise ValueError(
+            f"{style!r} is neither a style nor a file of one; allowed: {known}, the styles of "
+            "matplotlib such as grayscale, or an .mplstyle file"
+        ) from None
+    return _settings_of_file(text, style)
+
+
+def _shipped(name: str) -> str:
+    place = resources.files("studies.output.figures") / "styles" / f"{name}.mplstyle"
+    return place.read_text(encoding="utf-8")
+
+
+def _settings_of_file(text: str, source: str) -> dict[str, Any]:
+    """Settings of a file; matplotlib's own reader goes on after a mistake, this one tells it."""
+    import matplotlib as mpl
+
+    found: Any = mpl.RcParams()
+    for number, line in enumerate(text.splitlines(), 1):
+        content = _BEFORE_COMMENT.match(line)[0]  # type: ignore[index]  # matches any text
+        if not content.strip():
+            continue
+        key, colon, value = (part.strip() for part in content.partition(":"))
+        if not colon:
+            raise ValueError(f"{source}:{number}: {content.strip()!r} is not KEY: VALUE")
+        if key not in mpl.rcParams:
+            raise ValueError(f"{source}:{number}: {key}: matplotlib has no such setting")
+        if value[:1] == value[-1:] == '"':
+            value = value[1:-1]
+        try:
+            found[key] = value
+        except ValueError as error:
+            raise ValueError(f"{source}:{number}: {key}: {error}") from None
+    return dict(found)

@@ -1,0 +1,145 @@
+"""Size, resolution and style of figures, as options and in Python."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from command_line import Run
+
+import missions
+import sizing
+import studies
+from studies.output.figures.drawing import in_style, to_bytes
+from studies.output.figures.options import SHIPPED_STYLES, FigureOptions, read_size, read_style
+
+AS2 = "atlantiksolar-as2"
+
+
+@pytest.fixture(scope="module")
+def analysis() -> sizing.Analysis:
+    return sizing.analyse(sizing.load_aircraft(AS2), missions.load_mission("rafz-july"))
+
+
+@pytest.mark.parametrize(
+    ("text", "size_in"),
+    [
+        ("170x100mm", (170 / 25.4, 100 / 25.4)),
+        ("17X10cm", (170 / 25.4, 100 / 25.4)),
+        ("7×4.5in", (7.0, 4.5)),
+        ("85 mm", (85 / 25.4, None)),
+    ],
+)
+def test_sizes_are_read_in_mm_cm_and_inches(text: str, size_in: tuple[float, float | None]) -> None:
+    assert read_size(text) == pytest.approx(size_in)
+
+
+@pytest.mark.parametrize("text", ["170x100", "170x-3mm", "nanxnanin", "1x1m", "10x10mm", "9x999in"])
+def test_other_sizes_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"mm"):
+        read_size(text)
+
+
+def test_more_dots_than_can_be_drawn_are_refused() -> None:
+    with pytest.raises(ValueError, match="at most 65535"):
+        FigureOptions(size_in=(60.0, None), dots_per_inch=1200.0)
+
+
+@pytest.mark.parametrize("style", [*SHIPPED_STYLES, "grayscale"])
+def test_styles_draw_with_embedded_truetype(style: str) -> None:
+    settings = FigureOptions(style=read_style(style)).settings()
+    assert settings["pdf.fonttype"] == settings["ps.fonttype"] == 42
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("font.size 8", "bad.mplstyle:1: 'font.size 8' is not KEY: VALUE"),
+        ("# fine\nfont.sise: 8", "bad.mplstyle:2: font.sise: matplotlib has no such setting"),
+        ("font.size: large # no", "bad.mplstyle:1: font.size:"),
+    ],
+)
+def test_mistakes_of_a_style_file_are_told_by_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("bad.mplstyle").write_text(text)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        read_style("bad.mplstyle")
+
+
+def test_a_figure_has_the_size_and_the_fonts_that_were_asked_for(
+    analysis: sizing.Analysis,
+) -> None:
+    asked = FigureOptions(size_in=read_size("170x100mm"), style="paper", title=False)
+    figure = studies.plot_cycle(analysis, figure=asked)
+    assert figure.get_suptitle() == ""
+    assert not figure.texts
+    pdf = to_bytes(figure, "pdf")
+    width, height = (float(n) for n in re.findall(rb"MediaBox \[\s*0 0 (\S+) (\S+)", pdf)[0])
+    assert (width, height) == pytest.approx((72 * 170 / 25.4, 72 * 100 / 25.4))
+    assert b"/FontFile2" in pdf  # TrueType, Type 42
+    assert b"/Type3" not in pdf
+
+
+def test_a_style_leaves_no_trace(analysis: sizing.Analysis) -> None:
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    studies.plot_cycle(analysis, figure=FigureOptions(style="slides"))
+    assert dict(mpl.rcParams) == before
+
+
+def test_figures_do_not_depend_on_the_settings_of_the_machine(analysis: sizing.Analysis) -> None:
+    import matplotlib as mpl
+
+    with mpl.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
+        figure = studies.plot_cycle(analysis)
+        axes = figure.axes[0]
+    assert axes.yaxis.label.get_fontsize() == 10.0
+    assert axes.get_facecolor() == (1.0, 1.0, 1.0, 1.0)
+
+
+def test_a_figure_is_drawn_onto_one_that_is_given(analysis: sizing.Analysis) -> None:
+    from matplotlib.figure import Figure
+
+    mine = Figure(figsize=(5.0, 5.0), layout="constrained")
+    with in_style(FigureOptions(style="dark")):
+        assert studies.plot_cycle(analysis, figure=mine) is mine
+    assert len(mine.axes) == 2
+
+
+def test_the_command_draws_in_the_size_that_is_asked_for(run: Run) -> None:
+    size = ["--figure-size", "100x80mm", "--dpi", "50", "--style", "paper", "--no-title"]
+    assert run("analyse", AS2, "--plot", "a.png", *size).code == 0
+    header = Path("a.png").read_bytes()[16:24]
+    wide, high = (int.from_bytes(part, "big") for part in (header[:4], header[4:]))
+    assert (wide, high) == pytest.approx((100 / 25.4 * 50, 80 / 25.4 * 50), abs=1)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--plot", "a.png", "--figure-size", "7x4"], "'7x4' is no size of a figure; allowed:"),
+        (["--plot", "a.png", "--figure-size", "5x5mm"], "must be from 40 to 2500 mm (got 5 mm)"),
+        (["--plot", "a.png", "--dpi", "many"], "'many' is no number of dots per inch"),
+        (["--plot", "a.png", "--dpi", "1"], "must be from 20 to 2400 (got 1)"),
+        (["--plot", "a.png", "--figure-size", "90in", "--dpi", "900"], "at most 65535"),
+        (["--plot", "a.png", "--style", "pretty"], "'pretty' is neither a style nor a file"),
+        (["--style", "paper"], "--style is of the figure: give --plot too"),
+        (["--no-title"], "--no-title is of the figure: give --plot too"),
+    ],
+)
+def test_wrong_options_are_told_before_any_work(run: Run, options: list[str], message: str) -> None:
+    outcome = run("analyse", AS2, *options)
+    assert outcome.code == 2
+    assert message in " ".join(outcome.err.replace("│", " ").split())
+    assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize(("command", "places"), [("size", "--out"), ("compare", "--plot or --out")])
+def test_commands_with_a_folder_ask_for_it(run: Run, command: str, places: str) -> None:
+    outcome = run(command, "atlantiksolar-design", "-m", "rafz-july", "--dpi", "300")
+    assert outcome.code == 2
+    assert f"--dpi is of the figure: give {places} too" in " ".join(outcome.err.split())
