@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import Design, FlightConditions, flown_at
-from sizing.parameters import unit
+from sizing.parameters import label, unit
 from sizing.smooth import Value
 
 
@@ -161,12 +161,12 @@ def design_requirements(
     ]
     for name, limit in aircraft.design_space.all_limits().items():
         value = QUANTITIES[name](it)
-        label = name if unit(name) == "1" else f"{name} [{unit(name)}]"
+        of = "" if unit(name) == "1" else f" {unit(name)}"
         if limit.minimum is not None:
-            text = f"{label} falls short of its minimum {limit.minimum:g} by {{missed}}"
+            text = f"{label(name)} falls short of its minimum {limit.minimum:g}{of} by {{missed}}"
             rows.append(Requirement(f"{name}_minimum", value / limit.minimum - 1.0, text))
         if limit.maximum is not None:
-            text = f"{label} exceeds its maximum {limit.maximum:g} by {{missed}}"
+            text = f"{label(name)} exceeds its maximum {limit.maximum:g}{of} by {{missed}}"
             rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
     return rows
 

@@ -143,6 +143,10 @@ class Variable(NamedTuple):
         return ca.exp(x) if self.scale is None else x * self.scale
 
 
+# What is relative is eased by this to tell what that gains.
+RELATIVE_STEP = 0.01
+
+
 class Constraint(NamedTuple):
     """A requirement ``value >= 0`` of the program, or ``value = 0``, scaled to order one.
 
@@ -155,6 +159,11 @@ class Constraint(NamedTuple):
     unit: str = "1"
     scale: float = 1.0
     equation: bool = False
+
+    @property
+    def step(self) -> float:
+        """How far the row is eased to tell what that gains: by one per cent, or one unit."""
+        return RELATIVE_STEP if self.unit == "1" else 1.0 / self.scale
 
     @property
     def slack(self) -> str:

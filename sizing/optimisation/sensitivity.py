@@ -22,7 +22,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import WIND, Role, SizingProblem, build_problem
+from sizing.optimisation.problem import RELATIVE_STEP, WIND, Role, SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.solver import Solution
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
@@ -151,15 +151,15 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
         if row.equation:
             continue
         if row.block is None:
-            add(row.name, float(multiplier), 0.01, "1 % of the limit")
+            add(row.name, float(multiplier), row.step, "1 % of the limit")
             continue
         name = f"{row.name} ({label(optimum.scenarios[row.block])})"
         if row.unit == "1":
-            add(name, float(multiplier), 0.01, "1 % of the battery's capacity")
+            add(name, float(multiplier), row.step, "1 % of the battery's capacity")
         elif result.objective is not Objective.max_excess_time:
-            add(name, float(multiplier), 1.0 / row.scale, f"1 {row.unit}")
+            add(name, float(multiplier), row.step, f"1 {row.unit}")
     for variable, multiplier in optimum.free_bound_multipliers().items():
-        add(f"{variable} at its bound", multiplier, 0.01, "1 % of the bound")
+        add(f"{variable} at its bound", multiplier, RELATIVE_STEP, "1 % of the bound")
     found = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
     return sorted(found, key=lambda one: -one.gain)
 

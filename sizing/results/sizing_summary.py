@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
+from sizing.aircraft import Aircraft
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.relaxations import Relaxation
 from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.battery import battery_line
+from sizing.results.constraint_words import constraint_words, parameter_words
 from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
@@ -40,11 +44,10 @@ def summary(study: SizingStudy) -> Summary:
         return Summary((*blocks, *_without_design(study, record)))
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
     if at_bounds:
-        blocks.append(Line("at the end of the design space: " + "; ".join(at_bounds), "warning"))
+        words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
+        blocks.append(Line(f"at the end of the design space: {words}", "warning"))
     blocks.append((_design_table(record), _mass_table(record)))
-    limits = [name for name in study.result.active_constraints if name not in at_bounds]
-    if limits:
-        blocks.append("limited by: " + "; ".join(limits))
+    blocks += _limits("limited by", study, at_bounds)
     if record["structure"] is not None:
         blocks.append(record["structure"]["text"])
     blocks += _confidence(study, record)
@@ -59,7 +62,7 @@ def summary(study: SizingStudy) -> Summary:
     if study.sensitivities is not None:
         blocks.append(sensitivity_table(study.sensitivities, study.objective))
     if study.multipliers:
-        blocks.append(multiplier_table(study.multipliers, study.objective))
+        blocks.append(multiplier_table(study.multipliers, study.objective, study.aircraft))
     if study.cross_check is not None:
         blocks.append(cross_check_line(study.cross_check, study.objective))
     return Summary(tuple(blocks))
@@ -71,9 +74,8 @@ def _verdict(study: SizingStudy) -> str:
 
 def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     """Requirements that are missed, what holds the design back, and what would help."""
-    blocks: list[Any] = [f"  {one.requirement}: {one.text}" for one in study.result.violations]
-    if study.result.active_constraints:
-        blocks.append("  held back by: " + "; ".join(study.result.active_constraints))
+    blocks: list[Any] = [f"  {one.text}" for one in study.result.violations]
+    blocks += _limits("held back by", study)
     blocks += extrapolation_blocks(study.extrapolations)
     if study.reliability is not None:
         return [*blocks, reliability_text(study.reliability, study)]
@@ -81,8 +83,49 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
         return blocks
     if not study.relaxations:
         return [*blocks, "no single parameter that was tried would make it feasible"]
-    blocks.append("feasible with one of these, all else unchanged:")
-    return [*blocks, *(f"  {one.text}" for one in study.relaxations)]
+    return [*blocks, relaxation_table(study.relaxations)]
+
+
+def _limits(head: str, study: SizingStudy, told: Sequence[str] = ()) -> list[Any]:
+    """What limits a design, most important first, as a paragraph.
+
+    Where the excess time is to be as large as possible it is no limit.
+    """
+    found = study.result.active_constraints
+    if study.objective is Objective.max_excess_time or not study.feasible:
+        found = tuple(name for name in found if not name.startswith("excess_time"))
+    words = [str(constraint_words(name, study.aircraft)) for name in found if name not in told]
+    order = " (most important first)" if len(words) > 1 else ""
+    return [f"{head}{order}: {'; '.join(words)}"] if words else []
+
+
+def relaxation_table(found: Sequence[Relaxation]) -> Table:
+    """Values of single parameters with which a mission becomes feasible, smallest change first.
+
+    Parameters
+    ----------
+    found : sequence of Relaxation
+
+    Returns
+    -------
+    Table
+    """
+    columns = (
+        Column("parameter"),
+        Column("now", form=".4g"),
+        Column("needed", to_right=True),
+        Column("key", "key in the file"),
+    )
+    rows = [
+        (
+            parameter_words(one.parameter),
+            one.present,
+            f"{one.direction} {one.value:g}" + ("" if one.unit == "1" else f" {one.unit}"),
+            one.parameter,
+        )
+        for one in found
+    ]
+    return Table("feasible with one of these, all else unchanged", columns, tuple(rows))
 
 
 def design_rows(record: dict[str, Any]) -> list[tuple[str, float, str]]:
@@ -214,25 +257,40 @@ def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
     unit = objective.unit
     columns = (
         Column("parameter"),
-        Column("value", form=".4g"),
+        Column("value", to_right=True),
         Column("per_percent", f"{unit} per +1 %", form="+.4f"),
         Column("elasticity", form="+.3f"),
     )
     rows = [
-        (one.parameter.removeprefix("airframe."), one.value, one.per_percent, one.elasticity)
+        (
+            parameter_words(one.parameter),
+            f"{one.value:.4g}" + ("" if one.unit == "1" else f" {one.unit}"),
+            one.per_percent,
+            one.elasticity,
+        )
         for one in found[:_SENSITIVITIES]
     ]
-    notes = () if rows else (f"none: {objective.label} is unlimited",)
-    return Table(f"sensitivities of {objective.value}", columns, tuple(rows), notes)
+    if rows:
+        left = len(found) - len(rows)
+        notes = (f"--json has {left} more, and the keys of all",) if left > 0 else ()
+    else:
+        notes = (f"none: {objective.label} is unlimited",)
+    return Table(
+        f"sensitivities of the {objective.label} ({objective.value})", columns, tuple(rows), notes
+    )
 
 
-def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) -> Table:
+def multiplier_table(
+    found: list[ConstraintMultiplier], objective: Objective, aircraft: Aircraft
+) -> Table:
     """What relaxing each constraint gains, by its multiplier, next to nothing left out.
 
     Parameters
     ----------
     found : list of ConstraintMultiplier
     objective : Objective
+    aircraft : Aircraft
+        Whose design space has the keys of limits.
 
     Returns
     -------
@@ -244,7 +302,11 @@ def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) ->
         Column("step", "per relaxation by"),
     )
     least = LIMITING_FRACTION * max((abs(one.gain) for one in found), default=0.0)
-    rows = [(one.constraint, one.gain, one.step) for one in found if abs(one.gain) >= least]
+    rows = [
+        (constraint_words(one.constraint, aircraft).without_key, one.gain, one.step)
+        for one in found
+        if abs(one.gain) >= least
+    ]
     return Table("what relaxing a constraint gains", columns, tuple(rows))
 
 

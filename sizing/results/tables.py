@@ -1,7 +1,7 @@
 """Tables and summaries of results: one description, rendered for every reader.
 
 A :class:`Table` holds plain values with a name, a label and a unit for every column. It renders
-itself as text (rich), Markdown, HTML, CSV or a pandas frame. A :class:`Summary` is a few lines and
+itself as text, Markdown, HTML, CSV or a pandas frame. A :class:`Summary` is a few lines and
 tables in the order in which they are read. Results describe themselves in these terms and know
 nothing of terminals, pages or files.
 """
@@ -12,14 +12,14 @@ import csv
 import html
 import io
 import math
-import textwrap
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from sizing.results.layout import Grid, paragraph, side_by_side
 
 if TYPE_CHECKING:
     import pandas as pd
-    from rich.console import RenderableType
 
     Block: TypeAlias = "str | Line | Table | tuple[Table, ...]"
 
@@ -28,12 +28,7 @@ MISSING = "-"
 _WIDTH = 80
 
 Emphasis = Literal["plain", "strong", "faint", "warning"]
-_STYLES: dict[Emphasis, str] = {
-    "plain": "",
-    "strong": "bold",
-    "faint": "dim",
-    "warning": "bold red",
-}
+StyledLine: TypeAlias = tuple[str, Emphasis]
 
 
 @dataclass(frozen=True)
@@ -52,6 +47,8 @@ class Column:
         Format of numbers, such as ``.2f``; ``{:+.1f} %`` where text surrounds them.
     missing : str
         What stands for a value that does not exist.
+    to_right : bool, optional
+        Whether its cells are aligned to the right; by default numbers and the values of facts are.
     """
 
     name: str
@@ -59,6 +56,7 @@ class Column:
     unit: str = ""
     form: str = ""
     missing: str = MISSING
+    to_right: bool | None = None
 
     @property
     def heading(self) -> str:
@@ -122,6 +120,9 @@ class Table:
 
     def is_numeric(self, index: int) -> bool:
         """Whether a column is aligned to the right: it holds numbers, or facts beside labels."""
+        given = self.columns[index].to_right
+        if given is not None:
+            return given
         if not self.headings:
             return index > 0
         values = [row[index] for row in self.rows if row[index] is not None]
@@ -173,41 +174,22 @@ class Table:
         frame.attrs["units"] = {c.name: c.unit for c in self.columns if c.unit}
         return frame
 
-    def renderable(self) -> RenderableType:
-        """Table for a rich console."""
-        from rich import box
-        from rich.table import Table as RichTable
-        from rich.text import Text
-
-        table = RichTable(
-            title=Text(self.title, style="bold") if self.title else None,
-            title_justify="left",
-            show_header=self.headings,
-            box=box.SIMPLE_HEAD if self.headings else None,
-            pad_edge=False,
-            show_edge=False,
-            header_style="",
-        )
-        for i, heading in enumerate(self._headings()):
-            justify: Literal["right", "left"] = "right" if self.is_numeric(i) else "left"
-            table.add_column(Text(heading), justify=justify, overflow="fold")
-        for i, cells in enumerate(self.texts()):
-            if i in self.sections and i > 0:
-                table.add_section()
-            table.add_row(*map(Text, cells))
-        return table
-
-    def _headings(self) -> list[str]:
-        """Headings, broken between words where the table would be too wide: cells stay whole."""
-        headings = [column.heading for column in self.columns]
-        cells = [max(map(len, column), default=0) for column in zip(*self.texts(), strict=True)]
-        widths = map(max, map(len, headings), cells)
-        if not cells or sum(widths) + 2 * len(cells) <= _WIDTH:
-            return headings
+    def styled_lines(self, width: int = _WIDTH) -> list[StyledLine]:
+        """Lines of the table with their emphasis: title, cells and notes."""
+        title = paragraph(self.title, width) if self.title else []
+        notes = [line for note in self.notes for line in paragraph(note, width)]
         return [
-            textwrap.fill(heading, max(width, 1, *map(len, heading.split())))
-            for heading, width in zip(headings, cells, strict=True)
+            *((line, "strong") for line in title),
+            *((line, "plain") for line in (*self._grid().lines(width), *notes)),
         ]
+
+    def _grid(self) -> Grid:
+        return Grid(
+            [column.heading for column in self.columns] if self.headings else None,
+            self.texts(),
+            [self.is_numeric(i) for i in range(len(self.columns))],
+            self.sections,
+        )
 
     def __str__(self) -> str:
         return self.to_text()
@@ -238,21 +220,23 @@ class Summary:
     def __add__(self, other: Summary) -> Summary:
         return Summary((*self.blocks, *other.blocks))
 
-    def renderables(self) -> list[RenderableType]:
-        """Blocks for a rich console; a titled table stands apart from what comes before it."""
-        return list(_renderables(self.blocks))
+    def styled_lines(self, width: int = _WIDTH) -> list[StyledLine]:
+        """Lines with their emphasis; a titled table stands apart from what comes before it."""
+        lines: list[StyledLine] = []
+        for block in self.blocks:
+            if isinstance(block, str | Line):
+                one = Line(block) if isinstance(block, str) else block
+                lines += [(text, one.emphasis) for text in paragraph(one.text, width)]
+            elif isinstance(block, Table):
+                lines += [("", "plain")] if block.title and lines else []
+                lines += block.styled_lines(width)
+            else:
+                lines += _beside(block, width)
+        return lines
 
     def to_text(self, width: int = _WIDTH) -> str:
-        """Summary as text of at most that many columns of characters."""
-        from rich.console import Console
-
-        console = Console(
-            file=io.StringIO(), width=width, highlight=False, markup=False, emoji=False,
-            color_system=None, legacy_windows=False, force_terminal=False,
-        )  # fmt: skip
-        console.print(*self.renderables(), sep="\n")
-        text: str = console.file.getvalue()  # type: ignore[attr-defined]  # it is a StringIO
-        return "\n".join(line.rstrip() for line in text.rstrip("\n").split("\n"))
+        """Summary as text of at most that many columns of characters; words are never broken."""
+        return "\n".join(line for line, _ in self.styled_lines(width))
 
     def to_html(self) -> str:
         """Summary as an HTML fragment."""
@@ -313,22 +297,11 @@ def facts(title: str, rows: Iterable[tuple[str, str]], notes: Sequence[str] = ()
     return Table(title, columns, tuple(tuple(row) for row in rows), tuple(notes), headings=False)
 
 
-def _renderables(blocks: Iterable[Block]) -> Iterable[RenderableType]:
-    from rich.columns import Columns
-    from rich.text import Text
-
-    for i, block in enumerate(blocks):
-        first = i == 0
-        if isinstance(block, str):
-            yield Text(block)
-        elif isinstance(block, Line):
-            yield Text(block.text, style=_STYLES[block.emphasis])
-        elif isinstance(block, Table):
-            if block.title and not first:
-                yield Text("")
-            yield block.renderable()
-            yield from map(Text, block.notes)
-        else:
-            yield Columns([one.renderable() for one in block], padding=(0, 5))
-            for one in block:
-                yield from map(Text, one.notes)
+def _beside(tables: Sequence[Table], width: int) -> list[StyledLine]:
+    """Tables side by side as far as there is room, their notes below."""
+    lines: list[str] = []
+    for number, table in enumerate(tables):
+        own = [line for line, _ in replace(table, notes=()).styled_lines(width)]
+        lines = side_by_side(lines, own, width) if number else own
+    notes = [line for table in tables for note in table.notes for line in paragraph(note, width)]
+    return [(line, "plain") for line in (*lines, *notes)]

@@ -30,6 +30,7 @@ from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
 T = TypeVar("T")
 
+DEFAULT_MISSION = " (default mission)"  # behind the name of one that nobody chose
 _AIRCRAFT_PREFIX = "aircraft."
 _YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg")
 _A_KIND: dict[Kind, str] = {"aircraft": "an aircraft", "mission": "a mission"}
@@ -76,7 +77,7 @@ class Case:
     @property
     def title(self) -> str:
         """Aircraft and mission in one line, which says so where nobody chose the mission."""
-        chosen = " (default mission)" if self.mission_is_default else ""
+        chosen = DEFAULT_MISSION if self.mission_is_default else ""
         return f"{self.aircraft.name} on {self.mission.name}{chosen}"
 
     def named(self, record: Mapping[str, Any]) -> dict[str, Any]:

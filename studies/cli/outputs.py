@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from missions.files.writing import write_files_atomically
-from sizing.results.tables import Result, Summary, Table
-from studies.cli.files import Case
+from sizing.results.tables import Line, Result, Summary, Table
+from studies.cli.files import DEFAULT_MISSION, Case
 from studies.cli.options import print_json
 from studies.output.formats import image_format
-from studies.output.terminal import console, show
+from studies.output.terminal import show, tell_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,12 +47,27 @@ def tell(
     if as_json:
         print_json(record)
         return
-    screen = console()
-    screen.print(case.title, style="dim")
-    show(shown if isinstance(shown, Result | Summary | Table) else shown())
+    found = shown if isinstance(shown, Result | Summary | Table) else shown()
+    show(_headed(found.summary() if isinstance(found, Result) else found, case))
     for place in (*files, out_dir):
         if place is not None:
-            screen.print(f"written to {place}", soft_wrap=True)
+            tell_line(f"written to {place}")
+
+
+def _headed(shown: Summary | Table, case: Case) -> Summary:
+    """Summary whose first line names aircraft and mission, and says whether that one was chosen."""
+    summary = Summary((shown,)) if isinstance(shown, Table) else shown
+    first, *others = summary.blocks
+    text = first if isinstance(first, str) else getattr(first, "text", getattr(first, "title", ""))
+    before, aircraft, after = text.partition(case.aircraft.name)
+    between, mission, rest = after.partition(case.mission.name)
+    if not (aircraft and mission):
+        return Summary((Line(case.title, "strong"), *summary.blocks))
+    if case.mission_is_default:
+        mission += DEFAULT_MISSION
+    text = f"{before}{aircraft}{between}{mission}{rest}"
+    changed = replace(first, title=text) if isinstance(first, Table) else Line(text, "strong")
+    return Summary((changed, *others))
 
 
 def write_results(

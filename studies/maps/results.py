@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -38,7 +39,7 @@ def seasons_table(data: xr.Dataset) -> Table:
         Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
     )
     rows = list(zip(record["perpetual_days"], most, strict=True))
-    return _table(data, f"{data.attrs['title']}: perpetual flight", record, columns, rows)
+    return _table(data, f"{_subject(data)}: days of perpetual flight", record, columns, rows)
 
 
 def designs_record(data: xr.Dataset) -> dict[str, Any]:
@@ -82,7 +83,15 @@ def designs_table(data: xr.Dataset) -> Table:
         )
         for i in range(data.sizes["latitude"])
     ]
-    return _table(data, f"{data.attrs['title']} for {record['objective']}", record, columns, rows)
+    return _table(
+        data, f"{_subject(data)}: best designs for {record['objective']}", record, columns, rows
+    )
+
+
+def _subject(data: xr.Dataset) -> str:
+    """Aircraft and mission by name."""
+    names = (json.loads(data.attrs[one])["name"] for one in ("aircraft", "mission"))
+    return " on ".join(names)
 
 
 def _places(data: xr.Dataset) -> dict[str, Any]:

@@ -141,7 +141,8 @@ def efficiency_table(data: xr.Dataset) -> Table:
         for index, hour in enumerate(hours)
         if abs(hour - round(hour)) <= 1e-6
     ]
-    return Table(f"{data.attrs['aircraft']}, {data.attrs['scenario']} (FM)", _COLUMNS, tuple(rows))
+    subject = f"{data.attrs['aircraft']} on {data.attrs['mission']}, {data.attrs['scenario']}"
+    return Table(f"{subject}: component efficiencies of FM", _COLUMNS, tuple(rows))
 
 
 _COLUMNS = (

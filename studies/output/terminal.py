@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import os
+import shutil
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sizing.results.layout import RULE
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from sizing.results.tables import Emphasis, Result, Summary, Table
 
-    from sizing.results.tables import Result, Summary, Table
+_PIPED = 80  # characters of a line where there is no terminal
+_STYLES: dict[Emphasis, dict[str, Any]] = {
+    "plain": {},
+    "strong": {"bold": True},
+    "faint": {"dim": True},
+    "warning": {"bold": True, "fg": "red"},
+}
 
 
-def console() -> Console:
-    """Console of standard output; names from files are text, never markup."""
-    from rich.console import Console
-
-    return Console(highlight=False, markup=False, emoji=False)
+def line_width() -> int:
+    """Characters of a line: those of the terminal, 80 into a pipe or a file, or ``COLUMNS``."""
+    if os.environ.get("COLUMNS", "").isdecimal() or sys.stdout.isatty():
+        return shutil.get_terminal_size().columns
+    return _PIPED
 
 
 def show(shown: Result | Summary | Table) -> None:
@@ -24,8 +37,30 @@ def show(shown: Result | Summary | Table) -> None:
     ----------
     shown : Result, Summary or Table
     """
-    from sizing.results.tables import Result, Summary, Table
+    from sizing.results.tables import Result
 
     summary = shown.summary() if isinstance(shown, Result) else shown
-    summary = Summary((summary,)) if isinstance(summary, Table) else summary
-    console().print(*summary.renderables(), sep="\n")
+    for line, emphasis in summary.styled_lines(line_width()):
+        tell_line(line, emphasis)
+
+
+def tell_line(text: str, emphasis: Emphasis = "plain") -> None:
+    """Print a line with its emphasis, which only terminals show.
+
+    Parameters
+    ----------
+    text : str
+    emphasis : str
+        ``plain``, ``strong``, ``faint`` or ``warning``.
+    """
+    styles = {} if "NO_COLOR" in os.environ else _STYLES[emphasis]
+    click.echo(click.style(_printable(text), **styles) if styles and text else _printable(text))
+
+
+def _printable(text: str) -> str:
+    """Text with plain rules where the terminal has no lines to draw with."""
+    try:
+        RULE.encode(sys.stdout.encoding or "ascii")
+    except UnicodeEncodeError:
+        return text.replace(RULE, "-")
+    return text

@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
-from sizing.results.tables import Column, Summary, Table
+from sizing.results.tables import Column, Line, Summary, Table
 from studies.output.columns import extrapolations_of
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.study import to_table
@@ -47,7 +47,8 @@ def points_summary(data: xr.Dataset) -> Summary:
     counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
     count = data["status"].size
     noun = "point" if count == 1 else "points"
-    heading = f"{data.attrs['title']}: {count} {noun}: {counts}"
+    subject = data.attrs["title"].removeprefix("Trade study of ")
+    heading = Line(f"{subject}: trade study of {count} {noun}, {counts}", "strong")
     rows = to_table(data)
     varied = [str(name) for name in data.coords if name != "sample"]
     if "varied" in varied:

@@ -202,7 +202,7 @@ def test_cross_check_asks_the_branches_that_the_sizing_left_out() -> None:
 def test_only_requirements_that_limit_are_named() -> None:
     result = KNOWN["a range of latitudes"].sized()
     assert result.active_constraints == (
-        "module_coverage",
         "always_lit (76.8 N, 15 Jul)",
+        "module_coverage",
         "battery_mass_kg at its minimum",
     )

@@ -79,3 +79,49 @@ def test_tables_stand_side_by_side_where_there_is_room() -> None:
 def test_a_row_of_another_length_is_refused() -> None:
     with pytest.raises(ValueError, match="mass budget: a row has 1 values for 2 columns"):
         Table("mass budget", COLUMNS, (("structure",),))
+
+
+WIDE = Table(
+    "",
+    (
+        Column("condition"),
+        Column("where"),
+        *(Column(f"quantity_{i}", f"quantity number {i}", "kg", ".3f") for i in range(9)),
+        Column("design_space.maximum_total_mass_kg"),
+    ),
+    tuple(
+        (f"clear and calm, {i}.5 m/s of wind", "45 N, 15 Aug", *[1000.0 + i] * 9, "no")
+        for i in range(3)
+    ),
+    ("a note of some words that goes on for longer than a narrow line would hold in any case",),
+    sections=(1,),
+)
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 120, 400])
+def test_no_word_is_broken_and_no_line_is_too_long(width: int) -> None:
+    text = WIDE.to_text(width)
+    assert max(map(len, text.splitlines())) <= width
+    words = set(text.split())
+    wanted = [column.heading for column in WIDE.columns] + [c for r in WIDE.texts() for c in r]
+    assert set(" ".join(wanted).split()) <= words
+    assert not any(line != line.rstrip() for line in text.splitlines())
+
+
+def test_columns_that_do_not_fit_stand_below_under_the_names_of_the_rows() -> None:
+    blocks = WIDE.to_text(60).split("\n\n")
+    heads = [block for block in blocks if "condition" in block]
+    assert len(heads) > 1
+    assert all("where" in block for block in heads)
+
+
+def test_numbers_keep_their_units_and_days_their_months() -> None:
+    for width in range(20, 60):
+        text = Summary(("an excess time of 6.26 h on 15 Aug at 47.6 N with 7 % less sun",))
+        lines = text.to_text(width).splitlines()
+        assert not {line.split()[-1] for line in lines} & {"6.26", "15", "47.6", "7"}
+
+
+def test_items_are_indented_further_on_their_second_line() -> None:
+    lines = Summary(("  one two three", "- four five six")).to_text(10).splitlines()
+    assert lines == ["  one two", "    three", "- four", "  five six"]

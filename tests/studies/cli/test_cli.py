@@ -321,8 +321,8 @@ def test_help_imports_nothing_heavy() -> None:
     ("arguments", "needed"),
     [
         (("list",), set()),
-        (("analyse", AS2), {"numpy", "pydantic", "rich"}),
-        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "rich", "casadi"}),
+        (("analyse", AS2), {"numpy", "pydantic"}),
+        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "casadi"}),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )

@@ -217,13 +217,16 @@ def test_infeasible_sizing_as_text(run: Run) -> None:
     outcome = run("size", DESIGN, "-m", "rafz-july", "--set", "mission.payload.mass_kg=1e6")
     assert (outcome.code, outcome.err) == (1, "")
     assert "infeasible" in outcome.out
-    assert "  mass_budget: " in outcome.out
+    assert "no design carries its own mass" in outcome.out
+    assert "mission.payload.mass_kg" in outcome.out
+    assert "mass_budget" not in outcome.out
 
 
 def test_excess_time_out_of_reach_is_explained(run: Run) -> None:
     outcome = run("size", DESIGN, "-m", "rafz-july", "--required-excess-time", "500")
     assert outcome.code == 1
-    assert "excess_time: " in outcome.out
+    assert "an excess time of 500 h is out of reach" in outcome.out
+    assert "mission.required_excess_time_h" in outcome.out
 
 
 def test_constant_charge_rate_can_be_sized(run: Run) -> None:

@@ -55,6 +55,7 @@ def test_script_prints_both_tables(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, found: Table
 ) -> None:
     monkeypatch.setattr(slender_wings, "aspect_ratio_table", lambda: found)
+    monkeypatch.setenv("COLUMNS", "120")
     assert slender_wings.main() == 0
     printed = capsys.readouterr().out
     assert "SoLong" in printed

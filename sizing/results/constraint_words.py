@@ -1,0 +1,99 @@
+"""Requirements, bounds and parameters in words, with the key of the file that changes them.
+
+Results name them in JSON by what the program calls them; people read them here.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, cast
+
+from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
+from sizing.parameters import catalogue, label
+
+# Of the program: what it is, and the key that eases it, if one does so directly.
+_REQUIREMENTS = {
+    "mass_budget": ("mass budget", ""),
+    "module_coverage": ("modules over wing area", "airframe.maximum_module_coverage"),
+    "airspeed_above_wind": ("airspeed above the wind", "mission.wind_m_per_s"),
+    "battery_capacity": ("battery capacity for the night", ""),
+    "energy_balance": ("solar energy of the day", ""),
+    "excess_time": ("required excess time", "mission.required_excess_time_h"),
+    "always_lit": ("solar power above the load at all times", ""),
+}
+_BOUND_KEYS = {"total_mass_kg": "maximum_total_mass_kg"}
+_ENDS = ("maximum", "minimum")
+
+
+class Words(NamedTuple):
+    """A constraint for people: what, in which scenario, and the key that changes it."""
+
+    label: str
+    where: str = ""
+    key: str = ""
+
+    @property
+    def without_key(self) -> str:
+        """What limits, and where."""
+        return f"{self.label} at {self.where}" if self.where else self.label
+
+    def __str__(self) -> str:
+        return f"{self.without_key} ({self.key})" if self.key else self.without_key
+
+
+def constraint_words(name: str, aircraft: Aircraft) -> Words:
+    """Words for a requirement or bound as results name it.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``excess_time (45 N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
+        maximum`` or ``wingspan_m at its bound``.
+    aircraft : Aircraft
+        Whose design space has the keys of limits.
+
+    Returns
+    -------
+    Words
+        The name itself where nothing is known of it.
+    """
+    bounded, at_its, end = name.partition(" at its ")
+    if at_its:
+        key = f"{bounded}.{end}" if end in _ENDS else bounded
+        key = _BOUND_KEYS.get(bounded, key)
+        known = bounded.partition(".")[0] in type(aircraft.design_space).model_fields
+        known = known or bounded in _BOUND_KEYS
+        return Words(f"{label(bounded)} at its {end}", "", f"design_space.{key}" if known else "")
+    plain, _, rest = name.partition(" (")
+    where = rest.removesuffix(")")
+    if plain in _REQUIREMENTS:
+        text, key = _REQUIREMENTS[plain]
+        return Words(text, where, key)
+    quantity, _, end = plain.rpartition("_")
+    if end in _ENDS and quantity in catalogue():
+        limited, side = cast(LimitedQuantity, quantity), cast(LimitEnd, end)
+        key = aircraft.design_space.key_of_limit(limited, side)
+        return Words(f"{label(quantity)} at its {end}", where, f"design_space.{key}")
+    return Words(plain, where)
+
+
+def parameter_words(key: str) -> str:
+    """Label of a parameter by its key, limits of the design space included.
+
+    Parameters
+    ----------
+    key : str
+        Of the aircraft's or, behind ``mission.``, of the mission's file.
+
+    Returns
+    -------
+    str
+        The key itself where the catalogue has no label.
+    """
+    if key in catalogue():
+        return label(key)
+    last = key.removeprefix("design_space.").removeprefix("limits.")
+    for end, word in zip(_ENDS, ("largest", "least"), strict=True):
+        quantity = last.removesuffix(f".{end}").removeprefix(f"{end}_")
+        if quantity != last and quantity in catalogue():
+            return f"{word} {label(quantity)}"
+    return key

@@ -1,0 +1,213 @@
+"""Text laid out in a given width: paragraphs and columns, broken between words and never within.
+
+What does not fit is given room step by step: headings are broken over lines, columns move closer
+together, texts of cells are broken over lines, and in the end the columns are dealt out to several
+blocks, each of which begins with the columns that name a row.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+RULE = "\u2500"
+_GAPS = (3, 2)  # between columns with headings: the wider one where there is room
+_GAP_OF_FACTS = 2
+_BESIDE = 5  # between tables that stand side by side
+# Spaces at which no line is broken: between a number and its unit, a day and its month.
+_GLUED = re.compile(
+    r"(?<=\d) (?=(?:%|°|(?:deg|g|h|kg|m|m/s|ms|C|K|N|S|W|Wh|Wh/kg|"
+    r"Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)(?![\w/])))"
+)
+_GLUE = "\0"
+
+
+def paragraph(text: str, width: int) -> list[str]:
+    """Text as lines; those after the first of an indented or itemised one are indented further.
+
+    Parameters
+    ----------
+    text : str
+        One paragraph.
+    width : int
+        Characters of a line; only a longer word is longer.
+
+    Returns
+    -------
+    list of str
+    """
+    indent = text[: len(text) - len(text.lstrip())]
+    further = indent + ("  " if indent or text.startswith("- ") else "")
+    return _broken(text.strip(), width, indent, further)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells under headings, all as text.
+
+    Parameters
+    ----------
+    headings : sequence of str or None
+        None for facts: labels with values beside them.
+    rows : sequence of sequences of str
+    to_right : sequence of bool
+        Whether a column is aligned to the right; its cells, numbers, are never broken.
+    sections : sequence of int
+        Rows above which an empty line stands.
+    """
+
+    headings: Sequence[str] | None
+    rows: Sequence[Sequence[str]]
+    to_right: Sequence[bool]
+    sections: Sequence[int] = ()
+
+    def lines(self, width: int) -> list[str]:
+        """Grid as lines of at most that width, wider only where a word is.
+
+        Parameters
+        ----------
+        width : int
+            Characters of a line.
+
+        Returns
+        -------
+        list of str
+        """
+        every = list(range(len(self.to_right)))
+        if not every:
+            return []
+        for gap in self._gaps():
+            widths = self._widths(every, width, gap, whole_cells=True)
+            if widths is not None:
+                return self._block(every, widths, gap)
+        gap = self._gaps()[-1]
+        lines: list[str] = []
+        for some in self._dealt(width, gap):
+            widths = self._widths(some, width, gap, whole_cells=False)
+            least = [self._least(i, whole_cell=False) for i in some]
+            lines += [""] if lines else []
+            lines += self._block(some, widths or least, gap)
+        return lines
+
+    def _gaps(self) -> tuple[int, ...]:
+        return (_GAP_OF_FACTS,) if self.headings is None else _GAPS
+
+    def _heading(self, i: int) -> str:
+        return "" if self.headings is None else self.headings[i]
+
+    def _least(self, i: int, *, whole_cell: bool) -> int:
+        """Least width of a column: its longest word, or its longest cell."""
+        whole = whole_cell or self.to_right[i]
+        cells = [row[i] for row in self.rows]
+        words = [len(word) for cell in cells for word in ([cell] if whole else _words(cell))]
+        return max([1, *words, *map(len, _words(self._heading(i)))])
+
+    def _widths(
+        self, some: Sequence[int], width: int, gap: int, *, whole_cells: bool
+    ) -> list[int] | None:
+        """Widths of some columns that together fit: the widest give first. None if none do.
+
+        Headings are broken before cells are.
+        """
+        widths = [
+            max([1, len(self._heading(i)), *(len(row[i]) for row in self.rows)]) for i in some
+        ]
+        room = width - gap * (len(some) - 1)
+        for whole in (True, False)[: 1 if whole_cells else 2]:
+            least = [self._least(i, whole_cell=whole) for i in some]
+            while sum(widths) > room and widths != least:
+                slack = [(w, k) for k, w in enumerate(widths) if w > least[k]]
+                widths[max(slack)[1]] -= 1
+        return widths if sum(widths) <= room else None
+
+    def _dealt(self, width: int, gap: int) -> list[list[int]]:
+        """Columns of each block: those that name a row, and as many others as there is room for."""
+        count = len(self.to_right)
+        names = [0]
+        if count > 2 and not self.to_right[0] and not self.to_right[1]:
+            names = [0, 1]
+
+        def needed(columns: Sequence[int]) -> int:
+            return sum(self._least(i, whole_cell=False) + gap for i in columns) - gap
+
+        blocks = [list(names)]
+        for i in range(len(names), count):
+            if needed([*blocks[-1], i]) > width and len(blocks[-1]) > len(names):
+                blocks.append(list(names))
+            blocks[-1].append(i)
+        return blocks
+
+    def _block(self, some: Sequence[int], allowed: Sequence[int], gap: int) -> list[str]:
+        """Lines of some columns, each no wider than its longest line."""
+        heads = [_broken(self._heading(i), w) for i, w in zip(some, allowed, strict=True)]
+        cells = [
+            [_broken(row[i], w) for i, w in zip(some, allowed, strict=True)] for row in self.rows
+        ]
+        widths = [max(len(line) for line in column) for column in _joined([heads, *cells])]
+
+        def line(parts: Sequence[str]) -> str:
+            placed = (
+                part.rjust(w) if self.to_right[i] else part.ljust(w)
+                for i, part, w in zip(some, parts, widths, strict=True)
+            )
+            return (" " * gap).join(placed).rstrip()
+
+        lines = []
+        if self.headings is not None:
+            tallest = max(map(len, heads))
+            low = [[""] * (tallest - len(head)) + head for head in heads]
+            lines += [line(parts) for parts in zip(*low, strict=True)]
+            lines.append(RULE * (sum(widths) + gap * (len(widths) - 1)))
+        for number, row in enumerate(cells):
+            if number in self.sections and number > 0:
+                lines.append("")
+            lines += [line(parts) for parts in zip_longest(*row, fillvalue="")]
+        return lines
+
+
+def side_by_side(left: Sequence[str], right: Sequence[str], width: int) -> list[str]:
+    """Two blocks of lines beside each other where there is room, else below each other.
+
+    Parameters
+    ----------
+    left, right : sequence of str
+    width : int
+        Characters of a line.
+
+    Returns
+    -------
+    list of str
+    """
+    widest = max(map(len, left), default=0) + _BESIDE
+    if widest + max(map(len, right), default=0) > width:
+        return [*left, "", *right]
+    return [
+        f"{one.ljust(widest)}{other}".rstrip()
+        for one, other in zip_longest(left, right, fillvalue="")
+    ]
+
+
+def _broken(text: str, width: int, indent: str = "", further: str = "") -> list[str]:
+    """Lines of a text; a number and its unit remain on one."""
+    lines = textwrap.wrap(
+        _GLUED.sub(_GLUE, text),
+        width,
+        initial_indent=indent,
+        subsequent_indent=further,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return [line.replace(_GLUE, " ") for line in lines] or [""]
+
+
+def _words(text: str) -> list[str]:
+    """What is not broken over lines."""
+    return _GLUED.sub(_GLUE, text).split()
+
+
+def _joined(rows: Sequence[Sequence[list[str]]]) -> list[list[str]]:
+    """All lines of each column."""
+    return [[line for cell in column for line in cell] for column in zip(*rows, strict=True)]
