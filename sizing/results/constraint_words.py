@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, cast
 
-from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
+from sizing.aircraft import Aircraft, DesignSpace, LimitedQuantity, LimitEnd
 from sizing.parameters import catalogue, label
 
 # Of the program: what it is, and the key that eases it, if one does so directly.
@@ -40,7 +40,7 @@ class Words(NamedTuple):
         return f"{self.without_key} ({self.key})" if self.key else self.without_key
 
 
-def constraint_words(name: str, aircraft: Aircraft) -> Words:
+def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
     """Words for a requirement or bound as results name it.
 
     Parameters
@@ -48,8 +48,8 @@ def constraint_words(name: str, aircraft: Aircraft) -> Words:
     name : str
         Such as ``excess_time (45 N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
         maximum`` or ``wingspan_m at its bound``.
-    aircraft : Aircraft
-        Whose design space has the keys of limits.
+    aircraft : Aircraft, optional
+        Whose design space has the keys of limits; without it they are those under ``limits``.
 
     Returns
     -------
@@ -60,8 +60,7 @@ def constraint_words(name: str, aircraft: Aircraft) -> Words:
     if at_its:
         key = f"{bounded}.{end}" if end in _ENDS else bounded
         key = _BOUND_KEYS.get(bounded, key)
-        known = bounded.partition(".")[0] in type(aircraft.design_space).model_fields
-        known = known or bounded in _BOUND_KEYS
+        known = bounded in DesignSpace.model_fields or bounded in _BOUND_KEYS
         return Words(f"{label(bounded)} at its {end}", "", f"design_space.{key}" if known else "")
     plain, _, rest = name.partition(" (")
     where = rest.removesuffix(")")
@@ -70,8 +69,10 @@ def constraint_words(name: str, aircraft: Aircraft) -> Words:
         return Words(text, where, key)
     quantity, _, end = plain.rpartition("_")
     if end in _ENDS and quantity in catalogue():
-        limited, side = cast(LimitedQuantity, quantity), cast(LimitEnd, end)
-        key = aircraft.design_space.key_of_limit(limited, side)
+        key = f"limits.{quantity}.{end}"
+        if aircraft is not None:
+            limited, side = cast(LimitedQuantity, quantity), cast(LimitEnd, end)
+            key = aircraft.design_space.key_of_limit(limited, side)
         return Words(f"{label(quantity)} at its {end}", where, f"design_space.{key}")
     return Words(plain, where)
 

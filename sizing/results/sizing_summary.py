@@ -8,7 +8,6 @@ from typing import Any
 
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
-from sizing.aircraft import Aircraft
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.relaxations import Relaxation
@@ -62,7 +61,7 @@ def summary(study: SizingStudy) -> Summary:
     if study.sensitivities is not None:
         blocks.append(sensitivity_table(study.sensitivities, study.objective))
     if study.multipliers:
-        blocks.append(multiplier_table(study.multipliers, study.objective, study.aircraft))
+        blocks.append(multiplier_table(study.multipliers, study.objective))
     if study.cross_check is not None:
         blocks.append(cross_check_line(study.cross_check, study.objective))
     return Summary(tuple(blocks))
@@ -280,17 +279,13 @@ def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
     )
 
 
-def multiplier_table(
-    found: list[ConstraintMultiplier], objective: Objective, aircraft: Aircraft
-) -> Table:
+def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) -> Table:
     """What relaxing each constraint gains, by its multiplier, next to nothing left out.
 
     Parameters
     ----------
     found : list of ConstraintMultiplier
     objective : Objective
-    aircraft : Aircraft
-        Whose design space has the keys of limits.
 
     Returns
     -------
@@ -303,7 +298,7 @@ def multiplier_table(
     )
     least = LIMITING_FRACTION * max((abs(one.gain) for one in found), default=0.0)
     rows = [
-        (constraint_words(one.constraint, aircraft).without_key, one.gain, one.step)
+        (constraint_words(one.constraint).without_key, one.gain, one.step)
         for one in found
         if abs(one.gain) >= least
     ]

@@ -10,6 +10,7 @@ from sizing.design import Design
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.results.constraint_words import constraint_words
 from sizing.results.sizing_summary import (
     cross_check_line,
     multiplier_table,
@@ -174,7 +175,8 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     blocks: list[Block] = [Text(f"{told} ({sizing['status'].replace('_', ' ')}).")]
     active = sizing["active_constraints"]
     if active:
-        blocks.append(Text("Limited by: " + "; ".join(active) + "."))
+        words = "; ".join(str(constraint_words(name)) for name in active)
+        blocks.append(Text(f"Limited by (most important first): {words}."))
     if sizing.get("structure") is not None:
         text = sizing["structure"]["text"]
         blocks.append(Text(f"{text[:1].upper()}{text[1:]}."))
