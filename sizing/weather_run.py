@@ -273,6 +273,12 @@ class WeatherPerformance:
     recorded: WeatherRun
     clear: WeatherRun
 
+    @property
+    def air_of_days_c(self) -> FloatArray:
+        """Mean temperature of the air of each day, the record's if it has one [C]."""
+        ambient, _ = _temperatures_c(self.mission, self.light)
+        return np.asarray(np.mean(ambient[self.recorded.axis.nodes], axis=1))
+
 
 def weather_performance(
     aircraft: Aircraft,

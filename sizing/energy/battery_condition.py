@@ -7,7 +7,8 @@ Sources
 -------
 Ageing: Schmalstieg, Kaebitz, Ecker, Sauer, "A holistic aging model for Li(NiMnCo)O2 based 18650
 lithium-ion batteries", Journal of Power Sources 257 (2014) 325-334; cell Sanyo UR18650E, cycled at
-1 C and 35 C.
+1 C and 35 C. Coefficients as in NREL's BLAST-Lite, the lower limit of the resistance's growth as in
+REVOL-E-TION, public implementations of the paper.
 Capacity over temperature: Samsung SDI, specification of the cell INR18650-15L, section 7.5.
 """
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from solar.types import FloatArray
 
 
 def battery_record(aircraft: Aircraft, mission: Mission) -> dict[str, Any] | None:
@@ -22,19 +25,73 @@ def battery_record(aircraft: Aircraft, mission: Mission) -> dict[str, Any] | Non
     dict or None
         None for a battery without temperature, resistance and ageing.
     """
-    battery = aircraft.battery
-    if battery.temperature is None and battery.resistance is None and battery.ageing is None:
+    if not _has_condition(aircraft):
         return None
-    air_c = float(mission.air_state().temperature_c)
-    held, aged = battery.temperature, battery.ageing
+    battery, air_c = aircraft.battery, float(mission.air_state().temperature_c)
+    held = battery.temperature
     return {
         "pack_temperature_c": None if held is None else float(held.pack_c(air_c)),
         "heater_power_w": float(battery.heater_w(air_c)),
+        **_age(aircraft),
+        "capacity_fraction": float(battery.capacity_fraction(air_c)),
+        **_efficiencies(aircraft),
+    }
+
+
+def battery_record_of_days(aircraft: Aircraft, air_c: FloatArray) -> dict[str, Any] | None:
+    """Battery as it is on the days of a weather record, JSON-ready.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+    air_c : ndarray, shape (day,)
+        Mean temperature of the air of each day [C].
+
+    Returns
+    -------
+    dict or None
+        As :func:`battery_record`, with ``lowest``, ``mean`` and ``highest`` of what changes with
+        the days.
+    """
+    if not _has_condition(aircraft):
+        return None
+    battery = aircraft.battery
+    held = battery.temperature
+    return {
+        "pack_temperature_c": None if held is None else _spread(held.pack_c(air_c)),
+        "heater_power_w": _spread(battery.heater_w(air_c)),
+        **_age(aircraft),
+        "capacity_fraction": _spread(battery.capacity_fraction(air_c)),
+        **_efficiencies(aircraft),
+    }
+
+
+def _has_condition(aircraft: Aircraft) -> bool:
+    battery = aircraft.battery
+    return any((battery.temperature, battery.resistance, battery.ageing))
+
+
+def _age(aircraft: Aircraft) -> dict[str, float | None]:
+    aged = aircraft.battery.ageing
+    return {
         "cycles": None if aged is None else float(aged.total_cycles),
         "months": None if aged is None else float(aged.total_months),
-        "capacity_fraction": float(battery.capacity_fraction(air_c)),
-        "charge_efficiency": float(battery.mean_charge_efficiency),
-        "discharge_efficiency": float(battery.mean_discharge_efficiency),
+    }
+
+
+def _efficiencies(aircraft: Aircraft) -> dict[str, float]:
+    return {
+        "charge_efficiency": float(aircraft.battery.mean_charge_efficiency),
+        "discharge_efficiency": float(aircraft.battery.mean_discharge_efficiency),
+    }
+
+
+def _spread(values: Any) -> dict[str, float]:
+    return {
+        # Nothing times a temperature below zero is minus nothing.
+        "lowest": float(np.min(values)) + 0.0,
+        "mean": float(np.mean(values)) + 0.0,
+        "highest": float(np.max(values)) + 0.0,
     }
 
 
@@ -51,18 +108,49 @@ def battery_line(aircraft: Aircraft, mission: Mission) -> str | None:
     str or None
         None where there is no record.
     """
-    record = battery_record(aircraft, mission)
+    return _line(aircraft, battery_record(aircraft, mission))
+
+
+def battery_line_of_days(aircraft: Aircraft, air_c: FloatArray) -> str | None:
+    """State of the battery on the days of a weather record in a line.
+
+    Parameters
+    ----------
+    aircraft, air_c
+        As for :func:`battery_record_of_days`.
+
+    Returns
+    -------
+    str or None
+        None where there is no record.
+    """
+    return _line(aircraft, battery_record_of_days(aircraft, air_c))
+
+
+def _line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | None:
     if record is None:
         return None
     words = "battery"
     if record["pack_temperature_c"] is not None:
-        words += f" at {record['pack_temperature_c']:.0f} C"
+        words += f" at {_range(record['pack_temperature_c'])} C"
     if record["cycles"] is not None:
         words += f", after {record['cycles']:.0f} cycles and {record['months']:.0f} months"
-    words += f": {100.0 * record['capacity_fraction']:.0f} % of its capacity"
-    if record["heater_power_w"] > 0.0:
-        words += f", heated with {record['heater_power_w']:.1f} W"
+    words += f": {_range(record['capacity_fraction'], 100.0)} % of its capacity"
+    heater_w = record["heater_power_w"]
+    if not isinstance(heater_w, dict):
+        words += f", heated with {heater_w:.1f} W" if heater_w > 0.0 else ""
+    elif heater_w["highest"] > 0.0:
+        mean_w, most_w = heater_w["mean"], heater_w["highest"]
+        words += f", heated with {mean_w:.1f} W on average and up to {most_w:.1f} W"
     if aircraft.battery.resistance is not None:
         charge, discharge = record["charge_efficiency"], record["discharge_efficiency"]
         words += f", efficiencies {charge:.3f} (charge) and {discharge:.3f} (discharge)"
     return words
+
+
+def _range(value: Any, factor: float = 1.0) -> str:
+    """Number, or the ends of what changes with the days."""
+    if not isinstance(value, dict):
+        return f"{factor * value:.0f}"
+    low, high = (f"{factor * value[end]:.0f}" for end in ("lowest", "highest"))
+    return low if low == high else f"{low} to {high}"

@@ -11,12 +11,14 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import check_subjects, finite, hours
 from sizing.results.tables import UNLIMITED, Column, Line, Result, Summary, Table, facts
 from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
 from sizing.uncertainty.samples import Proportion, sobol_points
+from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 
@@ -61,6 +63,8 @@ class UncertaintyAnalysis(Result):
     required_h : float
         Excess time that the mission asks for [h].
     seed : int
+    extrapolations : tuple of Extrapolation
+        What the draws take from outside the range of a model.
     """
 
     aircraft: Aircraft
@@ -74,6 +78,7 @@ class UncertaintyAnalysis(Result):
     nominal_excess_time_h: float
     required_h: float
     seed: int
+    extrapolations: tuple[Extrapolation, ...] = ()
 
     @property
     def samples(self) -> int:
@@ -115,6 +120,7 @@ class UncertaintyAnalysis(Result):
             "excess_time_h": _percentiles(self.flights.excess_time_h),
             "minimum_state_of_charge": _percentiles(self.flights.minimum_state_of_charge),
             "endurance_h": _percentiles(self.endurance_h),
+            "extrapolations": extrapolation_records(self.extrapolations),
             "sobol": {key: vars(index) for key, index in self.sobol.items()},
             "inputs": [
                 {
@@ -163,6 +169,7 @@ class UncertaintyAnalysis(Result):
             ),
         ]
         blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
+        blocks += extrapolation_blocks(self.extrapolations)
         text = f"{record['model']}, correction: {record['correction']}; seed {self.seed}."
         if not self.inputs.independent:
             text += " Inputs are correlated: shares of the variance are not defined."
@@ -257,18 +264,20 @@ def analyse_uncertainty(
     values = inputs.values(sobol_points(len(inputs), samples, seed))
     few = {key: value[:_ENDURANCE_SAMPLES] for key, value in values.items()}
     nominal = {one.key: np.array([one.nominal]) for one in inputs.inputs}
+    flights = study.flights(values)
     return UncertaintyAnalysis(
         aircraft=aircraft,
         mission=mission,
         solar=solar,
         inputs=inputs,
         values=values,
-        flights=study.flights(values),
+        flights=flights,
         endurance_h=study.endurance_h(few),
         sobol=_sobol_indices(study, inputs, samples, seed) if inputs.independent else {},
         nominal_excess_time_h=float(study.flights(nominal).excess_time_h[0]),
         required_h=mission.required_excess_time_h,
         seed=seed,
+        extrapolations=study.extrapolations(values, flights),
     )
 
 

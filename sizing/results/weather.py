@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import MONTH_NAMES
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
+from sizing.results.battery import battery_line_of_days, battery_record_of_days
+from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import check_subjects, clock_label, finite, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table, facts
 from sizing.results.weather_years import (
@@ -23,6 +25,15 @@ from sizing.results.weather_years import (
     years_of,
 )
 from sizing.sunlight import SolarModel
+from sizing.validity.checks import (
+    battery_checks,
+    charge_rate_check,
+    correction_check,
+    design_checks,
+    path_check,
+)
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import told, worst_of
 from sizing.weather_run import (
     WeatherPerformance,
     WeatherRun,
@@ -73,6 +84,30 @@ class WeatherAnalysis(Result):
             return ()
         return years_of(self.performance.recorded, self.performance.clear)
 
+    @cached_property
+    def extrapolations(self) -> tuple[Extrapolation, ...]:
+        """What the flight takes from outside the range of a model, each quantity once."""
+        done, axis = self.performance, self.performance.recorded.axis
+        aircraft, mission, design = self.aircraft, done.mission, done.design
+        always = [
+            check
+            for check in design_checks(aircraft, mission, design)
+            if check.range.quantity != "pack_temperature_c"
+        ]
+        always += path_check(mission, done.solar, design)
+        peak_w = np.max(done.recorded.solar_power_w, axis=1)
+        days = Scenarios(np.full(len(axis), mission.latitudes()[0]), axis.day_of_year)
+        of_days = [
+            *(
+                check
+                for check in battery_checks(aircraft.battery, done.air_of_days_c)
+                if check.range.quantity == "pack_temperature_c"
+            ),
+            *correction_check(days, done.solar, mission),
+            *charge_rate_check(aircraft, mission, design, peak_w),
+        ]
+        return worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
+
     def headline(self) -> str:
         """Aircraft, site and days that close in one line."""
         run = self.performance.recorded
@@ -120,6 +155,8 @@ class WeatherAnalysis(Result):
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
             "share_of_clear_sky_light": self.share_of_clear_light(),
             "wind_above_airspeed_share": self.wind_above_airspeed_share(),
+            "battery_condition": battery_record_of_days(self.aircraft, done.air_of_days_c),
+            "extrapolations": extrapolation_records(self.extrapolations),
             "repairs": list(weather.repairs),
             "notes": list(self.notes),
             "model": done.solar.model,
@@ -214,6 +251,10 @@ class WeatherAnalysis(Result):
             self._months(),
             _windows(record),
         ]
+        battery = battery_line_of_days(self.aircraft, self.performance.air_of_days_c)
+        if battery is not None:
+            blocks.append(Line(battery))
+        blocks += extrapolation_blocks(self.extrapolations)
         blocks += [Line(f"record: {text}", "faint") for text in record["repairs"]]
         blocks += [Line(text, "faint") for text in self.notes]
         kind = "typical year, months of several years" if self.weather.typical else "one record"

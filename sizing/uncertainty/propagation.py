@@ -29,6 +29,14 @@ from sizing.energy.power_balance import blocks
 from sizing.parameters import with_parameter
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
+from sizing.validity.checks import (
+    charge_rate_check,
+    correction_check,
+    design_checks,
+    path_check,
+)
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import told, worst_of
 from solar.types import FloatArray, IntArray
 
 # Draws simulated at once: a day of each array stays small.
@@ -65,6 +73,8 @@ class Flights:
         Of the design that is drawn [kg, W].
     worst : ndarray of int
         Scenario with the least excess time.
+    peak_solar_w : ndarray
+        Largest solar power of all scenarios [W].
     """
 
     excess_time_h: FloatArray
@@ -72,6 +82,7 @@ class Flights:
     total_mass_kg: FloatArray
     propulsion_power_w: FloatArray
     worst: FloatArray
+    peak_solar_w: FloatArray
 
 
 def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
@@ -147,6 +158,38 @@ class Propagation:
             )
         )
 
+    def extrapolations(
+        self, values: dict[str, FloatArray], flights: Flights
+    ) -> tuple[Extrapolation, ...]:
+        """What draws take from outside the range of a model, each quantity once.
+
+        Parameters
+        ----------
+        values : dict
+            Values of every input by its key, shape ``(sample,)``.
+        flights : Flights
+            What became of them.
+
+        Returns
+        -------
+        tuple of Extrapolation
+            With the worst value, and how many of the draws it is told of.
+        """
+        case = self._case(values)
+        craft, mission, design = case.craft, case.mission, case.design
+        checks = [
+            *design_checks(craft, mission, design),
+            *path_check(mission, self.solar, design),
+            *charge_rate_check(craft, mission, design, flights.peak_solar_w),
+        ]
+        of_sun = correction_check(self.day.scenarios, self.solar, mission)
+        return worst_of(
+            [
+                *told(checks, of=case.count, what="draws"),
+                *told(of_sun, self.day.scenarios),
+            ]
+        )
+
     def endurance_h(self, values: dict[str, FloatArray]) -> FloatArray:
         """Longest flight of every draw in its worst scenario [h], infinite if perpetual."""
         flown = self.flights(values)
@@ -194,9 +237,10 @@ class Propagation:
 
     def _block(self, values: dict[str, FloatArray]) -> Flights:
         case = self._case(values)
-        excess, charge = [], []
+        excess, charge, peak_w = [], [], np.zeros(case.count)
         for scenario in range(len(self.day.scenarios)):
             solar_w, load_w = self._powers(case, scenario)
+            peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
             cycle = simulate_cycle(
                 self.day.time_h,
                 solar_w,
@@ -216,6 +260,7 @@ class Propagation:
             total_mass_kg=case.mass_kg,
             propulsion_power_w=case.propulsion_w,
             worst=worst.astype(float),
+            peak_solar_w=peak_w,
         )
 
     def _case(self, values: dict[str, FloatArray]) -> _Case:

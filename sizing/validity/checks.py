@@ -48,7 +48,7 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
     yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
     load_w = design.nominal_load_w(mission)
     yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
-    yield from _battery_checks(aircraft.battery, mission)
+    yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
     yield from altitude_check(mission, mission.altitude_m)
     if design.airspeed_m_per_s is not None:
         ends = (mission.wind_m_per_s, None)
@@ -60,9 +60,22 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
         yield from _parametric_checks(DesignInFlight(aircraft, design, conditions), mission)
 
 
-def _battery_checks(battery: Battery, mission: Mission) -> Iterator[Check]:
+def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
+    """Temperature and age of a battery beside what is known of them.
+
+    Parameters
+    ----------
+    battery : Battery
+    air_c : array_like
+        Temperature of the air [C].
+
+    Yields
+    ------
+    Check
+        Nothing for a battery without temperature and age.
+    """
     if battery.temperature is not None:
-        pack_c = battery.temperature.pack_c(mission.air_state().temperature_c)
+        pack_c = battery.temperature.pack_c(air_c)
         yield Check.of("pack_temperature_c", "battery", pack_c)
     if battery.ageing is not None:
         left = battery.ageing.capacity_fraction()
@@ -124,7 +137,7 @@ def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
         yield Check.of("spar_cap_depth_ratio", structure.model, share)
     yield from _aerodynamic_checks(it)
     with np.errstate(invalid="ignore"):
-        temperature_k = float(mission.air_state().temperature_k)
+        temperature_k = mission.air_state().temperature_k
         sound_m_per_s = (_RATIO_OF_SPECIFIC_HEATS * GAS_CONSTANT_AIR * temperature_k) ** 0.5
         yield Check.of("mach_number", "aerodynamics", design.airspeed_m_per_s / sound_m_per_s)
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)

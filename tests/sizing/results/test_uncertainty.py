@@ -1,14 +1,18 @@
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import sizing
 from missions.files.errors import InputError
+from missions.files.overrides import with_values
 from missions.library import load_mission
+from missions.uncertainty import Normal, Uniform
 from sizing.library import load_aircraft
-from sizing.results.uncertainty import Proportion
+from sizing.results.uncertainty import Proportion, _sobol_indices
+from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
 
 DESIGN = load_aircraft("atlantiksolar-design")
 MISSION = load_mission("rafz-july")
@@ -137,3 +141,75 @@ def test_the_interval_is_wilsons():
     assert never.low == 0.0
     assert 0.0 < never.high < 0.1
     assert math.isclose(Proportion.of(np.ones(50, bool)).high, 1.0)
+
+
+def test_probabilities_are_those_of_a_loop_over_analyses():
+    inputs = {
+        "battery.specific_energy_wh_per_kg": {"relative_sigma": 0.08},
+        "airframe.level_flight.electric_power_w": {"relative_sigma": 0.12},
+        "modules.efficiency_stc": {"distribution": "uniform", "low": 0.2, "high": 0.25},
+    }
+    aircraft = load_aircraft("atlantiksolar-as2", {"uncertainty": {"inputs": inputs}})
+    mission = load_mission("rafz-july", {"clearness": 0.5, "required_excess_time_h": 1.0})
+    found = sizing.analyse_uncertainty(aircraft, mission, samples=64, seed=3, model_error=False)
+    plain = aircraft.model_copy(update={"uncertainty": None})
+    excess_h = []
+    for number in range(64):
+        draw = {key: float(value[number]) for key, value in found.values.items()}
+        excess_h.append(sizing.analyse(with_values(plain, draw), mission).excess_time_h)
+    excess_h = np.array(excess_h)
+    assert 0 < np.sum(excess_h > 0.0) < 64
+    # The same draws, the same verdict on each.
+    assert np.array_equal(found.flights.excess_time_h > 0.0, excess_h > 0.0)
+    assert found.flights.excess_time_h == pytest.approx(excess_h, abs=1e-6)
+    assert found.probability_perpetual.value == np.mean(excess_h > 0.0)
+    assert found.probability_required.value == np.mean(excess_h >= 1.0)
+
+
+class _Known:
+    """Stands for the flights: a function of the inputs whose indices are known."""
+
+    def __init__(self, function):
+        self.function = function
+
+    def flights(self, values):
+        return SimpleNamespace(excess_time_h=self.function(*values.values()))
+
+
+def scattered(*distributions):
+    named = zip("abc", distributions, strict=False)
+    inputs = tuple(UncertainInput(key, 1.0, one) for key, one in named)
+    return UncertainInputs(inputs, np.eye(len(inputs)))
+
+
+def test_indices_of_a_sum_are_the_shares_of_its_variances():
+    # Additive: first and total order are c_i^2 s_i^2 over their sum. 9, 16 and 75 of 100.
+    inputs = scattered(
+        Normal(sigma=3.0),
+        Normal(sigma=0.4),
+        Uniform(distribution="uniform", low=-3.0, high=3.0),  # variance 3
+    )
+    study = _Known(lambda a, b, c: a + 10.0 * b + 5.0 * c)
+    for one, share in zip(
+        _sobol_indices(study, inputs, 2**15, 1).values(), (0.09, 0.16, 0.75), strict=True
+    ):
+        # 4096 points each; tails of 1e-4 are cut off.
+        assert one.first == pytest.approx(share, abs=0.01)
+        assert one.total == pytest.approx(share, abs=0.01)
+
+
+def test_indices_of_ishigamis_function():
+    # Ishigami and Homma (1990), ISUMA: sin a + 7 sin^2 b + 0.1 c^4 sin a, each from -pi to pi. By
+    # integration the parts of its variance are those of a, of b, and of a and c together.
+    pi4 = np.pi**4
+    of_a, of_b = 0.5 * (1.0 + 0.1 * pi4 / 5.0) ** 2, 7.0**2 / 8.0
+    of_ac = 0.1**2 * pi4**2 * (1.0 / 18.0 - 1.0 / 50.0)
+    whole = of_a + of_b + of_ac
+    inputs = scattered(*[Uniform(distribution="uniform", low=-np.pi, high=np.pi)] * 3)
+    study = _Known(lambda a, b, c: np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a))
+    found = list(_sobol_indices(study, inputs, 2**16, 1).values())
+    assert [one.first for one in found] == pytest.approx(
+        [of_a / whole, of_b / whole, 0.0], abs=0.01
+    )
+    totals = [of_a + of_ac, of_b, of_ac]
+    assert [one.total for one in found] == pytest.approx(np.array(totals) / whole, abs=0.01)

@@ -82,3 +82,30 @@ def test_a_missions_clearness_is_said_to_play_no_part():
     assert np.array_equal(
         one.performance.recorded.solar_power_w, other.performance.recorded.solar_power_w
     )
+
+
+def test_the_battery_and_what_is_outside_of_a_range_are_told_over_the_days():
+    air_c = np.repeat([-30.0, 5.0, 30.0], 24)
+    record = clear_record(3, first="2001-07-14", temperature_c=air_c)
+    mission = load_mission("rafz-july")
+    new = sizing.analyse_weather(AS2, mission, record).to_dict()
+    assert (new["battery_condition"], new["extrapolations"]) == (None, [])
+    keys = ["battery.temperature={ambient_offset_k: 1}", "battery.ageing={cycles: 100}"]
+    craft = load_aircraft("atlantiksolar-as2", keys)
+    analysis = sizing.analyse_weather(craft, mission, record, correction="report")
+    told = analysis.to_dict()["battery_condition"]
+    days_c = analysis.performance.air_of_days_c
+    capacity = [float(craft.battery.capacity_fraction(day)) for day in days_c]
+    assert told["pack_temperature_c"]["lowest"] == pytest.approx(days_c.min() + 1.0)
+    assert told["capacity_fraction"] == {
+        "lowest": min(capacity),
+        "mean": pytest.approx(np.mean(capacity)),
+        "highest": max(capacity),
+    }
+    assert (told["cycles"], told["heater_power_w"]["highest"]) == (100.0, 0.0)
+    found = {one.quantity: one for one in analysis.extrapolations}
+    assert found["pack_temperature_c"].value == pytest.approx(days_c.min() + 1.0)
+    assert (found["pack_temperature_c"].count, found["pack_temperature_c"].of) == (1, 3)
+    text = " ".join(str(analysis).split())
+    assert "after 100 cycles and 0 months" in text
+    assert "(worst; 1 of 3 days)" in text

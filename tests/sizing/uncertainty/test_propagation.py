@@ -146,3 +146,29 @@ def test_attitude_models_take_efficiencies_and_refuse_what_is_not_linear():
         check_inputs(scattering("modules.camber_efficiency"), SolarModel("VM"))
     with pytest.raises(ValueError, match="moves the sun"):
         check_inputs(scattering("mission.latitude_deg"), SolarModel("VM"))
+
+
+def test_what_draws_take_from_outside_is_what_each_alone_takes():
+    aged = ["battery.temperature={}", "battery.ageing={cycles: 3000, months: 24}"]
+    aircraft = load_aircraft("atlantiksolar-design", aged)
+    mission = load_mission("rafz-july", {"air": {"ambient_temperature_c": -5.0}})
+    spreads = {
+        "battery.ageing.cycles": 0.5,
+        "mission.air.ambient_temperature_c": 3.0,
+        "airframe.aerodynamics.profile_drag_coefficient": 0.1,
+    }
+    values = drawn(aircraft, mission, spreads, count=24)
+    solar = SolarModel("CAM", "report")
+    study = Propagation(aircraft, mission, solar)
+    found = {one.quantity: one for one in study.extrapolations(values, study.flights(values))}
+    told = {}
+    for number in range(24):
+        craft, where = alone(aircraft, mission, values, number)
+        for one in sizing.analyse(craft, where, correction="report").extrapolations:
+            told.setdefault(one.quantity, []).append(one)
+    assert found.keys() == told.keys() >= {"aged_capacity_fraction", "pack_temperature_c"}
+    for quantity, each in told.items():
+        worst = max(each, key=lambda one: one.distance)
+        assert found[quantity].value == pytest.approx(worst.value, rel=1e-8)
+        if found[quantity].of:  # the sun's height is one for all draws
+            assert (found[quantity].count, found[quantity].of) == (len(each), 24)
