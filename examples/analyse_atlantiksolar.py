@@ -1,6 +1,10 @@
-"""Analyse a built aircraft: how long AtlantikSolar AS-2 flies in July, and how sure that is.
+"""
+Analyse a built aircraft
+========================
 
-Run with: python examples/analyse_atlantiksolar.py
+How long AtlantikSolar AS-2 flies in July, and how sure that is.
+
+Run with: ``python examples/analyse_atlantiksolar.py``
 """
 
 import missions

@@ -1,6 +1,10 @@
-"""Battery outlook: the smallest aircraft that better cells allow, in summer and towards autumn.
+"""
+Battery outlook
+===============
 
-Run with: python examples/battery_outlook.py [figure.png]
+The smallest aircraft that better cells allow, in summer and towards autumn.
+
+Run with: ``python examples/battery_outlook.py [figure.png]``
 """
 
 import sys

@@ -1,6 +1,10 @@
-"""Ceiling of perpetual flight of AtlantikSolar AS-2 in June, and what climbing by day gains.
+"""
+Climb and ceiling
+=================
 
-Run with: python examples/climb_and_ceiling.py
+Ceiling of perpetual flight of AtlantikSolar AS-2 in June, and what climbing by day gains.
+
+Run with: ``python examples/climb_and_ceiling.py``
 """
 
 import missions

@@ -1,6 +1,10 @@
-"""Compare the solar power models: what each predicts, builds, and how that really flies.
+"""
+Compare the solar power models
+==============================
 
-Run with: python examples/compare_models.py [figure.png]
+What each model predicts and would have built, and how that really flies.
+
+Run with: ``python examples/compare_models.py [figure.png]``
 """
 
 import sys

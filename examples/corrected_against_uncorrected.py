@@ -1,6 +1,10 @@
-"""Corrected against uncorrected: how much too small an optimistic model builds, by latitude.
+"""
+Corrected against uncorrected
+=============================
 
-Run with: python examples/corrected_against_uncorrected.py [figure.png]
+How much too small an optimistic model builds, by latitude.
+
+Run with: ``python examples/corrected_against_uncorrected.py [figure.png]``
 """
 
 import sys

@@ -1,6 +1,10 @@
-"""Design chart: which wingspan and battery fly through a summer, at two aspect ratios.
+"""
+Design chart
+============
 
-Run with: python examples/design_chart.py [figure.png]
+Which wingspan and battery fly through a summer, at two aspect ratios.
+
+Run with: ``python examples/design_chart.py [figure.png]``
 """
 
 import sys

@@ -1,6 +1,10 @@
-"""Payload against latitude: the smallest wingspan that carries it through the summer.
+"""
+Payload against latitude
+========================
 
-Run with: python examples/payload_against_latitude.py [figure.png]
+The smallest wingspan that carries a payload through the summer, by latitude.
+
+Run with: ``python examples/payload_against_latitude.py [figure.png]``
 """
 
 import sys

@@ -1,6 +1,10 @@
-"""Reliable design: the span that a probability of 3 h of excess time takes.
+"""
+Reliable design
+===============
 
-Run with: python examples/reliable_design.py [figure.png]
+The span that a probability of 3 h of excess time takes.
+
+Run with: ``python examples/reliable_design.py [figure.png]``
 """
 
 import sys

@@ -1,6 +1,10 @@
-"""Resized map: the smallest aircraft that flies perpetually at each latitude and in each season.
+"""
+Resized map
+===========
 
-Run with: python examples/resized_map.py [figure.png]
+The smallest aircraft that flies perpetually at each latitude and in each season.
+
+Run with: ``python examples/resized_map.py [figure.png]``
 """
 
 import sys

@@ -1,6 +1,10 @@
-"""Season map: where and when AtlantikSolar AS-2 flies perpetually, with its own battery and half.
+"""
+Season map
+==========
 
-Run with: python examples/season_map.py [figure.png]
+Where and when AtlantikSolar AS-2 flies perpetually, with its own battery and half.
+
+Run with: ``python examples/season_map.py [figure.png]``
 """
 
 import sys

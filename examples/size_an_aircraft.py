@@ -1,6 +1,10 @@
-"""Size an aircraft: the smallest wing that carries a camera through the European summer.
+"""
+Size an aircraft
+================
 
-Run with: python examples/size_an_aircraft.py
+The smallest wing that carries a camera through the European summer.
+
+Run with: ``python examples/size_an_aircraft.py``
 """
 
 import missions
