@@ -6,7 +6,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help check ci install tables test browser lint format types imports build clean
+.PHONY: help check ci install tables docs test browser lint format types imports build clean
 
 help:
 	@echo "make check    test, lint, types and imports"
@@ -17,6 +17,7 @@ help:
 	@echo "make types    mypy"
 	@echo "make imports  the contracts between the layers"
 	@echo "make tables   write the tables of docs/ anew"
+	@echo "make docs     build the documentation site in docs/_build/html and check its links"
 	@echo "make build    sdist and wheel in dist/"
 	@echo "make ci       everything, as CI runs it, in a scratch copy"
 	@echo "make clean    remove what these commands made"
@@ -34,6 +35,11 @@ install: $(BIN)/python
 
 tables: install
 	$(BIN)/python -m studies.doc_tables
+
+docs: install
+	$(BIN)/pip install --quiet ".[docs]"
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs docs/_build/html
+	$(BIN)/python docs/check_site.py docs/_build/html
 
 test: install
 	SOLAR_UAV_TEST_INSTALLED=1 $(BIN)/pytest -n auto --dist loadfile
@@ -64,5 +70,5 @@ $(BIN)/ruff $(BIN)/mypy $(BIN)/lint-imports $(BIN)/pyproject-build:
 	$(MAKE) install
 
 clean:
-	rm -rf .venv dist build .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv dist build docs/_build docs/api/generated docs/gallery .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -29,8 +29,8 @@ extensions = [
     "github_pages",
 ]
 # docs/index.md is the table of contents on GitHub; index.rst is that of the site.
-exclude_patterns = ["_build", "index.md", "gallery/*.ipynb", "gallery/*.py", "README.md"]
-suppress_warnings = ["config.cache"]
+templates_path = ["_templates"]
+exclude_patterns = ["_build", "index.md", "gallery/*.ipynb", "gallery/*.py", "_templates"]
 
 # Markdown as GitHub reads it: headings are anchors, formulas stand between dollars.
 myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
@@ -58,7 +58,8 @@ autodoc_default_options = {
 napoleon_google_docstring = False
 napoleon_use_ivar = False
 napoleon_use_rtype = False
-napoleon_custom_sections = [("Source", "notes_style")]
+# Attributes as a list like that of the parameters.
+napoleon_custom_sections = [("Source", "notes_style"), ("Attributes", "params_style")]
 
 copybutton_prompt_text = "$ "
 copybutton_line_continuation_character = "\\"
@@ -100,4 +101,6 @@ html_theme_options = {
     "pygments_light_style": "tango",
     "pygments_dark_style": "monokai",
 }
-html_sidebars = {"index": []}
+# Pages without others below them have nothing to show beside them.
+html_sidebars = {page: [] for page in ("index", "get-started", "validation", "faq", "nomenclature")}
+html_context = {"default_mode": "auto"}

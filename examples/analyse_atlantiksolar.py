@@ -4,11 +4,14 @@ Analyse a built aircraft
 
 How long AtlantikSolar AS-2 flies in July, and how sure that is.
 
-Run with: ``python examples/analyse_atlantiksolar.py``
+Run with: ``python examples/analyse_atlantiksolar.py [figure.png]``
 """
+
+import sys
 
 import missions
 import sizing
+import studies
 
 
 def main() -> None:
@@ -37,6 +40,8 @@ def main() -> None:
     solar = sizing.SolarModel("CAM", "report")
     days = sizing.perpetual_days(aircraft, mission, 47.6, solar)
     print(f"perpetual flight at 47.6 N on {len(days)} days, {days[0]} to {days[-1]} of the year")
+    if len(sys.argv) > 1:
+        studies.plot_cycle(sizing.analyse(aircraft, mission)).savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

@@ -4,11 +4,14 @@ Size an aircraft
 
 The smallest wing that carries a camera through the European summer.
 
-Run with: ``python examples/size_an_aircraft.py``
+Run with: ``python examples/size_an_aircraft.py [figure.png]``
 """
+
+import sys
 
 import missions
 import sizing
+import studies
 
 
 def main() -> None:
@@ -35,6 +38,9 @@ def main() -> None:
     # A sized aircraft is an aircraft again: what would the Full Model say of the last one?
     flown = sizing.analyse(sized.sized_aircraft(), sized.sized_mission(), model="FM")
     print(f"on a circle, by FM: excess time {flown.excess_time_h:.2f} h")
+    if len(sys.argv) > 1:
+        masses_kg = sized.design.masses._asdict()
+        studies.plot_masses(masses_kg, "for 4 h of excess time").savefig(sys.argv[1], dpi=150)
 
 
 if __name__ == "__main__":

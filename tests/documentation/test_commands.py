@@ -17,6 +17,8 @@ import click
 import pytest
 from command_line import Run
 from documented import (
+    PAGES,
+    ROOT,
     Block,
     Command,
     blocks,
@@ -26,8 +28,6 @@ from documented import (
     replaced,
 )
 
-ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 # Far above what a command takes, so that a busy machine does not fail the test.
 TIMEOUT_S = 300

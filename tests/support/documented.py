@@ -25,12 +25,27 @@ import shlex
 from dataclasses import dataclass, field
 from pathlib import Path
 
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+# What the build of the site writes, and pages that only the site has.
+_NOT_READ = ("_build", "gallery", "generated", "development")
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted(p for p in DOCS.rglob("*.md") if not set(p.relative_to(DOCS).parts) & set(_NOT_READ)),
+]
+
 BOX_DRAWING = re.compile("[\u2500-\u257f]+")
 TOKEN = re.compile(r"[-+−]?\d+(?:\.\d+)?|[^\W\d_]+|[^\s\w]|_")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 # What varies from run to run, or with the version of the solver, stands before one of these.
 NOT_COMPARED = {"ms", "iterations", "iteration"}
 ELLIPSIS_LINE = "..."
+
+
+def without_code(page: Path) -> str:
+    """Text of a page without its blocks."""
+    return re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
 
 
 @dataclass(frozen=True)
@@ -208,13 +223,11 @@ def disagreement(claimed: str, actual: str) -> str | None:
 
 def inline_commands(page: Path) -> list[str]:
     """Code in the text of a page that begins like a call of the command."""
-    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
-    spans = re.findall(r"`([^`]+)`", text)
+    spans = re.findall(r"`([^`]+)`", without_code(page))
     return [" ".join(span.split()) for span in spans if span.startswith("solar-uav ")]
 
 
 def inline_options(page: Path) -> set[str]:
     """Options that the text of a page names."""
-    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
-    spans = re.findall(r"`([^`]+)`", text)
+    spans = re.findall(r"`([^`]+)`", without_code(page))
     return {option for span in spans for option in re.findall(r"(?<!\S)--[a-z][a-z-]*", span)}

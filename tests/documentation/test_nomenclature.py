@@ -1,0 +1,81 @@
+"""The nomenclature lists the symbols of all formulas, and the units that names end in."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from documented import DOCS, without_code
+
+PAGE = DOCS / "nomenclature.md"
+FORMULA = re.compile(r"\$\$(.+?)\$\$|\$([^$\n]+(?:\n[^$\n]+)?)\$", re.S)
+# Words, and units, which are set upright and are no symbols.
+NO_SYMBOL = re.compile(
+    r"\\text\{[^}]*\}|\\(?:begin|end)\{[^}]*\}"
+    r"|(?<!_)\\mathrm\{(?:[CKh]|[^}]*[/\\][^}]*)\}"
+)
+SYMBOL = re.compile(
+    r"(?:\\(?:vec|bar|dot)\s*)?(?:\\mathrm\{[A-Za-z]+\}|\\[A-Za-z]+|[A-Za-z])"
+    r"(?:_(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+(?:\{[^}]*\})?|[A-Za-z0-9]))?"
+)
+OPERATORS = set(
+    "frac tfrac sqrt sum int oint partial min max left right bigl bigr lvert rvert lceil rceil "
+    "sin cos tan arccos ln exp pi circ cdot times approx le ge pm mp dots quad qquad".split()
+)
+# Of differentials and powers of ten in the text.
+PLAIN = {"d"}
+
+
+def symbols(text: str) -> set[str]:
+    """Symbols of the formulas of a text, with their indices as plain letters."""
+    found = set()
+    for formula in FORMULA.finditer(text):
+        for match in SYMBOL.findall(NO_SYMBOL.sub(" ", formula[1] or formula[2])):
+            name = re.sub(r"\\mathrm\s*|\\,|[{} ]", "", match)
+            command = re.match(r"\\([a-z]+)(?![A-Za-z])", name)
+            if command is None or command[1] not in OPERATORS:
+                found.add(name)
+    return found - PLAIN
+
+
+def table(heading: str) -> list[str]:
+    """First cells of the table under a heading."""
+    text = PAGE.read_text(encoding="utf-8").partition(f"## {heading}\n")[2].partition("\n## ")[0]
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    return [row.split("|")[1] for row in rows[1:]]
+
+
+@pytest.mark.parametrize(
+    "page", [path for path in sorted(DOCS.glob("*.md")) if path != PAGE], ids=lambda path: path.stem
+)
+def test_symbols_of_the_page_are_listed(page: Path) -> None:
+    listed = symbols("\n\n".join(table("Symbols")))
+    text = re.sub(r"`[^`]*`", "", without_code(page))
+    assert symbols(text) <= listed, sorted(symbols(text) - listed)
+
+
+def test_every_symbol_that_is_listed_is_used() -> None:
+    pages = [path for path in DOCS.glob("*.md") if path != PAGE]
+    used = set().union(*(symbols(without_code(page)) for page in pages))
+    listed = symbols("\n\n".join(table("Symbols")))
+    assert listed <= used, sorted(listed - used)
+
+
+def keys() -> set[str]:
+    """Keys of files and JSON in the tables of the pages."""
+    found: set[str] = set()
+    for page in DOCS.glob("*.md"):
+        rows = re.findall(r"^\| (`[^|]*) \|", without_code(page), re.M)
+        found |= {key for row in rows for key in re.findall(r"`[\w.\[\]]*?(\w+)`", row)}
+    return found
+
+
+def test_units_that_keys_end_in_are_listed() -> None:
+    endings = {unit for row in table("Units in names") for unit in re.findall(r"`_(\w+)`", row)}
+    units = {unit for ending in endings for unit in ending.split("_") if unit != "per"}
+    # What is longer is a word.
+    short = {key for key in keys() if re.search(r"_[a-z]{1,2}\d?$", key)}
+    assert short
+    unknown = {key for key in short if key.rpartition("_")[2] not in units}
+    assert not unknown
