@@ -2,7 +2,8 @@
 
 The pages are also read on GitHub, so they are plain Markdown; what only the site can show, such as
 cards and the tree of pages, is in the ``.rst`` files. The built site asks no other server for
-anything and works from a folder: MathJax is in ``_static``, and ``check_site.py`` looks for the rest.
+anything and works from a folder: MathJax is in ``_static``, and ``check_site.py`` looks for the
+rest.
 """
 
 import sys

@@ -28,7 +28,6 @@ from documented import (
     replaced,
 )
 
-
 # Far above what a command takes, so that a busy machine does not fail the test.
 TIMEOUT_S = 300
 
