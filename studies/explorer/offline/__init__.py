@@ -1,0 +1,1 @@
+"""Explorer in a single file: tables computed beforehand, read by the page without a server."""

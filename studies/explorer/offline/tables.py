@@ -1,0 +1,194 @@
+"""What an offline page computes from: light over place and season, and designs, as tables.
+
+Solar power per area of module depends on place, date and solar power model, not on the design;
+mass and power of level flight depend on the design, not on place and date. Two tables hold both;
+the page interpolates in them and marches the battery itself. Light is tabled between sunrise and
+sunset, which the page computes exactly: then it is smooth where days become long or short.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import closed_design, measured_design, variables_of
+from sizing.sunlight import SolarModel, solar_day
+from solar.sun import declination
+from solar.types import FloatArray
+
+__all__ = ["AXES", "Axis", "design_table", "light_table", "quantised"]
+
+DAY_STEP = 7
+_LATITUDES_DEG = np.linspace(-90.0, 90.0, 46)
+_DAYS = np.arange(1, 366, DAY_STEP)
+# Models that follow the flight path take milliseconds for each place and date.
+_LATITUDES_ON_PATH_DEG = np.linspace(-90.0, 90.0, 19)
+_DAYS_ON_PATH = np.arange(1, 366, 2 * DAY_STEP)
+_OF_DAYLIGHT = np.linspace(0.0, 1.0, 97)
+_LARGEST = 32767  # of an integer of 16 bits
+_IMPOSSIBLE = -32768
+
+# Key of the explorer's field -> name of the design variable, and number of its values in the table.
+AXES: dict[str, tuple[str, int]] = {
+    "airframe.wingspan_m": ("wingspan_m", 25),
+    "battery.mass_kg": ("battery_mass_kg", 25),
+    "modules.area_m2": ("module_area_m2", 9),
+    "mission.payload.mass_kg": ("payload_mass_kg", 5),
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Values of a design variable in the table.
+
+    Attributes
+    ----------
+    key : str
+        Of the explorer's field.
+    values : ndarray
+        In rising order, in equal ratios where the least is above zero.
+    """
+
+    key: str
+    values: FloatArray
+
+    @classmethod
+    def between(cls, key: str, low: float, high: float) -> Axis:
+        """Values from one end of a slider to the other; one value if they are the same."""
+        count = AXES[key][1] if high > low else 1
+        spaced = np.geomspace if low > 0.0 else np.linspace
+        return cls(key, spaced(low, high, count))
+
+    def to_dict(self) -> dict[str, Any]:
+        """For the page."""
+        return {"key": self.key, "values": [float(f"{value:.9g}") for value in self.values]}
+
+
+def quantised(values: FloatArray) -> dict[str, Any]:
+    """Table as integers of 16 bits, with what turns them back into numbers.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of any shape; what is not finite has its own integer.
+
+    Returns
+    -------
+    dict
+        ``shape``; ``offset`` and ``scale``: a number is offset + scale times its integer;
+        ``base64``: the integers, least byte first; ``impossible``: the integer of what is none.
+    """
+    finite = np.isfinite(values)
+    some = values[finite] if finite.any() else np.zeros(1)
+    low, high = float(some.min()), float(some.max())
+    offset, scale = (low + high) / 2.0, max((high - low) / (2.0 * _LARGEST), 1e-300)
+    steps = np.rint((np.where(finite, values, offset) - offset) / scale)
+    integers = np.where(finite, steps, _IMPOSSIBLE).astype("<i2")
+    return {
+        "shape": list(values.shape),
+        "offset": offset,
+        "scale": scale,
+        "impossible": _IMPOSSIBLE,
+        "base64": base64.b64encode(integers.tobytes()).decode("ascii"),
+    }
+
+
+def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict[str, Any]:
+    """Solar power per module area over latitude, day of year and share of the daylight.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Modules; air, wind and flight path. The mission's own place and date play no part.
+    solar : SolarModel
+        Model and correction.
+
+    Returns
+    -------
+    dict
+        ``latitudes_deg``, ``days`` and the table ``power_w_per_m2``, whose last axis runs evenly
+        from sunrise to sunset; ``declinations_rad`` of all days of the year, from the first.
+    """
+    from studies.explorer.season import follows_path
+
+    on_path = follows_path(solar)
+    latitudes = _LATITUDES_ON_PATH_DEG if on_path else _LATITUDES_DEG
+    days = _DAYS_ON_PATH if on_path else _DAYS
+    latitude, day = (a.ravel() for a in np.meshgrid(latitudes, days, indexing="ij"))
+    lit = solar_day(aircraft, mission, solar, scenarios=Scenarios(latitude, day))
+    length = np.asarray(lit.sunset_h) - lit.sunrise_h
+    power = [
+        np.interp(rise + _OF_DAYLIGHT * hours, lit.time_h, row) if hours > 0.0 else 0.0 * row[:97]
+        for rise, hours, row in zip(
+            np.asarray(lit.sunrise_h), length, lit.specific_power_w_per_m2, strict=True
+        )
+    ]
+    year = Scenarios(np.zeros(365), np.arange(1, 366))
+    return {
+        "latitudes_deg": latitudes.tolist(),
+        "days": days.tolist(),
+        "power_w_per_m2": quantised(np.reshape(power, (len(latitudes), len(days), -1))),
+        "declinations_rad": [float(f"{d:.7g}") for d in declination(year.noon_day)],
+    }
+
+
+def design_table(aircraft: Aircraft, mission: Mission, axes: Iterable[Axis]) -> dict[str, Any]:
+    """Mass, power of level flight and airspeed over the design variables.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Technology; air, payload and turbulence.
+    axes : iterable of Axis
+        Variables that change; others stay as the files give them.
+
+    Returns
+    -------
+    dict
+        ``axes`` and the tables of logarithms ``log_mass_kg``, ``log_power_w`` and, where airspeed
+        is known, ``log_airspeed_m_per_s``, with an axis for each; an aircraft that cannot carry
+        itself is ``impossible`` there.
+    """
+    axes = list(axes)
+    grids = np.meshgrid(*(axis.values for axis in axes), indexing="ij")
+    chosen = {AXES[axis.key][0]: grid for axis, grid in zip(axes, grids, strict=True)}
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        mass, power, airspeed = _measured(aircraft, mission, chosen)
+    else:
+        design = closed_design(aircraft, mission, variables_of(aircraft)._replace(**chosen))
+        mass, power, airspeed = design.total_mass_kg, design.propulsion_power_w, design[-1]
+    tables = {"log_mass_kg": mass, "log_power_w": power, "log_airspeed_m_per_s": airspeed}
+    return {
+        "axes": [axis.to_dict() for axis in axes],
+        **{name: quantised(np.log(t)) for name, t in tables.items() if t is not None},
+    }
+
+
+def _measured(
+    aircraft: Aircraft, mission: Mission, chosen: dict[str, FloatArray]
+) -> tuple[FloatArray, FloatArray, FloatArray | None]:
+    """Mass [kg], power [W] and airspeed [m/s] of a measured airframe with other parts."""
+    shape = next(iter(chosen.values())).shape
+    designs = []
+    for place in np.ndindex(shape):
+        value = {name: float(grid[place]) for name, grid in chosen.items()}
+        battery = aircraft.battery.model_copy(update={"mass_kg": value["battery_mass_kg"]})
+        modules = aircraft.modules.model_copy(update={"area_m2": value["module_area_m2"]})
+        payload = mission.payload.model_copy(update={"mass_kg": value["payload_mass_kg"]})
+        designs.append(
+            measured_design(
+                aircraft.model_copy(update={"battery": battery, "modules": modules}),
+                mission.model_copy(update={"payload": payload}),
+            )
+        )
+    mass = np.reshape([design.total_mass_kg for design in designs], shape)
+    power = np.reshape([design.propulsion_power_w for design in designs], shape)
+    if designs[0].airspeed_m_per_s is None:
+        return mass, power, None
+    return mass, power, np.reshape([design.airspeed_m_per_s for design in designs], shape)
