@@ -13,7 +13,6 @@ import importlib.util
 import json
 import os
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -23,21 +22,14 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import pytest
+from source_tree import make_benchmarks_importable
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
-FLAGS = (
-    "--no-sandbox",  # root has none, and CI is root
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1, EXCLUDE localhost",
-)
+make_benchmarks_importable()
+from benchmarks.pages import headless  # noqa: E402 - only now it can be found
+
 DESKTOP = (1400, 900)
 PHONE = (390, 844)
 INLINE_SCHEMES = ("data", "blob", "about")
@@ -58,17 +50,12 @@ _TOO_WIDE = """() => {
 _SETTLE = "() => new Promise(done => setTimeout(done, 30))"
 
 
-def chromium_path() -> str | None:
-    """Program of the browser, None where there is none."""
-    return next(filter(None, map(shutil.which, NAMES)), None)
-
-
 def missing() -> str | None:
     """What tests with a browser lack here, None if nothing."""
     if importlib.util.find_spec("playwright") is None:
         return 'Playwright is not installed: pip install ".[browser]"'
-    if chromium_path() is None:
-        return f"none of {', '.join(NAMES)} is on the path"
+    if headless.chromium_path() is None:
+        return f"none of {', '.join(headless.NAMES)} is on the path"
     return None
 
 
@@ -120,14 +107,8 @@ OpenPage = Callable[..., "Page"]
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:
     """One browser for a file of tests; no longer, as its event loop is in the way of others."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=chromium_path(), args=list(FLAGS), chromium_sandbox=False
-        )
+    with headless.chromium() as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture

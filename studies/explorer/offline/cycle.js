@@ -1,4 +1,3 @@
-"use strict";
 // The battery over a day that repeats itself, and what is read off it. The same equations as in
 // sizing/energy (power_balance, march, cycle, endurance), for one aircraft at one place; tests
 // compare both. Powers are linear between the nodes of the time axis and integrated exactly.
@@ -142,11 +141,11 @@ function fullAt(battery, balance, i, before) {
  * @param {number} nominal load that defines equal power and excess time [W]
  * @param {object} battery energy_wh, charge_efficiency, discharge_efficiency, clock or null
  */
-function cycleOf(time, solar, load, nominal, battery) {
+export function cycleOf(time, solar, load, nominal, battery) {
   const balance = balanceOf(time, solar, load), full = battery.energy_wh;
   const soc = new Float64Array(time.length), equal = equalPower(time, solar, nominal);
   let energy = repeatedStart(battery, balance), lowest = energy, missing = 0, lacking = 0;
-  let first = NaN, last = NaN, dawn = energy, lit = 0, wasFull = false;
+  let first = NaN, last = NaN, dawn = energy, wasFull = false;
   for (let i = 0; i < balance.surplus.length; i++) {
     soc[i] = energy / full;
     if (i === equal.morning) {
@@ -167,7 +166,6 @@ function cycleOf(time, solar, load, nominal, battery) {
     }
     wasFull = isFull;
     lowest = Math.min(lowest, step.before, step.end);
-    lit += solar[i] + solar[i + 1];
     energy = step.end;
   }
   soc[time.length - 1] = energy / full;
@@ -177,7 +175,6 @@ function cycleOf(time, solar, load, nominal, battery) {
   const unlimited = equal.always && !empty;
   let status = excess > 0 ? "perpetual" : "limited";
   if (unlimited) status = "always_lit";
-  if (!(lit > 0)) status = "never_lit";
   return {
     state_of_charge: soc,
     status,
@@ -191,7 +188,7 @@ function cycleOf(time, solar, load, nominal, battery) {
 }
 
 /** Longest flight from a full battery, launched at a node of the time axis: hours and launch. */
-function longestFlight(time, solar, load, battery) {
+export function longestFlight(time, solar, load, battery) {
   const balance = balanceOf(time, solar, load), count = balance.surplus.length;
   const best = {endurance_h: 0, best_launch_h: NaN};
   for (let launch = 0; launch < count; launch++) {

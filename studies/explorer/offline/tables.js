@@ -1,8 +1,7 @@
-"use strict";
 // Tables of an offline page, and interpolation in them.
 
 /** Table of integers as Python wrote it, with a function that gives its numbers. */
-function tableOf(record) {
+export function tableOf(record) {
   const bytes = Uint8Array.from(atob(record.base64), (letter) => letter.charCodeAt(0));
   const integers = new DataView(bytes.buffer);
   const values = new Float64Array(bytes.length / 2);
@@ -14,7 +13,7 @@ function tableOf(record) {
 }
 
 /** Interval of rising nodes that a value lies in, and how far; the ends hold beyond them. */
-function placeIn(nodes, x) {
+export function placeIn(nodes, x) {
   if (nodes.length === 1) return {low: 0, share: 0};
   let low = 0;
   while (low < nodes.length - 2 && nodes[low + 1] <= x) low++;
@@ -23,7 +22,7 @@ function placeIn(nodes, x) {
 }
 
 /** Value of a table between the nodes of all its axes, linear along each; NaN next to a gap. */
-function between(table, places) {
+export function between(table, places) {
   let sum = 0;
   for (let corner = 0; corner < 1 << places.length; corner++) {
     let weight = 1, index = 0;
@@ -63,16 +62,17 @@ function sunTimes(latitudeDeg, declination) {
 }
 
 /** Solar power per module area at the nodes of a time axis [W/m2], with sunrise and sunset. */
-function lightAt(light, latitudeDeg, day, time) {
+export function lightAt(light, latitudeDeg, day, time) {
   const {rise, set} = sunTimes(latitudeDeg, light.declinations_rad[Math.round(day) - 1]);
   const power = new Float64Array(time.length);
   if (set > rise) {
     const row = rowBetween(
       light.power, placeIn(light.latitudes_deg, latitudeDeg), placeIn(light.days, day));
-    const last = row.length - 1;
+    const last = row.length - 1, length = light.mirrored ? 2 * last : last;
     for (let i = 0; i < time.length; i++) {
       if (time[i] <= rise && rise > 0 || time[i] >= set && set < 24) continue;
-      const along = (time[i] - rise) / (set - rise) * last;
+      let along = (time[i] - rise) / (set - rise) * length;
+      if (along > last) along = length - along;
       const low = Math.min(Math.floor(along), last - 1);
       power[i] = row[low] + (row[low + 1] - row[low]) * (along - low);
     }

@@ -25,7 +25,7 @@ from solar.types import FloatArray
 __all__ = ["AXES", "Axis", "design_table", "light_table", "quantised"]
 
 DAY_STEP = 7
-_LATITUDES_DEG = np.linspace(-90.0, 90.0, 46)
+_LATITUDES_DEG = np.linspace(-90.0, 90.0, 73)
 _DAYS = np.arange(1, 366, DAY_STEP)
 # Models that follow the flight path take milliseconds for each place and date.
 _LATITUDES_ON_PATH_DEG = np.linspace(-90.0, 90.0, 19)
@@ -59,11 +59,21 @@ class Axis:
     values: FloatArray
 
     @classmethod
-    def between(cls, key: str, low: float, high: float) -> Axis:
-        """Values from one end of a slider to the other; one value if they are the same."""
+    def between(cls, key: str, low: float, high: float, start: float) -> Axis:
+        """Values of a slider's range, the one at the start among them.
+
+        Parameters
+        ----------
+        key : str
+            One of :data:`AXES`.
+        low, high : float
+            Ends of the range; the same for a single value.
+        start : float
+            Value in between that the table is to have exactly.
+        """
         count = AXES[key][1] if high > low else 1
         spaced = np.geomspace if low > 0.0 else np.linspace
-        return cls(key, spaced(low, high, count))
+        return cls(key, np.union1d(spaced(low, high, count), [low, start, high]))
 
     def to_dict(self) -> dict[str, Any]:
         """For the page."""
@@ -113,7 +123,8 @@ def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict
     -------
     dict
         ``latitudes_deg``, ``days`` and the table ``power_w_per_m2``, whose last axis runs evenly
-        from sunrise to sunset; ``declinations_rad`` of all days of the year, from the first.
+        from sunrise to sunset, or to noon where afternoons are ``mirrored`` mornings;
+        ``declinations_rad`` of all days of the year, from the first.
     """
     from studies.explorer.season import follows_path
 
@@ -122,18 +133,20 @@ def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict
     days = _DAYS_ON_PATH if on_path else _DAYS
     latitude, day = (a.ravel() for a in np.meshgrid(latitudes, days, indexing="ij"))
     lit = solar_day(aircraft, mission, solar, scenarios=Scenarios(latitude, day))
-    length = np.asarray(lit.sunset_h) - lit.sunrise_h
-    power = [
-        np.interp(rise + _OF_DAYLIGHT * hours, lit.time_h, row) if hours > 0.0 else 0.0 * row[:97]
-        for rise, hours, row in zip(
-            np.asarray(lit.sunrise_h), length, lit.specific_power_w_per_m2, strict=True
-        )
-    ]
+    rise, fall = np.asarray(lit.sunrise_h), np.asarray(lit.sunset_h)
+    power = np.zeros((len(latitude), len(_OF_DAYLIGHT)))
+    for i in np.flatnonzero(fall > rise):
+        hours = rise[i] + _OF_DAYLIGHT * (fall[i] - rise[i])
+        power[i] = np.interp(hours, lit.time_h, lit.specific_power_w_per_m2[i])
+    mirrored = bool(np.allclose(power, power[:, ::-1], rtol=0.0, atol=1e-6 * power.max()))
+    if mirrored:
+        power = power[:, : len(_OF_DAYLIGHT) // 2 + 1]
     year = Scenarios(np.zeros(365), np.arange(1, 366))
     return {
         "latitudes_deg": latitudes.tolist(),
         "days": days.tolist(),
-        "power_w_per_m2": quantised(np.reshape(power, (len(latitudes), len(days), -1))),
+        "mirrored": mirrored,
+        "power_w_per_m2": quantised(power.reshape((len(latitudes), len(days), -1))),
         "declinations_rad": [float(f"{d:.7g}") for d in declination(year.noon_day)],
     }
 
