@@ -21,33 +21,49 @@ _NEEDS = "explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
     help="Port on this machine; 0 for any that is free.",
 )
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
+@click.option(
+    "--static",
+    "static_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="Write an HTML page that needs no server and no network, instead of serving one.",
+)
 @model_options
 def explore(
     aircraft: str,
     mission: str,
     port: int,
     no_browser: bool,
+    static_file: str | None,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
 ) -> None:
     """Explore AIRCRAFT (name, file or folder) with sliders, on a page of this machine."""
-    try:
-        import starlette  # noqa: F401
-        import uvicorn  # noqa: F401
-    except ImportError as error:
-        raise click.ClickException(_NEEDS.format(missing=error.name)) from None
-    from studies.cli.checks import refuse_climb, require_path
+    from studies.cli.checks import check_outputs, refuse_climb, require_path
     from studies.cli.files import load
-    from studies.explorer.serve import ADDRESS, bound_socket, serve
     from studies.explorer.session import Session
 
+    if static_file is None:
+        _require_server()
+    elif port or no_browser:
+        raise click.UsageError("--static serves nothing: give it without --port and --no-browser")
+    check_outputs(static=static_file)
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     refuse_climb(case, "explore")
     require_path(case)
     where = case.where.document.source.removesuffix(" (shipped)")
     words = [aircraft, "-m", where, *(word for one in overrides for word in ("--set", one))]
     session = Session(case.craft.document, case.where.document, case.solar, command=words)
+    if static_file is not None:
+        from missions.files.writing import write_text_atomically
+        from studies.explorer.offline.page import offline_page
+
+        write_text_atomically(static_file, offline_page(session))
+        click.echo(f"written to {static_file}")
+        return
+    from studies.explorer.serve import ADDRESS, bound_socket, serve
+
     try:
         listening = bound_socket(port)
     except OSError as error:
@@ -60,3 +76,12 @@ def explore(
         click.echo(f"{case.title}; Ctrl-C ends it", err=True)
 
     serve(session, listening, tell=tell, browser=not no_browser)
+
+
+def _require_server() -> None:
+    """Name what is missing of the extra ``explore``."""
+    try:
+        import starlette  # noqa: F401
+        import uvicorn  # noqa: F401
+    except ImportError as error:
+        raise click.ClickException(_NEEDS.format(missing=error.name)) from None
