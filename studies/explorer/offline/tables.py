@@ -131,7 +131,7 @@ def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict
     on_path = follows_path(solar)
     latitudes = _LATITUDES_ON_PATH_DEG if on_path else _LATITUDES_DEG
     days = _DAYS_ON_PATH if on_path else _DAYS
-    latitude, day = (a.ravel() for a in np.meshgrid(latitudes, days, indexing="ij"))
+    latitude, day = np.repeat(latitudes, len(days)), np.tile(days, len(latitudes))
     lit = solar_day(aircraft, mission, solar, scenarios=Scenarios(latitude, day))
     rise, fall = np.asarray(lit.sunrise_h), np.asarray(lit.sunset_h)
     power = np.zeros((len(latitude), len(_OF_DAYLIGHT)))

@@ -27,6 +27,6 @@ def test_serving_and_writing_exclude_each_other(run: Run, tmp_path: Path) -> Non
         assert (outcome.code, outcome.out) == (2, "")
         assert "--static serves nothing" in outcome.err
     outcome = run("explore", AS2, "--static", "no/folder.html")
-    assert (outcome.code, outcome.out) == (2, "")
+    assert (outcome.code, outcome.out) == (1, "")
     assert "its folder does not exist" in outcome.err
     assert files(tmp_path) == set()
