@@ -70,6 +70,10 @@ class Axis:
             Ends of the range; the same for a single value.
         start : float
             Value in between that the table is to have exactly.
+
+        Returns
+        -------
+        Axis
         """
         count = AXES[key][1] if high > low else 1
         spaced = np.geomspace if low > 0.0 else np.linspace
