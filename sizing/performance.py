@@ -23,7 +23,7 @@ from sizing.energy.endurance import Endurance, longest_flight
 from sizing.energy.power_balance import blocks
 from sizing.energy.settling import days_to_settle, simulate_days
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048
@@ -64,6 +64,19 @@ class Performance:
         """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
         return self._longest_flights().endurance_h
 
+    def worst_endurance_h(self) -> FloatArray:
+        """Longest flight of each design in its scenario of least excess time [h].
+
+        Infinite where that is perpetual; NaN for designs that cannot carry their own mass.
+        """
+        shape = self.cycle.excess_time_h.shape
+        worst = np.argmin(self.cycle.excess_time_h, axis=-1, keepdims=True)
+        flies = np.broadcast_to(np.isfinite(self.nominal_load_w), shape)
+        asked = (np.arange(shape[-1]) == worst) & flies
+        hours = self._longest_flights(asked & ~self.cycle.perpetual).endurance_h
+        hours = np.where(flies, hours, np.nan)
+        return np.asarray(np.take_along_axis(hours, worst, axis=-1)[..., 0])
+
     def days_to_settle(self) -> FloatArray:
         """Days that the repeated day needs from an empty battery, in every scenario.
 
@@ -78,17 +91,22 @@ class Performance:
             nominal_load_w=self.nominal_load_w,
         )
 
-    def _longest_flights(self) -> Endurance:
-        limited = np.flatnonzero(~self.cycle.perpetual)
-        store = self.store.flat(self.cycle.status.shape)
-        hours, launch = np.full((2, len(self.cycle.status)), np.inf)
-        for block in blocks(len(limited), _SCENARIOS_AT_ONCE):
-            some = limited[block]
-            flights = longest_flight(
-                self.day.time_h, self.solar_power_w[some], self.load_w[some], store.select(some)
-            )
+    def _longest_flights(self, limited: BoolArray | None = None) -> Endurance:
+        """Longest flights where they are limited, or where asked; infinite elsewhere."""
+        shape = self.cycle.status.shape
+        which = np.flatnonzero(~self.cycle.perpetual if limited is None else limited)
+        store = self.store.flat(shape)
+        hours, launch = np.full((2, self.cycle.status.size), np.inf)
+        solar, load = (
+            np.broadcast_to(power, (*shape, np.shape(power)[-1]))
+            for power in (self.solar_power_w, self.load_w)
+        )
+        for block in blocks(len(which), _SCENARIOS_AT_ONCE):
+            some = which[block]
+            at = np.unravel_index(some, shape)
+            flights = longest_flight(self.day.time_h, solar[at], load[at], store.select(some))
             hours[some], launch[some] = flights.endurance_h, flights.launch_h
-        return Endurance(hours, launch)
+        return Endurance(hours.reshape(shape), launch.reshape(shape))
 
 
 def performance(

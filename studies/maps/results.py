@@ -26,19 +26,36 @@ def seasons_record(data: xr.Dataset) -> dict[str, Any]:
     return _places(data) | {
         "perpetual_days": season_length(data).to_numpy().tolist(),
         "failed_days": failed.to_numpy().tolist(),
+        **_endurances(data),
         "extrapolations": extrapolation_records(extrapolations_of(data)),
     }
+
+
+def _endurances(data: xr.Dataset) -> dict[str, Any]:
+    """Shortest and longest flight of the days without perpetual flight, if they were asked for."""
+    if "endurance" not in data:
+        return {}
+    limited = data["endurance"].where(~data["endurance"].isin([math.inf]))
+    ends = {"least": limited.min("day"), "largest": limited.max("day")}
+    return {f"{end}_endurance_h": list(map(finite, v.to_numpy())) for end, v in ends.items()}
 
 
 def seasons_table(data: xr.Dataset) -> Table:
     """Days of perpetual flight at each latitude, and the largest excess time."""
     record = seasons_record(data)
     most = data["excess_time"].max("day").to_numpy().tolist()
-    columns = (
+    columns: tuple[Column, ...] = (
         Column("perpetual_days", f"days of {data.sizes['day']} mapped"),
         Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
     )
-    rows = list(zip(record["perpetual_days"], most, strict=True))
+    rows: list[tuple[Any, ...]] = list(zip(record["perpetual_days"], most, strict=True))
+    if "endurance" in data:
+        columns += (Column("endurance_h", "endurance on the other days", "h", to_right=True),)
+        ends = zip(record["least_endurance_h"], record["largest_endurance_h"], strict=True)
+        rows = [
+            (*row, _range(*(math.nan if end is None else end for end in both)))
+            for row, both in zip(rows, ends, strict=True)
+        ]
     return _table(data, f"{_subject(data)}: days of perpetual flight", record, columns, rows)
 
 

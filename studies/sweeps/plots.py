@@ -46,9 +46,10 @@ from studies.output.figures.drawing import (
 from studies.output.figures.options import DEFAULT
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.points import PointStatus
+from studies.sweeps.ranking import MORE_IS_BETTER, pareto_table
 from studies.sweeps.study import feasible, to_table
 
-__all__ = ["pareto_front", "pareto_table", "plot_pareto", "plot_sweep"]
+__all__ = ["plot_pareto", "plot_sweep"]
 
 MAXIMUM_PANELS = 12
 # How lines mark points without a result.
@@ -63,14 +64,6 @@ _SHOWN = {
     "max_payload_power": ("payload_power", "wingspan"),
 }
 # More of these is better; less of everything else.
-_MORE_IS_BETTER = {
-    "excess_time",
-    "charge_margin",
-    "minimum_state_of_charge",
-    "payload_mass",
-    "payload_power",
-    "payload_mass_kg",  # the varied key
-}
 
 
 @styled
@@ -373,66 +366,6 @@ def _draw_bar(
 # ---- Pareto front
 
 
-def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
-    """Mark the points that no other point beats in one and equals or beats in the other.
-
-    Less is better in both; NaN is never on the front.
-
-    Parameters
-    ----------
-    x, y : ndarray, shape (point,)
-        Two numbers of each point.
-
-    Returns
-    -------
-    ndarray of bool, shape (point,)
-        Whether a point is on the front; of equal points all are.
-    """
-    front: NDArray[np.bool_] = np.isfinite(x) & np.isfinite(y)
-    order = np.lexsort((y, x))
-    best_x, best_y = np.inf, np.inf
-    for i in order[front[order]]:
-        # In this order a point is beaten by one before it, or by none.
-        front[i] = y[i] < best_y or (x[i] == best_x and y[i] == best_y)
-        if y[i] < best_y:
-            best_x, best_y = x[i], y[i]
-    return front
-
-
-def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
-    """Feasible points with the column ``pareto_front``, for two variables or varied keys.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Trade study.
-    x, y : str
-        Numeric columns of its table; more is better of excess times, margins and payloads, less of
-        everything else.
-
-    Returns
-    -------
-    DataFrame
-        One row for each feasible point.
-
-    Raises
-    ------
-    ValueError
-        If a name is none of them.
-    """
-    table = to_table(data)[np.asarray(feasible(data)).ravel()].copy()
-    allowed = [str(n) for n in table.columns if pd.api.types.is_numeric_dtype(table[n])]
-    signs = []
-    for name in (x, y):
-        if name not in allowed:
-            raise ValueError(f"{name!r} is not one of {', '.join(allowed)}")
-        signs.append(-1.0 if name in _MORE_IS_BETTER else 1.0)
-    table["pareto_front"] = pareto_front(
-        signs[0] * table[x].to_numpy(float), signs[1] * table[y].to_numpy(float)
-    )
-    return table
-
-
 @styled
 def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -> Figure:
     """All feasible points over two variables, and those that no other beats in both.
@@ -458,13 +391,15 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
     table = pareto_table(data, x, y)
     if table.empty:
         raise ValueError("no point is feasible: there is no front to draw")
-    front = table[table["pareto_front"]].sort_values(x)
+    front = table[table["pareto_front"]]
     count = data["status"].size - len(table)
     note = f"{count} points without a design left out" if count else ""
     drawn, (axes,) = new_figure(canvas=figure, **_heading(data, note), size_in=(7.0, 5.0))
     axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
     axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
-    better = {name: "more" if name in _MORE_IS_BETTER else "less" for name in (x, y)}
+    for label, over, up in zip(front["point"], front[x], front[y], strict=True):
+        axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")
+    better = {name: "more" if name in MORE_IS_BETTER else "less" for name in (x, y)}
     axes.set(
         xlabel=f"{_label(data, x)}; {better[x]} is better",
         ylabel=f"{_label(data, y)}; {better[y]} is better",

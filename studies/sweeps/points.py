@@ -28,6 +28,7 @@ from sizing.validity.checks import flight_checks
 from sizing.validity.told import as_text, cell_texts, extrapolations
 from solar.names import ATTITUDE_MODELS
 from solar.schema import Record
+from solar.types import FloatArray
 from studies.engine.run import Cell
 from studies.output import columns as sizing_columns
 from studies.output.columns import SizingStatus
@@ -76,6 +77,7 @@ BLANKS: dict[str, Any] = {
     "excess_time": _NAN,
     "charge_margin": _NAN,
     "minimum_state_of_charge": _NAN,
+    "endurance": _NAN,
     "power": _NAN,
     "worst_latitude": _NAN,
     "worst_day": _NAN,
@@ -84,6 +86,7 @@ BLANKS: dict[str, Any] = {
 }
 
 DESCRIBED = sizing_columns.DESCRIBED | {
+    "endurance": ("h", "longest flight in the worst scenario; infinite where perpetual"),
     "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
     "worst_day": ("1", "day of year of the worst scenario"),
     "message": ("1", "why there is no result"),
@@ -228,7 +231,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         if measured:
             found = performance(aircraft, mission, configuration.solar)
             outside = {"extrapolations": as_text(extrapolations(aircraft, found))}
-            rows[numbers[0]] = _judged(found, mission, (), {}) | outside
+            rows[numbers[0]] = _judged(found, mission, (), {}, found.worst_endurance_h()) | outside
             for number in numbers[1:]:  # the same point twice
                 rows[number] = rows[numbers[0]]
             continue
@@ -239,8 +242,9 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         found = performance_of_designs(aircraft, mission, variables, configuration.solar, day=lit)
         missed = _missed(aircraft, mission, found)
         texts = cell_texts(flight_checks(aircraft, found), len(numbers))
+        endurance_h = found.worst_endurance_h()
         for place, number in enumerate(numbers):
-            row = _judged(found, mission, (place,), missed)
+            row = _judged(found, mission, (place,), missed, endurance_h)
             flown = row["status"] is not PointStatus.infeasible
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
     return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
@@ -289,7 +293,11 @@ _ROUNDING = 1e-9
 
 
 def _judged(
-    found: Performance, mission: Mission, place: tuple[int, ...], missed: Mapping[str, _Missed]
+    found: Performance,
+    mission: Mission,
+    place: tuple[int, ...],
+    missed: Mapping[str, _Missed],
+    endurance_h: FloatArray,
 ) -> dict[str, Any]:
     """Row of one design."""
     design = found.design
@@ -318,6 +326,7 @@ def _judged(
         "excess_time": float(excess[worst]),
         "charge_margin": float(cycle.charge_margin_h[place][worst]),
         "minimum_state_of_charge": float(cycle.minimum_state_of_charge[place][worst]),
+        "endurance": float(endurance_h[place]),
         "power": float(load[place][worst]),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+import pandas as pd
 import xarray as xr
 
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
 from studies.output.columns import extrapolations_of
 from studies.sweeps.axes import unit_label, without_unit
+from studies.sweeps.ranking import MORE_IS_BETTER, best_first, pareto_table, sorted_by
 from studies.sweeps.study import to_table
 
 _ROWS = 40
@@ -42,29 +47,108 @@ def _counts(data: xr.Dataset) -> dict[str, int]:
     return {str(k): int(v) for k, v in to_table(data)["status"].value_counts().items()}
 
 
-def points_summary(data: xr.Dataset) -> Summary:
-    """How many points end in which way, and the points where they fit on a screen."""
+def front_record(data: xr.Dataset, x: str, y: str) -> dict[str, Any]:
+    """Key ``pareto_front`` of the record: the front's points with their names.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Trade study.
+    x, y : str
+        Columns of its table.
+
+    Returns
+    -------
+    dict
+        JSON-ready.
+    """
+    front = pareto_table(data, x, y)
+    rows = front[front["pareto_front"]][
+        list(dict.fromkeys(["point", *_varied(data), x, y]))
+    ].to_dict("records")
+    named = [{str(key): value for key, value in row.items()} for row in rows]
+    return {"pareto_front": {"x": x, "y": y, "points": list(map(finite_values, named))}}
+
+
+def points_summary(
+    data: xr.Dataset,
+    *,
+    sort: str | None = None,
+    top: int = _ROWS,
+    front: tuple[str, str] | None = None,
+) -> Summary:
+    """How many points end in which way, and the best of them, or those of a Pareto front.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Trade study.
+    sort : str, optional
+        Column to sort by, see :func:`studies.sweeps.ranking.sorted_by`; the best first without it.
+    top : int
+        Rows that are shown.
+    front : (str, str), optional
+        Columns whose front is shown instead.
+
+    Returns
+    -------
+    Summary
+    """
     counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
     count = data["status"].size
     noun = "point" if count == 1 else "points"
     subject = data.attrs["title"].removeprefix("Trade study of ")
     heading = Line(f"{subject}: trade study of {count} {noun}, {counts}", "strong")
-    rows = to_table(data)
-    varied = [str(name) for name in data.coords if name != "sample"]
-    if "varied" in varied:
+    if front is None:
+        rows, order = best_first(data) if sort is None else sorted_by(data, sort)
+        told = f"best first: {order}" if sort is None else f"{order} first"
+        table = _table(data, rows, top, ())
+    else:
+        every = pareto_table(data, *front)
+        rows = every[every["pareto_front"]]
+        better = [f"{'more' if n in MORE_IS_BETTER else 'less'} {_plain(n)}" for n in front]
+        told = (
+            f"Pareto front of {' and '.join(better)}: {len(rows)} of {len(every)} feasible points "
+            "that no other beats in both"
+        )
+        table = _table(data, rows, top, front)
+    blocks: list[Any] = [heading]
+    if count > 1:
+        blocks.append(told)
+    blocks.append(table)
+    if len(rows) > top:
+        blocks.append(f"{len(rows) - top} more not shown: --top N shows more, --out FILE has all")
+    return Summary((*blocks, *extrapolation_blocks(extrapolations_of(data))))
+
+
+def _varied(data: xr.Dataset) -> list[str]:
+    return [str(name) for name in data.coords if name not in ("sample", "varied")]
+
+
+def _table(data: xr.Dataset, rows: pd.DataFrame, top: int, front: Sequence[str]) -> Table:
+    """Rows with what was varied, how they end, and the results that matter."""
+    rows, varied = rows.head(top).copy(), _varied(data)
+    if "varied" in data.coords:
         # Of each point only one key differs from the file.
         rows["value"] = [row[row["varied"]] if row["varied"] else "" for _, row in rows.iterrows()]
         varied = ["varied", "value"]
     sized = ("wingspan", "battery_mass") if data.attrs["objective"] else ()
     results = [name for name in sized if _VARIED_AS[name] not in varied]
-    names = [*varied, "status", *results, "total_mass", "excess_time", "charge_margin"]
+    results += ["total_mass", "excess_time"]
+    # Where flight is perpetual the endurance is unlimited, which the status says.
+    endurance = rows["endurance"].to_numpy(float) if "endurance" in rows else np.array([])
+    results += ["endurance"] if np.isfinite(endurance).any() else []
+    results += ["charge_margin"]
+    point = ["point"] if front else []
+    named = [*point, *varied, "status", *results]
+    names = [*named, *(name for name in front if name not in named)]
     columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
-    cells = rows.head(_ROWS)[names].astype(object).itertuples(index=False, name=None)
-    table = Table("", columns, tuple(tuple(map(_words, row)) for row in cells))
-    blocks: list[Any] = [heading, table]
-    if len(rows) > _ROWS:
-        blocks.append(f"... {len(rows) - _ROWS} more points: --out FILE or --json has them all")
-    return Summary((*blocks, *extrapolation_blocks(extrapolations_of(data))))
+    cells = rows[names].astype(object).itertuples(index=False, name=None)
+    return Table("", columns, tuple(tuple(map(_words, row)) for row in cells))
+
+
+def _plain(name: str) -> str:
+    return without_unit(name).replace("_", " ")
 
 
 def _column(data: xr.Dataset, name: str, form: str) -> Column:

@@ -45,11 +45,18 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         # Of the plain call, which takes long, and of all calls elsewhere.
         {"allowed", "difference", "met", "known_miss", "aircraft", "mission"},
     ),
-    "sweep": ("cli.md", [[DESIGN, "--vary", "wingspan_m=4,5"]], set()),
+    "sweep": (
+        "cli.md",
+        [
+            [DESIGN, "--vary", "wingspan_m=4,5"],
+            [DESIGN, "--vary", "wingspan_m=4,5", "--pareto", "wingspan_m", "excess_time"],
+        ],
+        set(),
+    ),
     "map": (
         "cli.md",
         [
-            [AS2, "--latitudes", "40:50:10", "--days", "100:200:100"],
+            [AS2, "--latitudes", "40:50:10", "--days", "100:200:100", "--endurance"],
             [DESIGN, "--latitudes", "40:50:10", "--days", "100:200:100", "--resize", "min_mass"],
         ],
         set(),

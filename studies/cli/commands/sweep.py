@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
 _MOST_SAMPLES = 1_000_000
+_TOP = 40
 
 
 @command("solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5")
@@ -76,7 +77,22 @@ _MOST_SAMPLES = 1_000_000
     "--pareto",
     nargs=2,
     metavar="X Y",
-    help="Draw the front of two results or varied keys instead, e.g. wingspan payload_mass.",
+    help="Only the front of two results or varied keys, e.g. wingspan payload_mass: the points "
+    "that no other beats in both.",
+)
+@click.option(
+    "--sort",
+    metavar="KEY",
+    help="Sort the table by a result or varied key, the least first; by -KEY the largest first.  "
+    "[default: the best first]",
+)
+@click.option(
+    "--top",
+    type=click.IntRange(1),
+    metavar="N",
+    default=_TOP,
+    show_default=True,
+    help="Rows of the table.",
 )
 @work_options
 @solar_options
@@ -94,6 +110,8 @@ def sweep(
     plot_file: str | None,
     figure: FigureOptions,
     pareto: tuple[str, str] | None,
+    sort: str | None,
+    top: int,
     workers: int | None,
     scheduler: str | None,
     work_dir: str | None,
@@ -117,15 +135,15 @@ def sweep(
     from studies.sweeps.axes import axis_names
     from studies.sweeps.files import FORMATS, table_format, to_bytes
     from studies.sweeps.points import BLANKS, SIZED_BLANKS
-    from studies.sweeps.results import points_record, points_summary
+    from studies.sweeps.results import front_record, points_record, points_summary
 
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
-    if pareto is not None:
-        if plot_file is None:
-            raise click.UsageError("--pareto needs --plot")
-        blanks = BLANKS if objective is None else SIZED_BLANKS
-        numbers = [name for name, blank in blanks.items() if isinstance(blank, float)]
-        _check_pareto(pareto, [*axis_names(axes), *numbers])
+    if pareto is not None and sort is not None:
+        raise click.UsageError("a front has its own order: give --pareto or --sort")
+    blanks = BLANKS if objective is None else SIZED_BLANKS
+    numbers = [*axis_names(axes), *(n for n, blank in blanks.items() if isinstance(blank, float))]
+    _check_names("--pareto", pareto or (), numbers)
+    _check_names("--sort", () if sort is None else (sort.removeprefix("-"),), ["status", *numbers])
     check_image(plot_file)
     file_format = None if out_file is None else table_format(out_file)
     if out_file is not None:
@@ -167,19 +185,25 @@ def sweep(
                 trouble = str(error)
         write_files_atomically(contents)
         record = case.named(points_record(data))
-        tell(case, record, lambda: points_summary(data), as_json=as_json, files=map(str, contents))
+        if pareto is not None:
+            record |= front_record(data, *pareto)
+        tell(
+            *(case, record, lambda: points_summary(data, sort=sort, top=top, front=pareto)),
+            as_json=as_json,
+            files=map(str, contents),
+        )
         if trouble is not None:
             click.echo(f"solar-uav: no chart: {trouble}", err=True)
     if trouble is not None:
         sys.exit(EXIT_FAILED)
 
 
-def _check_pareto(names: tuple[str, str], allowed: list[str]) -> None:
+def _check_names(option: str, names: Sequence[str], allowed: list[str]) -> None:
     """Refuse names that no result will have before the work starts."""
     for name in names:
         if name not in allowed:
             known = ", ".join(dict.fromkeys(allowed))
-            raise click.BadParameter(f"{name!r} is not one of {known}", param_hint="--pareto")
+            raise click.BadParameter(f"{name!r} is not one of {known}", param_hint=option)
 
 
 def _check_format(path: str, found: str | None, allowed: Iterable[str]) -> None:

@@ -223,3 +223,20 @@ def test_bad_grids_are_refused(grid: str) -> None:
     assert answer.exit_code == 2
     assert "--latitudes" in answer.output
     assert "Traceback" not in answer.output
+
+
+def test_endurance_of_the_days_without_perpetual_flight_is_told() -> None:
+    from studies.maps.results import seasons_record, seasons_table
+
+    found = study.feasibility_map(
+        AS2, JULY, latitudes=[0.0, 47.6], days=[1, 100, 172], endurance=True
+    )
+    record = seasons_record(found)
+    hours = found["endurance"].to_numpy()
+    finite = hours[1][np.isfinite(hours[1])]
+    assert record["least_endurance_h"][1] == pytest.approx(finite.min())
+    assert record["largest_endurance_h"][1] == pytest.approx(finite.max())
+    assert record["perpetual_days"][1] == 3 - len(finite)
+    assert "endurance" in seasons_table(found).to_text()
+    plain = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[1])
+    assert "least_endurance_h" not in seasons_record(plain)

@@ -33,8 +33,8 @@ from studies.maps.feasibility import MapConfiguration
 from studies.output.columns import SizingStatus
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
-from studies.sweeps.plots import pareto_front
 from studies.sweeps.points import PointStatus, held, judge_points, plain_data
+from studies.sweeps.ranking import pareto_front
 from studies.sweeps.study import dataset, prepare, sweep, to_table
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -411,7 +411,12 @@ def test_command_draws_a_front(invoke: Any, tmp_path: Path) -> None:
     [
         (["--vary", "wingspan_m=5:1:1"], "must rise"),
         (["--vary", "wingspan_m=4,5", "--out", "x.xls"], ".nc, .csv, .parquet"),
-        (["--vary", "wingspan_m=4,5", "--pareto", "a", "b"], "needs --plot"),
+        (["--vary", "wingspan_m=4,5", "--pareto", "a", "b"], "'a' is not one of wingspan_m,"),
+        (["--vary", "wingspan_m=4,5", "--sort", "-a"], "'a' is not one of status, wingspan_m,"),
+        (
+            ["--vary", "wingspan_m=4,5", "--sort", "wingspan_m", "--pareto", "a", "b"],
+            "--pareto or --sort",
+        ),
         (["--vary", "wingspan_m=4,5", "--keep-parts"], "needs --out or --work"),
         (["--vary", "wingspan_m=4,5", "--scheduler", "here"], "tcp://HOST:PORT"),
         (["--vary", "wingspan_m=4,5", "--workers", "0"], "--workers"),

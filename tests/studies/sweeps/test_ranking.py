@@ -1,0 +1,99 @@
+"""Tables of trade studies: the best points first, Pareto fronts with named points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import missions
+import sizing
+from sizing.performance import performance
+from studies.sweeps.ranking import best_first, pareto_table, point_names, sorted_by
+from studies.sweeps.results import front_record, points_summary
+from studies.sweeps.study import sweep, to_table
+
+MISSION = missions.load_mission("rafz-july")
+DESIGN = sizing.load_aircraft("atlantiksolar-design")
+
+
+@pytest.fixture(scope="module")
+def data() -> xr.Dataset:
+    """Of nine designs some do not fly perpetually."""
+    varied = {"battery_mass_kg": [0.5, 2.0, 4.0], "wingspan_m": [3.0, 4.0, 5.0]}
+    return sweep(DESIGN, MISSION, varied, workers=1)
+
+
+def test_perpetual_flight_comes_first_then_the_largest_excess_time(data: xr.Dataset) -> None:
+    table, told = best_first(data)
+    assert told == "perpetual flight before none, then largest excess time"
+    status = table["status"].tolist()
+    assert set(status) == {"limited", "perpetual"}
+    assert status == sorted(status, reverse=True)
+    for _, some in table.groupby("status"):
+        assert (np.diff(some["excess_time"]) <= 0.0).all()
+
+
+def test_equal_points_remain_in_their_order(data: xr.Dataset) -> None:
+    level = data.assign(excess_time=data["excess_time"] * 0.0)
+    table, _ = best_first(level)
+    for _, some in table.groupby("status"):
+        assert some.index.is_monotonic_increasing
+
+
+def test_sized_points_are_ordered_by_their_objective() -> None:
+    sized = sweep(DESIGN, MISSION, {"wingspan_m": [2.0, 5.0, 4.0, 6.0]}, resize="min_mass")
+    table, told = best_first(sized)
+    assert told == "a design before none, then least total mass"
+    assert table["status"].tolist() == ["optimal"] * 3 + ["infeasible"]
+    assert table["total_mass"].head(3).is_monotonic_increasing
+    assert "endurance" not in points_summary(sized).to_text()
+
+
+def test_a_key_sorts_upwards_and_with_a_minus_downwards(data: xr.Dataset) -> None:
+    up, told = sorted_by(data, "total_mass")
+    assert (up["total_mass"].is_monotonic_increasing, told) == (True, "least total_mass")
+    assert sorted_by(data, "-total_mass")[0]["total_mass"].is_monotonic_decreasing
+    with pytest.raises(ValueError, match="'mass' is not one of battery_mass_kg"):
+        sorted_by(data, "mass")
+
+
+def test_rows_that_are_not_shown_are_counted(data: xr.Dataset) -> None:
+    text = points_summary(data, top=2).to_text()
+    assert "7 more not shown" in text
+    assert "not shown" not in points_summary(data).to_text()
+
+
+def test_endurance_is_that_of_an_analysis_and_infinite_where_perpetual(data: xr.Dataset) -> None:
+    table = to_table(data)
+    limited = table["status"] == "limited"
+    assert np.isinf(table["endurance"][~limited]).all()
+    for _, row in table[limited].iterrows():
+        changed = {
+            "airframe": {"wingspan_m": row["wingspan"]},
+            "battery": {"mass_kg": row["battery_mass"]},
+            "modules": {"area_m2": row["module_area"]},
+        }
+        parts = {k: getattr(DESIGN, k).model_copy(update=v) for k, v in changed.items()}
+        found = performance(DESIGN.model_copy(update=parts), MISSION)
+        assert row["endurance"] == pytest.approx(found.endurance_h().min(), rel=1e-9)
+    assert "endurance" in points_summary(data).to_text()
+
+
+def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data: xr.Dataset) -> None:
+    table = pareto_table(data, "total_mass", "excess_time")
+    front = table[table["pareto_front"]]
+    assert front["point"].tolist() == list("ABCDEFGHI"[: len(front)])
+    assert front["total_mass"].is_monotonic_increasing
+    assert front["excess_time"].is_monotonic_increasing
+    assert set(table["point"][~table["pareto_front"]]) <= {""}
+    record = front_record(data, "wingspan_m", "excess_time")["pareto_front"]
+    assert [one["point"] for one in record["points"]] == list("ABC"[: len(record["points"])])
+    text = points_summary(data, front=("total_mass", "excess_time")).to_text()
+    assert "Pareto front of less total mass and more excess time" in text
+    assert text.count("perpetual") == len(front) + 1  # and in the heading
+
+
+def test_names_do_not_run_out() -> None:
+    assert point_names(28)[-3:] == ["Z", "AA", "AB"]
+    assert len(set(point_names(1000))) == 1000
