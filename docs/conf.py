@@ -27,6 +27,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "docstrings",
     "github_pages",
 ]
 # docs/index.md is the table of contents on GitHub; index.rst is that of the site.
