@@ -22,7 +22,14 @@ from studies.explorer.latest import Latest, SupersededError
 from studies.explorer.security import BodyTooLongError, Guard, error_body
 from studies.explorer.session import Session
 from studies.explorer.settings import Refusal, RefusedError, shown
-from studies.explorer.sizer import Sizer, SizerBusyError, SizerEndedError, SizingTask
+from studies.explorer.worker import (
+    SizingTask,
+    Worker,
+    WorkerBusyError,
+    WorkerEndedError,
+    report_page,
+    sizing_record,
+)
 
 __all__ = ["Explorer"]
 
@@ -40,7 +47,7 @@ Answer = Callable[[Request, dict[str, Any]], Awaitable[Any]]
 
 
 class Explorer:
-    """The application, its thread that computes and its process that sizes.
+    """The application, its thread that computes and its process that sizes and reports.
 
     Parameters
     ----------
@@ -50,9 +57,9 @@ class Explorer:
 
     def __init__(self, session: Session) -> None:
         self.session = session
-        self.sizer = Sizer()
+        self.worker = Worker()
         self._thread = ThreadPoolExecutor(1, "explorer")
-        self._sizing = ThreadPoolExecutor(2, "sizing")
+        self._waiting = ThreadPoolExecutor(4, "waiting")
         self._latest = Latest(self._thread)
         self._assets = _assets()
 
@@ -79,6 +86,7 @@ class Explorer:
                     ("view", self._view),
                     ("size", self._size),
                     ("files", self._files),
+                    ("report", self._report),
                 )
             ),
             Route("/{path:path}", self._asset),
@@ -88,9 +96,9 @@ class Explorer:
 
     def close(self) -> None:
         """End the process and the threads."""
-        self.sizer.end()
+        self.worker.end()
         self._thread.shutdown(wait=False, cancel_futures=True)
-        self._sizing.shutdown(wait=False, cancel_futures=True)
+        self._waiting.shutdown(wait=False, cancel_futures=True)
 
     async def _asset(self, request: Request) -> Response:
         name = request.path_params["path"] or "index.html"
@@ -118,9 +126,9 @@ class Explorer:
             return _error(413, "size", "the request is too long")
         except SupersededError:
             return _error(409, "superseded", "a later request of this page took its place")
-        except SizerBusyError as error:
+        except WorkerBusyError as error:
             return _error(409, "busy", str(error))
-        except SizerEndedError as error:
+        except WorkerEndedError as error:
             return _error(503, "ended", str(error))
 
     async def _view(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
@@ -160,11 +168,26 @@ class Explorer:
             raise RefusedError([Refusal("objective", objective.value, message)])
         made = self.session.inputs(settings, every_scenario=every)
         task = SizingTask(made.aircraft, made.mission, objective, made.solar)
+        return await self._worked(request, sizing_record, task)
+
+    async def _report(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
+        """Report on the point, as a file to be saved."""
+        _only(body, "settings")
+        session = self.session
+        task = session.report_task(session.settings(body.get("settings")))
+        return {"name": session.file_names()["report"]} | await self._worked(
+            request, report_page, task
+        )
+
+    async def _worked(
+        self, request: Request, work: Callable[[Any], dict[str, Any]], task: Any
+    ) -> dict[str, Any]:
+        """Let the process work, as long as the page waits for it."""
         loop = asyncio.get_running_loop()
-        running = loop.run_in_executor(self._sizing, self.sizer.size, task)
+        running = loop.run_in_executor(self._waiting, self.worker.run, work, task)
         while not (await asyncio.wait({running}, timeout=_LOOK_S))[0]:
-            if await request.is_disconnected():
-                await loop.run_in_executor(None, self.sizer.end)
+            if await request.is_disconnected() and not running.done():
+                await loop.run_in_executor(None, self.worker.end)
         found = running.result()
         if "error" in found:
             raise RefusedError([Refusal("mission", None, found["error"])])

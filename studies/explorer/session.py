@@ -32,6 +32,8 @@ from solar._version import __version__
 from studies.explorer.fields import DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
+from studies.explorer.worker import ReportTask
+from studies.output.run_folder import InputFile, RunInputs
 
 __all__ = ["Inputs", "Session"]
 
@@ -95,7 +97,7 @@ class Session:
         # The scenario that is hardest to fly is where the page begins.
         start = analyse(
             self.aircraft,
-            self.mission.model_copy(update={"climb": None}),
+            self.mission,
             model=self.solar.model,
             correction=self.solar.correction,
             replay=False,
@@ -298,6 +300,35 @@ class Session:
         except ValueError as error:
             raise RefusedError([Refusal("model", made.solar.model, str(error))]) from None
 
+    def file_names(self) -> dict[str, str]:
+        """Names for what is saved: ``aircraft``, ``mission`` and ``report``."""
+        name = re.sub(r"[^A-Za-z0-9_.-]+", "-", self.aircraft.name).strip("-.")[:60] or "aircraft"
+        stem = f"{name}-explored"
+        return {
+            "aircraft": f"{stem}.yaml",
+            "mission": f"{stem}-mission.yaml",
+            "report": f"{stem}.html",
+        }
+
+    def report_task(self, settings: Settings) -> ReportTask:
+        """What a report on the point needs, which takes seconds to be made.
+
+        Raises
+        ------
+        RefusedError
+            As :meth:`inputs`.
+        """
+        made = self.inputs(settings)
+        files = {
+            kind: InputFile(f"{document.source}, as explored", None)
+            for kind, document in (
+                ("aircraft", made.aircraft_file),
+                ("mission", made.mission_file),
+            )
+        }
+        inputs = RunInputs(made.aircraft_file.data, made.mission_file.data, made.solar, files)
+        return ReportTask(made.aircraft, made.mission, inputs)
+
     def saved(self, settings: Settings) -> dict[str, Any]:
         """Files of :meth:`files`, with names for them and the command that analyses them.
 
@@ -306,9 +337,7 @@ class Session:
         RefusedError
             As :meth:`inputs`.
         """
-        name = re.sub(r"[^A-Za-z0-9_.-]+", "-", self.aircraft.name).strip("-.")[:60] or "aircraft"
-        names = {"aircraft": f"{name}-explored.yaml", "mission": f"{name}-explored-mission.yaml"}
-        solar = settings.solar
+        names, solar = self.file_names(), settings.solar
         words = ["solar-uav", "analyse", names["aircraft"], "--mission", names["mission"]]
         words += ["--model", solar.model, "--correction", solar.correction]
         texts = self.files(settings)

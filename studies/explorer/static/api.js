@@ -51,6 +51,8 @@ export const live = {
   /** Best design. */
   size: (settings, objective, scenarios, signal) =>
     post("api/size", { settings, objective, scenarios }, signal),
+  /** Report on the point: name of the file and its text. */
+  report: (settings, signal) => post("api/report", { settings }, signal),
   /** Aircraft and mission as YAML, and the command that analyses them. */
   files: (settings) => post("api/files", { settings }),
 };

@@ -169,6 +169,7 @@ async function begin() {
   addEventListener("hashchange", () => state.restore());
   $("reset").addEventListener("click", () => state.reset());
   $("save").addEventListener("click", () => save(state));
+  $("report").addEventListener("click", () => report(state));
   $("copy").addEventListener("click", async () => {
     await navigator.clipboard.writeText($("command").textContent);
     $("copy").textContent = "Copied";
@@ -197,12 +198,41 @@ function command(session, state) {
   $("command").textContent = words.map(quote).join(" ");
 }
 
+/** Make a report, which takes some seconds, and offer it as a file. */
+async function report(state) {
+  const button = $("report");
+  button.disabled = true;
+  button.textContent = "Reporting \u2026";
+  try {
+    const { name, text } = await api.report(state.changes());
+    const href = URL.createObjectURL(new Blob([text], { type: "text/html" }));
+    element("a", { href, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(href), 60000);
+    $("announce").textContent = `Saved ${name}.`;
+  } catch (error) {
+    tell(`The report cannot be made: ${error.message}.`);
+  } finally {
+    button.disabled = false;
+    button.textContent = "Report";
+  }
+}
+
+/** Show a message that is not about the connection, for a while. */
+function tell(words) {
+  if (root.classList.contains("gone")) return;
+  $("notice").textContent = words;
+  $("notice").hidden = false;
+  setTimeout(() => {
+    if ($("notice").textContent === words) $("notice").hidden = true;
+  }, 8000);
+}
+
 async function save(state) {
   let saved;
   try {
     saved = await api.files(state.changes());
   } catch (error) {
-    $("announce").textContent = error.message;
+    tell(`The files cannot be made: ${error.message}.`);
     return;
   }
   $("save-command").textContent = saved.command;

@@ -21,7 +21,7 @@ from studies.explorer.app import Explorer
 from studies.explorer.security import MAXIMUM_BODY_BYTES, new_token
 from studies.explorer.serve import ADDRESS, bound_socket, configured
 from studies.explorer.session import Session
-from studies.explorer.sizer import Sizer, SizerEndedError, SizingTask
+from studies.explorer.worker import SizingTask, Worker, WorkerEndedError, sizing_record
 
 
 @dataclass
@@ -111,7 +111,7 @@ def server() -> Iterator[Server]:
     explorer.close()
 
 
-POSTS = ("/api/view", "/api/size", "/api/files")
+POSTS = ("/api/view", "/api/size", "/api/files", "/api/report")
 GETS = ("/", "/main.js", "/api/session", "/api/alive", "/vendor/uPlot.LICENSE", "/nothing")
 
 
@@ -334,6 +334,14 @@ def test_saved_files_are_told(server: Server) -> None:
     assert "mass_kg: 3.2\n" in saved["files"][0]["text"]
 
 
+@pytest.mark.slow
+def test_report_is_one_on_the_settings(server: Server) -> None:
+    made = server.post("/api/report", {"settings": {"battery.mass_kg": 3.2}}).json()
+    assert made["name"] == "atlantiksolar-design-explored.html"
+    assert made["text"].lower().startswith("<!doctype html>")
+    assert "3.2" in made["text"]
+
+
 def test_sizing_gives_values_that_fly(server: Server) -> None:
     found = server.post("/api/size", {"objective": "min_mass"}).json()
     assert found["feasible"]
@@ -364,23 +372,23 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server: Server) -> No
     from sizing.optimisation.objectives import Objective
 
     task = SizingTask(made.aircraft, made.mission, Objective.min_mass, made.solar)
-    sizer, outcome = Sizer(), []
+    worker, outcome = Worker(), []
 
     def size() -> None:
         try:
-            outcome.append(sizer.size(task))
-        except SizerEndedError as error:
+            outcome.append(worker.run(sizing_record, task))
+        except WorkerEndedError as error:
             outcome.append(error)
 
     thread = threading.Thread(target=size)
     thread.start()
     time.sleep(0.2)  # its process takes longer to start
-    sizer.end()
+    worker.end()
     thread.join(timeout=20)
-    assert isinstance(outcome[0], SizerEndedError)
-    quick = Sizer(longest_s=0.01)
-    with pytest.raises(SizerEndedError, match="no answer within"):
-        quick.size(task)
+    assert isinstance(outcome[0], WorkerEndedError)
+    quick = Worker(longest_s=0.01)
+    with pytest.raises(WorkerEndedError, match="no answer within"):
+        quick.run(sizing_record, task)
 
 
 def test_command_prints_its_address_first_and_ends_by_a_signal() -> None:

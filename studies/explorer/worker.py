@@ -1,6 +1,7 @@
-"""Sizing in a process of its own: one at a time, ended when nobody waits for it any more.
+"""Sizings and reports in a process of their own: one at a time, ended when nobody waits any more.
 
-CasADi's solver is not safe in two threads of a process, and cannot be interrupted in one.
+CasADi's solver is not safe in two threads of a process and cannot be interrupted in one; a report
+draws for seconds.
 """
 
 from __future__ import annotations
@@ -8,16 +9,28 @@ from __future__ import annotations
 import multiprocessing
 import signal
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
+from missions.files.errors import InputError
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.design import ImpossibleDesignError
 from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
+from studies.output.run_folder import RunInputs
 
-__all__ = ["Sizer", "SizerBusyError", "SizerEndedError", "SizingTask", "sizing_record"]
+__all__ = [
+    "ReportTask",
+    "SizingTask",
+    "Worker",
+    "WorkerBusyError",
+    "WorkerEndedError",
+    "report_page",
+    "sizing_record",
+]
 
 LONGEST_S = 180.0
 
@@ -31,16 +44,30 @@ class SizingTask(NamedTuple):
     solar: SolarModel
 
 
-class SizerBusyError(RuntimeError):
-    """Another sizing is running."""
+class ReportTask(NamedTuple):
+    """What is to be reported on."""
+
+    aircraft: Aircraft
+    mission: Mission
+    inputs: RunInputs
 
 
-class SizerEndedError(RuntimeError):
-    """The sizing was ended, took too long, or its process died."""
+class WorkerBusyError(RuntimeError):
+    """Another task is running."""
 
 
-class Sizer:
-    """The process, started with the first sizing and kept for the next."""
+class WorkerEndedError(RuntimeError):
+    """The task was ended, took too long, or its process died."""
+
+
+class Worker:
+    """The process, started with the first task and kept for the next.
+
+    Parameters
+    ----------
+    longest_s : float
+        Time that a task may take [s].
+    """
 
     def __init__(self, longest_s: float = LONGEST_S) -> None:
         self._longest_s = longest_s
@@ -48,35 +75,38 @@ class Sizer:
         self._process: multiprocessing.process.BaseProcess | None = None
         self._pipe: Connection | None = None
 
-    def size(self, task: SizingTask) -> dict[str, Any]:
-        """Size, and wait for it.
+    def run(self, work: Callable[[Any], dict[str, Any]], task: Any) -> dict[str, Any]:
+        """Give the process a task, and wait for it.
 
         Parameters
         ----------
-        task : SizingTask
+        work : callable
+            Function of a module, such as :func:`sizing_record`.
+        task : Any
+            Its argument.
 
         Returns
         -------
         dict
-            Of :func:`sizing_record`, or ``error``: a text that says why there is none.
+            What it returns, or ``error``: why it cannot.
 
         Raises
         ------
-        SizerBusyError
+        WorkerBusyError
             If another thread is at it.
-        SizerEndedError
+        WorkerEndedError
             If :meth:`end` was called meanwhile, or the time was up.
         """
         if not self._busy.acquire(blocking=False):
-            raise SizerBusyError("another sizing is running; wait for it, or cancel it")
+            raise WorkerBusyError("another sizing or report is being made; wait, or cancel it")
         try:
             pipe = self._started()
-            pipe.send(task)
+            pipe.send((work, task))
             if not pipe.poll(self._longest_s):
-                raise SizerEndedError(f"no answer within {self._longest_s:g} s")
+                raise WorkerEndedError(f"no answer within {self._longest_s:g} s")
             answer: dict[str, Any] = pipe.recv()
         except (EOFError, OSError) as error:
-            raise SizerEndedError("the sizing was cancelled, or its process ended") from error
+            raise WorkerEndedError("cancelled, or the process ended") from error
         except BaseException:
             self.end()
             raise
@@ -86,7 +116,7 @@ class Sizer:
             self._busy.release()
 
     def end(self) -> None:
-        """End the process, in the middle of a sizing if need be; the next starts another one."""
+        """End the process, in the middle of a task if need be; the next starts another one."""
         with self._starting:
             process, self._process, self._pipe = self._process, None, None
         if process is not None:
@@ -105,16 +135,34 @@ class Sizer:
 
 
 def _serve(pipe: Connection) -> None:
-    """Work of the process: a sizing for each task, until the other end is closed."""
+    """Work of the process: one task after the other, until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's, which ends this one
     with suppress(EOFError, OSError):
         while True:
-            task: SizingTask = pipe.recv()
+            work, task = pipe.recv()
             try:
-                answer = sizing_record(task)
-            except ValueError as error:
+                answer = work(task)
+            except (InputError, ImpossibleDesignError, ValueError) as error:
                 answer = {"error": str(error)}
             pipe.send(answer)
+
+
+def report_page(task: ReportTask) -> dict[str, Any]:
+    """Report in this process.
+
+    Parameters
+    ----------
+    task : ReportTask
+
+    Returns
+    -------
+    dict
+        ``text``: the page, HTML that needs no other file.
+    """
+    from studies.report.document import render
+    from studies.report.subject import Subject
+
+    return {"text": render(Subject(task.aircraft, task.mission, task.inputs.solar, task.inputs))}
 
 
 def sizing_record(task: SizingTask) -> dict[str, Any]:
