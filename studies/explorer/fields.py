@@ -41,7 +41,7 @@ _DESIGN_SPACE = {
     "battery.mass_kg": "battery_mass_kg",
     "modules.area_m2": "module_area_m2",
 }
-_MEASURED = "mass and power of this airframe are measured, not modelled: they know of no other "
+_MEASURED = "fixed: mass and power of this airframe are measured"
 _SLIDER_FROM, _SLIDER_TO = 0.3, 2.5  # of a design variable's first value, for a sensitive slider
 _PAYLOAD_OF_MASS, _PAYLOAD_OF_LOAD = 0.5, 1.0  # of total mass and load: far ends of the sliders
 
@@ -203,7 +203,7 @@ def _number(
         "airframe.wingspan_m",
         "airframe.aspect_ratio",
     ):
-        fixed = _MEASURED + known.label
+        fixed = _MEASURED
     return Field(
         *(key, group, known.label, unit, value, minimum, maximum, slider, step), fixed=fixed
     )

@@ -248,7 +248,7 @@ class Session:
         dict
             ``curve``: ``time_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` over solar
             time, to five digits; ``numbers``: what ``solar-uav analyse --json`` prints;
-            ``headline`` and ``notes`` in words.
+            ``masses_kg``: mass budget; ``headline`` and ``notes`` in words.
 
         Raises
         ------
@@ -269,6 +269,7 @@ class Session:
                 "state_of_charge": _digits(charge),
             },
             "numbers": record,
+            "masses_kg": {name: float(mass) for name, mass in perf.design.masses._asdict().items()},
             "headline": found.headline(),
             "notes": notes if slow is None else [slow, *notes],
         }

@@ -128,7 +128,7 @@ def _number_mistake(field: Field, value: object) -> str:
     if field.whole and value != int(value):
         return "must be a whole number"
     if field.fixed and value != field.value:
-        return f"cannot be changed: {field.fixed}"
+        return f"cannot be changed; {field.fixed}"
     return ""
 
 

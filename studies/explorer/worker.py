@@ -19,6 +19,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError
 from sizing.optimisation.objectives import Objective
+from sizing.parameters import label
 from sizing.sunlight import SolarModel
 from studies.output.run_folder import RunInputs
 
@@ -177,7 +178,7 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     dict
         ``feasible``, ``status``, ``headline`` and ``text`` (what the command line prints);
         ``record``, what ``solar-uav size --json`` prints; ``limits``, ``missed`` and
-        ``relaxations`` in words; ``values``, the optimum by the keys of the page, and its
+        ``relaxations`` in words, each with its ``label``; ``values``, the optimum by the keys of the page, and its
         ``worst_scenario``; both null without an optimum.
 
     Raises
@@ -219,7 +220,17 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         "record": record,
         "limits": list(study.result.active_constraints),
         "missed": [one.text for one in study.result.violations],
-        "relaxations": record.get("relaxations", []),
+        "relaxations": [
+            one | {"label": _label(one["parameter"])} for one in record.get("relaxations", [])
+        ],
         "values": values,
         "worst_scenario": record["worst_scenario"],
     }
+
+
+def _label(key: str) -> str:
+    """Parameter in words; its key where the catalogue has none."""
+    try:
+        return label(key)
+    except KeyError:
+        return key

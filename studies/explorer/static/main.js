@@ -4,6 +4,7 @@ import { Gone, live as api } from "./api.js";
 import { Controls } from "./controls.js";
 import { Day } from "./day.js";
 import { element } from "./format.js";
+import { Masses } from "./masses.js";
 import { Numbers } from "./numbers.js";
 import { Season } from "./season.js";
 import { Sizing } from "./sizing.js";
@@ -127,6 +128,7 @@ async function begin() {
   const numbers = new Numbers($("numbers"), $("verdict-title"), $("verdict-text"));
   const day = new Day($("day"), $("day-legend"), $("day-readout"), $("day-words"));
   const season = new Season($("season"), $("season-readout"), $("season-legend"), $("season-detail"), state);
+  const masses = new Masses($("masses"), $("masses-total"), session.aircraft.measured);
   new Sizing($("sizing"), $("sizing-result"), session, state, api);
 
   const draw = (view, detail) => {
@@ -134,6 +136,7 @@ async function begin() {
     root.classList.remove("stale");
     const sentence = numbers.show(view, first, state.values["mission.required_excess_time_h"]);
     day.show(view, first, Object.keys(state.changes()).length > 0);
+    masses.show(view, first);
     if (view.season) season.show(view.season);
     $("notes").replaceChildren(...view.notes.map((note) => element("li", {}, note)));
     $("notes").hidden = !view.notes.length;
@@ -148,11 +151,15 @@ async function begin() {
   const refuse = (error) => {
     controls.forgive();
     root.classList.add("stale");
-    for (const problem of error.problems) {
-      controls.complain(problem.field, problem.allowed ? `${problem.message}: ${problem.allowed}` : problem.message);
+    const inWords = (text) => text.replaceAll("m2", "m\u00b2");
+    for (const { field, message, allowed } of error.problems) {
+      controls.complain(field, inWords(allowed ? `${message}: ${allowed}` : message));
     }
     const heads = { impossible: "Cannot fly", contradiction: "Not possible", refused: "Not possible" };
-    numbers.refuse(heads[error.kind] ?? "Not computed", error.problems[0]?.message ?? error.message);
+    const [wrong] = error.problems;
+    const label = state.fields.get(wrong?.field)?.label;
+    const words = wrong ? `${label ? `${label} ` : ""}${wrong.message}` : error.message;
+    numbers.refuse(heads[error.kind] ?? "Not computed", `${inWords(words)}. Curves and numbers are those before.`);
     $("announce").textContent = error.message;
   };
   const connection = new Connection($("connection"), () => asked.want("coarse"));

@@ -24,18 +24,18 @@ export function verdict(n, required) {
   const where = `${latitude(n.latitude_deg)}, ${date(n.day_of_year)}`;
   const { excess_time_low_h: low, excess_time_high_h: high, solar_power_rms_relative: rms } = n.uncertainty;
   const error = `one RMS error of ${n.model} (${Math.round(100 * rms)} %)`;
-  const unlimited = low === null && high === null;
-  const spread = `With ${error} the excess time is ${hours(low, UNLIMITED)} to ${hours(high, UNLIMITED)}`;
-  if (n.status === "always_lit") {
-    return ["good", "Always lit", `${where}. Solar power never falls below the load.${unlimited ? "" : ` ${spread}.`}`];
-  }
+  const spread =
+    low === null && high === null
+      ? `Unlimited with ${error} as well`
+      : `${hours(low, UNLIMITED)} to ${hours(high, UNLIMITED)} with ${error}`;
+  if (n.status === "always_lit") return ["good", "Always lit", `${where}. ${spread}.`];
   if (n.status === "never_lit") return ["bad", "No sun", `${where}. There is no solar power all day.`];
   if (!flies(n)) {
-    return ["bad", "Limited flight", `${where}. ${hours(-n.excess_time_h)} of each day lack energy. ${spread}.`];
+    return ["bad", "Limited flight", `${where}. Lacks energy for ${hours(-n.excess_time_h)} a day; ${spread}.`];
   }
   if (n.excess_time_h < required) {
     const lack = hours(required - n.excess_time_h);
-    return ["edge", "Perpetual, below requirement", `${where}. ${lack} of excess time are missing. ${spread}.`];
+    return ["edge", "Below requirement", `${where}. ${lack} of excess time missing; ${spread}.`];
   }
   const edge = low !== null && low <= 0;
   return [edge ? "edge" : "good", edge ? "Perpetual, on the edge" : "Perpetual flight", `${where}. ${spread}.`];
@@ -58,7 +58,7 @@ export class Numbers {
     const [mood, state, sentence] = verdict(view.numbers, required);
     this.title.textContent = state;
     this.title.dataset.mood = mood;
-    this.text.textContent = sentence;
+    this.text.textContent = this.text.title = sentence;
     NUMBERS.forEach(([label, text], i) => {
       const [value, start] = this.cells[i];
       const now = text(view.numbers);
@@ -73,6 +73,6 @@ export class Numbers {
   refuse(state, words) {
     this.title.textContent = state;
     this.title.dataset.mood = "bad";
-    this.text.textContent = words;
+    this.text.textContent = this.text.title = words;
   }
 }

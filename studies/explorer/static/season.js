@@ -19,11 +19,15 @@ const LATITUDE = "mission.latitude_deg";
 const DAY = "mission.day_of_year";
 const MARGIN = { left: 40, right: 8, top: 6, bottom: 20 };
 
-function colourOf(value) {
-  if (value >= 24) return BANDS[8][1];
+const packed = new Uint32Array(BANDS.length);
+new Uint8Array(packed.buffer).set(BANDS.flatMap(([, colour]) => [...colour, 255]));
+
+/** Pixel of a value; the last band is that of unlimited. */
+function pixelOf(value) {
+  if (value >= 24) return packed[8];
   let i = 7;
   while (i > 0 && value < BANDS[i][0]) i -= 1;
-  return BANDS[i][1];
+  return packed[i];
 }
 
 /** Map in an element with a canvas. */
@@ -37,8 +41,10 @@ export class Season {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
     holder.addEventListener("pointerdown", (event) => this.press(event));
     holder.addEventListener("pointermove", (event) => this.hover(event));
-    holder.addEventListener("pointerup", () => this.release());
-    holder.addEventListener("pointercancel", () => this.release());
+    holder.addEventListener("pointerup", (event) => this.release(event));
+    holder.addEventListener("pointercancel", () => {
+      this.pressed = false;
+    });
     holder.addEventListener("pointerleave", () => this.read(null));
     holder.addEventListener("keydown", (event) => this.key(event));
   }
@@ -81,26 +87,39 @@ export class Season {
     return (1 - s) * ((1 - t) * v(low, c) + t * v(low, c + 1)) + s * ((1 - t) * v(high, c) + t * v(high, c + 1));
   }
 
-  /** Bands of the map as an image of its own, a pixel for half a day. */
+  /** Bands of the map as an image of its own: two pixels for a day and for a degree. */
   paint() {
-    const [width, height] = [365, 181];
-    this.image.width = width * 2;
-    this.image.height = height * 2;
-    const context = this.image.getContext("2d");
-    const pixels = context.createImageData(width * 2, height * 2);
-    let k = 0;
-    for (let y = 0; y < height * 2; y += 1) {
-      for (let x = 0; x < width * 2; x += 1, k += 4) {
-        const value = this.at(1 + x / 2, 90 - y / 2);
-        if (value === undefined) continue;
-        const colour = colourOf(value);
-        pixels.data[k] = colour[0];
-        pixels.data[k + 1] = colour[1];
-        pixels.data[k + 2] = colour[2];
-        pixels.data[k + 3] = 255;
+    const { latitudes_deg: lats, days, excess_time_h: rows } = this.map;
+    const [width, height] = [729, 361];
+    const known = rows.map((row) => row && Float32Array.from(row, (v) => v ?? UNLIMITED));
+    const column = new Uint16Array(width);
+    const share = new Float32Array(width);
+    for (let x = 0; x < width; x += 1) {
+      const at = Math.min((1 + x / 2 - days[0]) / (days[1] - days[0]), days.length - 1);
+      column[x] = Math.min(Math.floor(at), days.length - 2);
+      share[x] = at - column[x];
+    }
+    const image = new ImageData(width, height);
+    const pixels = new Uint32Array(image.data.buffer);
+    const line = new Float32Array(days.length);
+    for (let y = 0, k = 0; y < height; y += 1) {
+      const at = (90 - y / 2 - lats[0]) / (lats[1] - lats[0]);
+      const row = Math.min(Math.floor(at), lats.length - 2);
+      const low = known[row] ?? known[row + 1];
+      const high = known[row + 1] ?? known[row];
+      if (!low) {
+        k += width;
+        continue;
+      }
+      for (let i = 0; i < line.length; i += 1) line[i] = low[i] + (at - row) * (high[i] - low[i]);
+      for (let x = 0; x < width; x += 1, k += 1) {
+        const i = column[x];
+        pixels[k] = pixelOf(line[i] + share[x] * (line[i + 1] - line[i]));
       }
     }
-    context.putImageData(pixels, 0, 0);
+    this.image.width = width;
+    this.image.height = height;
+    this.image.getContext("2d").putImageData(image, 0, 0);
   }
 
   frame() {
@@ -179,7 +198,8 @@ export class Season {
     if (event.button !== 0) return;
     this.holder.setPointerCapture(event.pointerId);
     this.pressed = true;
-    this.state.set(this.place(event), "move");
+    // A finger may be about to scroll the page.
+    if (event.pointerType !== "touch") this.state.set(this.place(event), "move");
   }
 
   hover(event) {
@@ -188,10 +208,10 @@ export class Season {
     this.read(at);
   }
 
-  release() {
+  release(event) {
     if (!this.pressed) return;
     this.pressed = false;
-    this.state.set({});
+    this.state.set(this.place(event));
   }
 
   read(at) {

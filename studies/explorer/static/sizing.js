@@ -31,6 +31,7 @@ export class Sizing {
     this.required = element("input", {
       type: "number", id: "required", step: "any", min: field.minimum, max: field.maximum,
       inputMode: "decimal", title: field.allowed,
+      "aria-label": "required excess time in hours",
     });
     this.required.addEventListener("change", () => {
       const value = Number(this.required.value);
@@ -45,7 +46,7 @@ export class Sizing {
     form.append(
       labelled("find the", this.objective),
       labelled("for", this.scenarios),
-      labelled("required excess time", this.required, "h"),
+      labelled("required excess", this.required, "h"),
       element("div", { className: "line buttons" }, this.go, this.ask, this.stop),
     );
     form.addEventListener("submit", (event) => {
@@ -79,7 +80,8 @@ export class Sizing {
     this.result.replaceChildren(element("p", { className: "quiet" }, "Sizing …"));
     try {
       const settings = { ...this.state.changes() };
-      const found = await this.api.size(settings, this.objective.value, this.scenarios.value, this.abort.signal);
+      const where = this.scenarios.selectedOptions[0].textContent;
+      const found = { ...(await this.api.size(settings, this.objective.value, this.scenarios.value, this.abort.signal)), where };
       if (take && found.values) this.take(found);
       this.tell(found, take);
     } catch (error) {
@@ -105,7 +107,9 @@ export class Sizing {
   }
 
   tell(found, taken) {
-    const parts = [element("p", { className: found.feasible ? "good" : "wrong" }, `${found.headline}.`)];
+    const state = found.headline.split(": ").slice(1).join(": ");
+    const head = `${state[0].toUpperCase()}${state.slice(1)}, for ${found.where}.`;
+    const parts = [element("p", { className: found.feasible ? "good" : "wrong" }, head)];
     if (found.feasible) {
       parts.push(...list("Limited by", found.limits.map(words)));
       if (taken) {
@@ -120,9 +124,9 @@ export class Sizing {
       }
     } else {
       parts.push(...list("Missed", found.missed));
-      parts.push(...list("Held back by", found.limits.map(words)));
       const easier = found.relaxations.map((one) => this.relaxation(one));
       parts.push(...list("Feasible with one of these, all else unchanged", easier));
+      parts.push(...list("Held back by", found.limits.map(words)));
       if (!easier.length) parts.push(element("p", {}, "No single parameter that was tried would make it feasible."));
     }
     parts.push(
@@ -134,11 +138,15 @@ export class Sizing {
   /** A relaxation in words; one of a slider's can be taken at once. */
   relaxation(one) {
     const field = this.state.fields.get(one.parameter);
-    if (!field || field.fixed) return one.text;
-    const item = element("span", {}, `${field.label} ${one.direction} ${spoken(field, one.value)} (now ${spoken(field, one.present)}) `);
-    const button = element("button", { type: "button", className: "quiet" }, "Apply");
-    button.addEventListener("click", () => this.state.set({ [field.key]: one.value }));
-    item.append(button);
+    const unit = one.unit === "1" ? "" : ` ${one.unit.replace("m2", "m\u00b2").replace("deg", "°")}`;
+    const shown = (v) => (field ? spoken(field, v) : `${Number(v.toPrecision(4))}${unit}`);
+    const item = element("span", {}, `${one.label} ${one.direction} ${shown(one.value)} (now ${shown(one.present)}) `);
+    if (field && !field.fixed) {
+      const button = element("button", { type: "button", className: "quiet" }, "Apply");
+      button.setAttribute("aria-label", `Apply: ${item.textContent.trim()}`);
+      button.addEventListener("click", () => this.state.set({ [field.key]: one.value }));
+      item.append(button);
+    }
     return item;
   }
 }

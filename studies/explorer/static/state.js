@@ -67,6 +67,8 @@ export class State extends EventTarget {
   restore() {
     clearTimeout(this.later);
     this.committed = location.pathname + location.hash;
-    this.set({ ...this.start, ...this.read() }, "restore");
+    const values = { ...this.start, ...this.read() };
+    // The back button is told twice: by popstate and by hashchange.
+    if (Object.keys(values).some((key) => values[key] !== this.values[key])) this.set(values, "restore");
   }
 }

@@ -108,6 +108,13 @@ def test_curve_is_that_of_the_analysis() -> None:
         assert_allclose(curve[key], table[column], rtol=5e-5)
 
 
+def test_masses_add_up_to_the_total() -> None:
+    for one in (DESIGN, session("atlantiksolar-as2")):
+        view = one.day(one.settings({"mission.payload.mass_kg": 0.3}))
+        total = sum(view["masses_kg"].values())
+        assert total == pytest.approx(view["numbers"]["total_mass_kg"], rel=1e-6)
+
+
 def test_season_is_the_map_of_the_command_line() -> None:
     settings = DESIGN.settings({"battery.mass_kg": 3.1})
     made = DESIGN.inputs(settings)
