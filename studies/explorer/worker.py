@@ -178,8 +178,8 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     dict
         ``feasible``, ``status``, ``headline`` and ``text`` (what the command line prints);
         ``record``, what ``solar-uav size --json`` prints; ``limits``, ``missed`` and
-        ``relaxations`` in words, each with its ``label``; ``values``, the optimum by the keys of the page, and its
-        ``worst_scenario``; both null without an optimum.
+        ``relaxations`` in words, each with its ``label``; ``values``, the optimum by the keys of
+        the page, and its ``worst_scenario``; both null without an optimum.
 
     Raises
     ------
