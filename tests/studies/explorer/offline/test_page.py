@@ -137,7 +137,7 @@ def test_settings_that_no_aircraft_has(open_page: Any, offline: Path) -> None:
     page = at_rest(open_page(offline, waiting=True))
     go_to(page, **{"airframe.wingspan_m": 2.0})
     assert page.locator("#verdict-title").inner_text() == "Not possible"
-    assert "must not exceed the wing area of 0.216 m2" in page.locator("#verdict-text").inner_text()
+    assert "must not exceed the wing area of 0.216 m²" in page.locator("#verdict-text").inner_text()
     go_to(page, **{"airframe.wingspan_m": 5.5})
     assert page.locator("#verdict-title").inner_text() != "Not possible"
 
