@@ -19,6 +19,7 @@ from benchmarks.map_scaling import map_scaling
 from benchmarks.own_sizing import sizing
 from benchmarks.report import duration, markdown, plain
 from benchmarks.solar_power import module_power
+from benchmarks.weather_year import weather_year
 
 PARTS: tuple[Callable[[], list[dict[str, Any]]], ...] = (
     module_power,
@@ -27,6 +28,7 @@ PARTS: tuple[Callable[[], list[dict[str, Any]]], ...] = (
     map_against_aerosandbox,
     sizing,
     map_scaling,
+    weather_year,
 )
 
 

@@ -62,6 +62,15 @@ structure, with the charge limit of the aircraft file.""",
 does the same arithmetic in one thread, compiled where a compiler is found, and its numbers are
 checked against ours. The other lines give the cost against the number of cells, a process pool of
 two, the memory, and the map with the longest flight of every cell that is not perpetual.""",
+    "weather year": """AtlantikSolar AS-2 through the shipped year. Both loops get the same power at
+the same nodes and compute the same: dawns, the charge carried over, the charge limit, days that
+close, and a flight from every dawn; flights that have become equal share the rest of their way in
+all three. The run fails if a day closes in one and not in another, or an endurance differs by more
+than 1e-6 h. Ours marches all days at once and again the few whose start is not known before; a loop
+that is compiled has no need of that. The lines without a peer are whole runs from the record.""",
+    "uncertain inputs": """The mass budget, the day and its metrics of every draw, all at once. The
+peer builds each draw's aircraft and calls `sizing.analyse`, which also prepares what is printed;
+excess times agree to 1e-6 h.""",
 }
 
 

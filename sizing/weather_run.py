@@ -333,7 +333,7 @@ def _run(axis: DayAxis, solar_w: FloatArray, load_w: FloatArray, store: Store) -
     balance = PowerBalance.of(axis.time_h, solar_w, load_w)
     carried = carried_over(balance, store, energy_wh[:1], len(axis))
     dawns = dawns_of(balance, carried.day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
-    hours, outlasts = flight_hours(carried, dawns.hour, energy_wh)
+    hours, outlasts = flight_hours(carried, dawns.hour, energy_wh, dawns.deficit_wh)
     return WeatherRun(
         axis=axis,
         solar_power_w=solar_w,

@@ -258,7 +258,10 @@ def _next_over_own(full_wh: FloatArray, days: int) -> FloatArray:
 
 
 def flight_hours(
-    carried: CarriedDays, launch_h: FloatArray, launch_wh: FloatArray
+    carried: CarriedDays,
+    launch_h: FloatArray,
+    launch_wh: FloatArray,
+    settled_deficit_wh: FloatArray | None = None,
 ) -> tuple[FloatArray, BoolArray]:
     """Flight times of launches, one on each day, until the battery is empty.
 
@@ -270,6 +273,9 @@ def flight_hours(
         Launch after the start of each day [h].
     launch_wh : ndarray, shape (day,)
         Stored energy at the launch [Wh].
+    settled_deficit_wh : ndarray, shape (day,), optional
+        Cumulative deficit from the start of the day until the launch [Wh], where it is known
+        exactly, as that of :class:`Dawns` is; by default straight lines between the nodes.
 
     Returns
     -------
@@ -281,7 +287,9 @@ def flight_hours(
     day, store, days = carried.day, carried.store, carried.days
     brief = day.without_nodes()
     launched = np.arange(days)
-    settled = carried.deficit_until_wh(launch_h)
+    settled = settled_deficit_wh
+    if settled is None:
+        settled = carried.deficit_until_wh(launch_h)
     # A surplus before the launch is nobody's.
     ahead = carried.balance.time_h[brief.first + 1 :][: len(brief.hours), np.newaxis] > launch_h
     flown = replace(brief, surplus_wh=np.where(ahead, brief.surplus_wh, 0.0))
