@@ -242,7 +242,7 @@ def _march_open_days(
         ready = known[:, :-1] & ~known[:, 1:]
         craft, number = np.nonzero(ready)
         cells = craft * days + number
-        end = day.select(cells).end_wh(store.select(cells), energy_wh[craft, number])
+        end = day.select_lit(cells).end_wh(store.select(cells), energy_wh[craft, number])
         energy_wh[craft, number + 1] = end * capacity[craft, number]
         known[craft, number + 1] = True
 
@@ -300,7 +300,7 @@ def flight_hours(
     follower = np.full(days, -1)
     seen: dict[tuple[int, float], int] = {}
     while len(flying):
-        some, its_store = flown.select(now), store.select(now)
+        some, its_store = flown.select_lit(now), store.select(now)
         least = -_SHORT * its_store.battery_energy_wh
         level = np.full(len(now), np.nan)
         for step in some.charge(its_store, energy, settled):

@@ -270,6 +270,22 @@ class ChargingDay:
             cumulative_deficit_wh=self.cumulative_deficit_wh[:, cells],
         )
 
+    def select_lit(self, cells: IntArray) -> ChargingDay:
+        """As :meth:`select`, without the first and last intervals in which none of them charges.
+
+        What becomes of the batteries is the same to the last bit.
+        """
+        rows = np.flatnonzero((self.surplus_wh[:, cells] > 0.0).any(axis=1))
+        lit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
+        return replace(
+            self,
+            first=self.first + lit.start,
+            hours=self.hours[lit],
+            surplus_wh=self.surplus_wh[lit, cells],
+            deficit_before_surplus_wh=self.deficit_before_surplus_wh[lit, cells],
+            cumulative_deficit_wh=self.cumulative_deficit_wh[:, cells],
+        )
+
     def without_nodes(self) -> ChargingDay:
         """Day that knows the deficit at its end alone: enough to march."""
         return replace(self, cumulative_deficit_wh=self.cumulative_deficit_wh[-1:])
