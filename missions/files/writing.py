@@ -62,7 +62,7 @@ _Dumper.add_multi_representer(float, _Dumper.real)
 add_resolvers(_Dumper)
 
 
-def to_yaml(data: Mapping[str, Any]) -> str:
+def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
     """Write plain data as block style YAML that `parse_yaml` reads back equal.
 
     Parameters
@@ -70,6 +70,12 @@ def to_yaml(data: Mapping[str, Any]) -> str:
     data : mapping
         Nested mappings with text keys, lists, tuples, text, numbers, booleans and None;
         the order of keys is kept.
+    compact : bool
+        Innermost mappings and lists on a line each, as people write them.
+
+    Returns
+    -------
+    str
 
     Raises
     ------
@@ -77,7 +83,13 @@ def to_yaml(data: Mapping[str, Any]) -> str:
         If a value is of another type.
     """
     return yaml.dump(
-        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=float("inf"), indent=2
+        data,
+        Dumper=_Dumper,
+        sort_keys=False,
+        allow_unicode=True,
+        width=float("inf"),
+        indent=2,
+        default_flow_style=None if compact else False,
     )
 
 

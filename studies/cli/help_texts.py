@@ -21,6 +21,7 @@ _SUBJECTS = {
         "--pareto",
         "--out",
         "--pdf",
+        "--report",
     ),
     "Figures": ("--figure-size", "--dpi", "--style", "--no-title"),
     "Long computations": ("--workers", "--scheduler", "--work", "--keep-parts"),

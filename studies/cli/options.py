@@ -346,6 +346,13 @@ _FIGURE_OPTIONS = {
 }
 
 
+def report_option(command: Command) -> Command:
+    """Option ``--report`` of commands whose results a page may show."""
+    text = "Also write a report, .html or .pdf; see docs/report.md."
+    option = click.option("--report", "report_file", type=click.Path(), metavar="FILE", help=text)
+    return option(command)
+
+
 def check_image(path: str | None) -> None:
     """Refuse a figure's file name before any work if it asks for a format that is not drawn."""
     if path is not None and image_format(path) is None:

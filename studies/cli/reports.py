@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 from pathlib import Path, PurePath
@@ -15,9 +16,18 @@ from studies.cli.files import Case
 from studies.output.run_folder import RESULTS, RunFolder
 
 if TYPE_CHECKING:
+    from sizing.results.sizing import SizingStudy
+    from studies.flight_logs.verification import Verification
     from studies.report.subject import Subject
 
-__all__ = ["check_report", "sizing_of_folder", "subject_of", "write_report"]
+__all__ = [
+    "check_report",
+    "report_on_log",
+    "report_on_sizing",
+    "sizing_of_folder",
+    "subject_of",
+    "write_report",
+]
 
 _PAGE, _PRINTED = ".html", ".pdf"
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
@@ -111,6 +121,69 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     )
     same = all(abs(a - b) <= _SAME_H for a, b in zip(promised, reached, strict=True))
     return dict(record) if same else None
+
+
+def report_on_sizing(
+    case: Case,
+    study: SizingStudy,
+    record: dict[str, Any],
+    path: str,
+    *,
+    overrides: tuple[str, ...],
+) -> None:
+    """Write the report of a sizing: the optimum on the mission that it was sized for.
+
+    Parameters
+    ----------
+    case : Case
+        What was sized.
+    study : SizingStudy
+        With an optimum.
+    record : dict
+        Sizing as ``--json`` prints it.
+    path : str
+        File of the report.
+    overrides : tuple of str
+        As given on the command line.
+    """
+    from missions.mission import Mission
+    from studies.output.sizing_files import sized_inputs
+
+    inputs = sized_inputs(study, case.inputs())
+    mission = Mission.model_validate(inputs.mission)
+    flown = dataclasses.replace(
+        case,
+        craft=dataclasses.replace(case.craft, aircraft=study.sized_aircraft()),
+        where=dataclasses.replace(case.where, mission=mission),
+    )
+    write_report(subject_of(flown, inputs=inputs, sizing=record, overrides=overrides), path)
+
+
+def report_on_log(
+    case: Case,
+    found: Verification,
+    log_file: str,
+    path: str,
+    *,
+    overrides: tuple[str, ...],
+) -> None:
+    """Write the report of a verification.
+
+    Parameters
+    ----------
+    case : Case
+        Aircraft and mission.
+    found : Verification
+        Models against the log.
+    log_file : str
+        File of the log.
+    path : str
+        File of the report.
+    overrides : tuple of str
+        As given on the command line.
+    """
+    inputs = case.inputs(log=Path(log_file))
+    write_report(subject_of(case, inputs=inputs, verification=found, overrides=overrides), path)
 
 
 def write_report(subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:

@@ -101,7 +101,7 @@ def inputs_section(subject: Subject) -> Section:
         (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
         (f"mission {subject.mission.name}", subject.inputs.mission),
     ):
-        blocks.append(Listing(title, to_yaml(data)))
+        blocks.append(Listing(title, to_yaml(data, compact=True)))
     return Section("inputs", "Inputs", blocks)
 
 

@@ -16,7 +16,7 @@ from sizing.results.sizing import SizingStudy
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from studies.output.run_folder import InputFile, RunInputs, run_record
-from studies.report.blocks import Block, Figure, Section, Tables
+from studies.report.blocks import Bars, Block, Figure, Section, Tables
 from studies.report.confidence import (
     belief_section,
     inputs_section,
@@ -178,16 +178,23 @@ def _numbered(sections: Sequence[Section]) -> Iterator[Section]:
             if isinstance(block, Figure):
                 figures += 1
                 block = dataclasses.replace(block, caption=f"Figure {figures}. {block.caption}")
+            elif isinstance(block, Bars):
+                tables += 1
+                block = dataclasses.replace(block, title=_titled(tables, block.title))
             elif isinstance(block, Tables):
                 named = []
                 for table in block.tables:
                     tables += 1
-                    title = f"{table.title[:1].upper()}{table.title[1:]}".strip()
-                    told = f"Table {tables}. {title}".rstrip(". ") + "."
-                    named.append(dataclasses.replace(table, title=told))
+                    title = _titled(tables, table.title)
+                    named.append(dataclasses.replace(table, title=title))
                 block = Tables(tuple(named))
             blocks.append(block)
         yield dataclasses.replace(section, blocks=tuple(blocks))
+
+
+def _titled(number: int, title: str) -> str:
+    """Title of a table with its number."""
+    return f"Table {number}. {title[:1].upper()}{title[1:]}".rstrip(". ") + "."
 
 
 def _template() -> Any:

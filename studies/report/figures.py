@@ -40,7 +40,9 @@ _SVG, _XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 _COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
 _FAMILY = re.compile(r"font-family:[^;]*;?\s*")
 _FONT = re.compile(r"font:\s*(?P<looks>[^;]*?)(?P<size>[\d.]+px)\s+[^;]*")
-_REFERENCE = re.compile(r"(url\(#|^#)([^)]+)")
+_REFERENCE = re.compile(r"(url\(#)([^)]+)")
+# White that lies on cells of a map stays white; where it fills, it is the page.
+_DRAWN_WHITE = re.compile(r"(stroke:\s*)#ffffff", re.IGNORECASE)
 
 
 def figure_markup(
@@ -131,8 +133,10 @@ def _rename(root: ElementTree.Element, key: str) -> None:
     """Give every id that is referred to a name of its own on the page, and colours theirs."""
     wanted: set[str] = set()
     for node in root.iter():
-        for value in node.attrib.values():
+        for name, value in node.attrib.items():
             wanted.update(match[2] for match in _REFERENCE.finditer(value))
+            if name == f"{{{_XLINK}}}href" and value.startswith("#"):
+                wanted.add(value[1:])
     for node in root.iter():
         for name, value in list(node.attrib.items()):
             if name == "id":
@@ -141,7 +145,7 @@ def _rename(root: ElementTree.Element, key: str) -> None:
                     node.attrib[name] = f"{key}-{value}"
             elif name == f"{{{_XLINK}}}href":
                 del node.attrib[name]
-                node.attrib["href"] = _REFERENCE.sub(rf"\1{key}-\2", value)
+                node.attrib["href"] = f"#{key}-{value[1:]}" if value.startswith("#") else value
             else:
                 node.attrib[name] = _themed(_REFERENCE.sub(rf"\1{key}-\2", value))
 
@@ -159,4 +163,5 @@ def _themed(value: str) -> str:
         weight = "font-weight: 600; " if "bold" in match["looks"] else ""
         return f"{looks}{weight}font-size: {match['size']}"
 
+    value = _DRAWN_WHITE.sub(r"\1white", value)
     return _FAMILY.sub("", _FONT.sub(font, _COLOUR.sub(variable, value)))

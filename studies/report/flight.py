@@ -31,15 +31,19 @@ __all__ = [
 
 _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
+# Lines on the cells of a map: black on a dark page as well, unlike the axes.
+_ON_CELLS = "#111111"
 
 
-def summary_blocks(summary: Summary, *, skip: int = 0) -> list[Block]:
+def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block]:
     """Blocks of a result's own summary.
 
     Parameters
     ----------
     summary : Summary
         As a terminal shows it.
+    title : str
+        Of tables that have none.
     skip : int
         Blocks at its beginning that the page has already.
 
@@ -50,10 +54,11 @@ def summary_blocks(summary: Summary, *, skip: int = 0) -> list[Block]:
     looks = {"strong": "plain", "faint": "faint", "warning": "warning", "plain": "plain"}
     found: list[Block] = []
     for block in summary.blocks[skip:]:
-        if isinstance(block, Table):
-            found.append(Tables((block,)))
-        elif isinstance(block, tuple):
-            found.append(Tables(block))
+        if isinstance(block, Table | tuple):
+            tables = (block,) if isinstance(block, Table) else block
+            found.append(
+                Tables(tuple(dataclasses.replace(t, title=t.title or title) for t in tables))
+            )
         elif isinstance(block, Line):
             found.append(Text(block.text, looks[block.emphasis]))
         else:
@@ -168,8 +173,13 @@ def season_section(subject: Subject) -> Section | None:
 
 def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
     """Rings at the places of a mission: of many, those at the corners."""
+    from matplotlib.contour import ContourSet
+
     axes = plot.axes[0]
-    for colour, size, width in (("white", 9.0, 3.2), ("black", 9.0, 1.4)):
+    for contour in axes.collections:
+        if isinstance(contour, ContourSet):
+            contour.set_edgecolor(_ON_CELLS)
+    for colour, size, width in (("white", 9.0, 3.2), (_ON_CELLS, 9.0, 1.4)):
         axes.plot(
             day, latitude_deg, "o", markersize=size, fillstyle="none", color=colour,
             markeredgewidth=width, clip_on=False, zorder=5,
@@ -243,8 +253,9 @@ def uncertainty_section(subject: Subject) -> Section | None:
         description=f"Histogram of the excess time. {found.headline()}. Beside it the inputs by "
         "what they explain of its variance, as in the table below.",
         key="scatter",
-        size_in=(_WIDTH_IN + 1.2, plot.get_figheight()),
+        size_in=(9.6, plot.get_figheight()),
     )
+    blocks = summary_blocks(found.summary(), title="probability and spread")
     caption = (
         f"Excess time of the weakest scenario in {found.samples} draws of the uncertain inputs, "
         "and what it depends on."
@@ -252,9 +263,8 @@ def uncertainty_section(subject: Subject) -> Section | None:
     return Section(
         "uncertainty",
         "Uncertain inputs",
-        [*summary_blocks(found.summary())[:1], Figure(markup, caption, scrolls=True),
-         *summary_blocks(found.summary(), skip=1)],
-    )  # fmt: skip
+        [blocks[0], Figure(markup, caption, scrolls=True), *blocks[1:]],
+    )
 
 
 def weather_section(subject: Subject) -> Section | None:
@@ -273,7 +283,7 @@ def weather_section(subject: Subject) -> Section | None:
         size_in=(_WIDTH_IN + 0.4, 6.4),
     )
     caption = "State of charge at every dawn, survival of launches, and the season in this weather."
-    blocks = summary_blocks(found.summary())
+    blocks = summary_blocks(found.summary(), title="flight through the record")
     return Section(
         "weather", "Weather", [blocks[0], Figure(markup, caption, scrolls=True), *blocks[1:]]
     )
@@ -286,7 +296,7 @@ def verification_section(subject: Subject) -> Section | None:
     found = subject.verification
     if found is None:
         return None
-    blocks = summary_blocks(found.summary())
+    blocks = summary_blocks(found.summary(), title="errors")
     drawn: list[Block] = []
     for number, (name, plot) in enumerate(figures(found)):
         markup = figure_markup(

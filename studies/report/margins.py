@@ -24,7 +24,7 @@ from studies.report.subject import Subject
 __all__ = ["margin_table"]
 
 # The weakest scenarios, of which one remains the weakest.
-_SCENARIOS = 12
+_SCENARIOS = 6
 _STEPS = 20  # of a bisection: a millionth of its range
 
 
@@ -55,16 +55,16 @@ def margin_table(subject: Subject) -> Table:
         limit = _limit(one, day, required, holds=holds)
         change = None if limit is None else limit - one.value
         relative = None if change is None or one.value == 0.0 else 100.0 * change / one.value
-        rows.append((one.label, one.value, limit, change, relative, one.unit))
+        rows.append((one.label, one.unit, one.value, limit, change, relative))
     what = "may become" if holds else "would have to become"
     than = f"{required:g} h of excess time" if required > 0.0 else "perpetual flight"
     columns = (
         Column("quantity"),
+        Column("unit"),
         Column("value", "now", form=".4g"),
         Column("limit", what, form=".4g", missing="no limit" if holds else "not enough alone"),
-        Column("change", form="+.3g"),
-        Column("relative", "change", "%", "+.0f"),
-        Column("unit"),
+        Column("change", form="+.2g"),
+        Column("relative", "change", "%", "+z.0f"),
     )
     title = f"{'margins to the end of' if holds else 'what is missing for'} {than}, one at a time"
     return Table(title, columns, tuple(rows))

@@ -11,12 +11,13 @@ from studies.report.svg import Canvas, Point
 
 __all__ = ["three_view"]
 
-_MARGIN, _TOP, _GAP, _LABEL = 14.0, 44.0, 30.0, 20.0
+_MARGIN, _TOP, _GAP, _LABEL = 14.0, 40.0, 30.0, 20.0
 _ROOM_RIGHT = 74.0  # for the dimension of the chord
 # Thickness of a symmetrical four-digit section over its chord, at full thickness ratio one
 # (Abbott & von Doenhoff, Theory of Wing Sections, section 6.4).
 _SECTION = (1.4845, -0.63, -1.758, 1.4215, -0.5075)
 _STATIONS = 24
+_ROOM_FOR_HALF = 80.0  # of the scale bar, for a number at its middle [px]
 
 
 @dataclass(frozen=True)
@@ -76,14 +77,14 @@ def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str
         scale,
     )
     _draw_side(canvas, drawing, side)
+    canvas.text((_MARGIN, 16.0), "From above", "view", anchor="start")
     for text, y in (
-        ("From above", above.y - scale * ahead),
         ("From ahead", front.y - scale * highest),
         ("From the left", bottom + _GAP + _LABEL),
     ):
         canvas.text((_MARGIN, y - 8.0), text, "view", anchor="start")
     end = side.y + scale * lowest
-    legend_x = side.x + scale * drawing.tail_end_m + 70.0
+    legend_x = side.x + scale * drawing.tail_end_m + 96.0
     end = max(end + 34.0, _draw_legend(canvas, drawing, (legend_x, bottom + _GAP + _LABEL), scale))
     canvas.height = math.ceil(end + 6.0)
     return canvas.markup(
@@ -210,7 +211,7 @@ def _draw_ahead(canvas: Canvas, drawing: Drawing, view: _View) -> None:
     plane = drawing.thickness_ratio * tail.horizontal_chord_m / 2.0
     side = tail.horizontal_span_m / 2.0
     canvas.shape(view.box(-side, side, -top - plane, -top + plane), looks)
-    canvas.shape([*upper, *lower], _looks(drawing, "section", "wing"))
+    canvas.shape([*upper, *lower], "wing")
     radius = drawing.pod_depth_m / 2.0
     angles = [2.0 * math.pi * i / 32 for i in range(32)]
     canvas.shape(
@@ -304,7 +305,7 @@ def _draw_legend(canvas: Canvas, drawing: Drawing, place: Point, scale: float) -
         kind = "scale dark" if i == 0 else "scale"
         start, end = x + scale * bar_m * i / 2.0, x + scale * bar_m * (i + 1) / 2.0
         canvas.shape([(start, y), (end, y), (end, y + 6.0), (start, y + 6.0)], kind)
-    for share in (0.0, 0.5, 1.0):
+    for share in (0.0, 0.5, 1.0) if scale * bar_m > _ROOM_FOR_HALF else (0.0, 1.0):
         text = f"{bar_m * share:g}" + (" m" if share == 1.0 else "")
         canvas.text((x + scale * bar_m * share, y + 20.0), text, "value")
     y += 42.0

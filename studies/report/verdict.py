@@ -98,9 +98,9 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     excess, margin = record["excess_time_h"], record["charge_margin_h"]
     required = subject.mission.required_excess_time_h
     yield _hours("excess time", excess, f"required: {required:g} h" if required else "")
-    yield _hours("charge margin", margin, "full to last full")
+    yield _hours("charge margin", margin, "first to last full charge")
     charge = 100.0 * record["minimum_state_of_charge"]
-    yield Fact("least charge", f"{charge:.1f}", "%", "state of charge at dawn")
+    yield Fact("minimum state of charge", f"{charge:.1f}", "%", "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
     yield Fact("wingspan", f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")
     yield Fact("total mass", f"{record['total_mass_kg']:.2f}", "kg",

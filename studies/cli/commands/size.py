@@ -15,6 +15,7 @@ from studies.cli.options import (
     figure_options,
     mission_option,
     out_option,
+    report_option,
     required_time_option,
     solar_options,
 )
@@ -40,6 +41,7 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
 )
 @required_time_option
 @out_option("figures")
+@report_option
 @click.option(
     "--sensitivities",
     "with_sensitivities",
@@ -69,6 +71,7 @@ def size(
     required_h: float | None,
     out_dir: str | None,
     figure: FigureOptions,
+    report_file: str | None,
     with_sensitivities: bool,
     with_cross_check: bool,
     reliability: float | None,
@@ -91,6 +94,7 @@ def size(
     )
     from studies.cli.files import load
     from studies.cli.outputs import tell
+    from studies.cli.reports import check_report, report_on_sizing
     from studies.output.run_folder import write_run_folder
     from studies.output.sizing_files import sized_inputs, sizing_files
 
@@ -116,6 +120,7 @@ def size(
         if not out_dir:
             raise click.BadParameter("needs the name of a folder", param_hint="--out")
         check_writable_folder(Path(out_dir))
+    check_report(report_file, option="--report")
     study = sizing.size(
         *(case.aircraft, case.mission, asked),
         model=case.solar.model,
@@ -129,6 +134,9 @@ def size(
     if written is not None:
         inputs = sized_inputs(study, case.inputs())
         write_run_folder(Path(written), inputs, record, sizing_files(study, figure))
-    tell(case, record, study, as_json=as_json, out_dir=written)
+    reported = report_file if study.feasible else None
+    if reported is not None:
+        report_on_sizing(case, study, record, reported, overrides=overrides)
+    tell(case, record, study, as_json=as_json, out_dir=written, files=(reported,))
     if not study.feasible:
         sys.exit(EXIT_FAILED)

@@ -14,6 +14,7 @@ from studies.cli.options import (
     json_option,
     mission_option,
     out_option,
+    report_option,
     set_option,
 )
 from studies.output.figures.options import FigureOptions
@@ -47,6 +48,7 @@ _LONGEST_FILTER = 1_000_000
 @json_option
 @out_option("samples and figures")
 @figure_options
+@report_option
 def verify(
     aircraft: str,
     log_file: str,
@@ -57,17 +59,20 @@ def verify(
     as_json: bool,
     out_dir: str | None,
     figure: FigureOptions,
+    report_file: str | None,
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.files.writing import check_writable_folder
     from studies.cli.files import load, refuse_swapped_log
     from studies.cli.outputs import figure_bytes, tell
+    from studies.cli.reports import check_report, report_on_log
     from studies.flight_logs.plots import figures
     from studies.flight_logs.verification import verify as verify_models
     from studies.output.run_folder import write_run_folder
 
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
+    check_report(report_file, option="--report")
     refuse_swapped_log(aircraft, log_file)
     case = load(aircraft, mission, overrides)
     result = verify_models(
@@ -80,4 +85,6 @@ def verify(
             contents[f"{name}.png"] = figure_bytes(drawn, f"{name}.png")
         inputs = case.inputs(log=Path(log_file))
         write_run_folder(Path(out_dir), inputs, record, contents)
-    tell(case, record, result, as_json=as_json, out_dir=out_dir)
+    if report_file is not None:
+        report_on_log(case, result, log_file, report_file, overrides=overrides)
+    tell(case, record, result, as_json=as_json, out_dir=out_dir, files=(report_file,))
