@@ -80,9 +80,10 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
             "The day repeats itself: the date does not advance, and the battery's state at dawn is "
             "that of the settled cycle."
         )
-    if subject.aircraft.battery.ageing is None:
+    if subject.verification is None and subject.aircraft.battery.ageing is None:
         found.append("The battery is new: the aircraft file has no ageing.")
-    if mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0:
+    still = mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0
+    if subject.verification is None and still:
         found.append("The air is calm: level flight takes no more power than in still air.")
     if mission.uncertainty_margins.given:
         found.append("The mission's uncertainty margins are taken off every number here.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import shlex
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -197,6 +198,11 @@ def _titled(number: int, title: str) -> str:
     return f"Table {number}. {title[:1].upper()}{title[1:]}".rstrip(". ") + "."
 
 
+def _with_minus(text: str) -> str:
+    """Text whose negative numbers have a minus sign, not a hyphen."""
+    return re.sub(r"(?<![\w.\u2212-])-(?=\d)", "\u2212", text)
+
+
 def _template() -> Any:
     """Template of the page; every text in it is escaped."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -210,4 +216,5 @@ def _template() -> Any:
         lstrip_blocks=True,
     )
     environment.filters["drawn"] = Markup
+    environment.filters["minus"] = _with_minus
     return environment.get_template("report.html")

@@ -26,6 +26,7 @@ COLOURS = {
     "#cccccc": "rule",
     "#dddddd": "night",
     "#808080": "faint",
+    "#404040": "soft",
     "#e69f00": "orange",
     "#0072b2": "blue",
     "#009e73": "green",

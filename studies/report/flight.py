@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.dates import DAYS_PER_YEAR
+from missions.dates import DAYS_PER_YEAR, date_label
+from missions.mission import latitude_label
 from sizing.results.analysis import flight_record
 from sizing.results.analysis_summary import flight_table, scenario_table
 from sizing.results.tables import Line, Summary, Table
@@ -17,7 +18,6 @@ from studies.report.figures import figure_markup
 from studies.report.subject import Subject
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure as Plot
 
 __all__ = [
@@ -31,6 +31,9 @@ __all__ = [
 
 _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
+# Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
+CELLS, SLOW_CELLS = (57, 74), (15, 14)
+_NORTHERNMOST_DEG = 70.0
 # Lines on the cells of a map: black on a dark page as well, unlike the axes.
 _ON_CELLS = "#111111"
 
@@ -61,6 +64,12 @@ def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block
             )
         elif isinstance(block, Line):
             found.append(Text(block.text, looks[block.emphasis]))
+        elif block.startswith("- "):
+            last = found[-1] if found else None
+            if isinstance(last, Items):
+                found[-1] = Items((*last.items, block.removeprefix("- ")))
+            else:
+                found.append(Items((block.removeprefix("- "),)))
         else:
             found.append(Text(block))
     return found
@@ -141,10 +150,10 @@ def season_section(subject: Subject) -> Section | None:
     if subject.climbs:
         return None
     solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
-    # The models that know the attitude take some 10 ms a cell.
     slow = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
-    latitudes = np.linspace(-70.0, 70.0, 15 if slow else 57)
-    days = np.linspace(1, DAYS_PER_YEAR, 14 if slow else 74).round().astype(int)
+    rows, columns = SLOW_CELLS if slow else CELLS
+    latitudes = np.linspace(-_NORTHERNMOST_DEG, _NORTHERNMOST_DEG, rows)
+    days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
     data = feasibility_map(
         subject.aircraft,
         subject.mission,
@@ -155,7 +164,7 @@ def season_section(subject: Subject) -> Section | None:
     )
     plot = plot_map(data)
     _mark(plot, scenarios.latitude_deg, scenarios.day_of_year)
-    season = _season_text(data, float(scenarios.latitude_deg[subject.analysis.worst]))
+    season = _season_text(subject)
     markup = figure_markup(
         plot,
         title="Season map",
@@ -164,11 +173,12 @@ def season_section(subject: Subject) -> Section | None:
         key="season",
         size_in=(_WIDTH_IN, 4.6),
     )
+    told = [Text(season)] if season else []
     caption = (
         "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
         "line: edge of perpetual flight; ring: the mission's scenarios."
     )
-    return Section("season", "The season", [Text(season), Figure(markup, caption, scrolls=True)])
+    return Section("season", "The season", [*told, Figure(markup, caption, scrolls=True)])
 
 
 def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
@@ -186,20 +196,24 @@ def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
         )  # fmt: skip
 
 
-def _season_text(data: xr.Dataset, latitude_deg: float) -> str:
-    """Days of perpetual flight at the latitude of the map that is nearest."""
-    from missions.mission import latitude_label
-    from studies.maps.feasibility import season_length
-
-    counts = season_length(data)
-    at = float(counts["latitude"].sel(latitude=latitude_deg, method="nearest"))
-    share = float(counts.sel(latitude=at)) / data.sizes["day"]
-    if share == 0.0:
-        return f"At {latitude_label(at)} no day of the year is flown perpetually."
-    if share == 1.0:
-        return f"At {latitude_label(at)} every day of the year is flown perpetually."
-    days = round(share * DAYS_PER_YEAR)
-    return f"At {latitude_label(at)} about {days} days of the year are flown perpetually."
+def _season_text(subject: Subject) -> str:
+    """Days of the year on which all latitudes of the mission are flown perpetually."""
+    found, latitudes = subject.comparison, subject.mission.latitudes()
+    cases = () if found is None else found.cases
+    season = next((case.season for case in cases if case.solar == subject.solar), None)
+    if season is None:
+        return ""
+    where = latitude_label(latitudes[0])
+    if len(latitudes) > 1:
+        where = f"all latitudes of the mission, {where} to {latitude_label(latitudes[-1])}"
+    if season.days in (0, DAYS_PER_YEAR):
+        day = "no day" if season.days == 0 else "every day"
+        return f"At {where}, {day} of the year is flown perpetually."
+    told = f"At {where}, {season.days} days of the year are flown perpetually"
+    if season.first is None or season.last is None:
+        return f"{told}, none of them at midsummer."
+    window = f"{date_label(season.first)} to {date_label(season.last)}"
+    return f"{told}, {window} without a break."
 
 
 # ---- Models

@@ -63,7 +63,7 @@ def margin_table(subject: Subject) -> Table:
         Column("unit"),
         Column("value", "now", form=".4g"),
         Column("limit", what, form=".4g", missing="no limit" if holds else "not enough alone"),
-        Column("change", form="+.2g"),
+        Column("change", form="+.3g"),
         Column("relative", "change", "%", "+z.0f"),
     )
     title = f"{'margins to the end of' if holds else 'what is missing for'} {than}, one at a time"
@@ -83,7 +83,7 @@ def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
                   lambda value: (aircraft, mission, value / 100.0)),
         _Quantity("specific energy of the battery", "Wh/kg", battery, 0.01 * battery,
                   4.0 * battery, of("battery.specific_energy_wh_per_kg")),
-        _Quantity("extra propulsion power in turbulence", "%", 100.0 * extra, 400.0,
+        _Quantity("propulsion power, beyond level flight", "%", 100.0 * extra, 400.0,
                   -90.0, lambda value: of("mission.turbulence.all_day")(value / 100.0)),
         _Quantity("avionics power", "W", avionics, 1e3 + 10.0 * avionics, 0.0,
                   of("power.avionics_w")),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,26 +13,35 @@ from sizing.results.tables import UNLIMITED
 from studies.report.blocks import Fact
 from studies.report.subject import Subject
 
+if TYPE_CHECKING:
+    from studies.flight_logs.verification import Verification
+
 __all__ = ["Verdict", "key_facts", "verdict"]
+
+
+_WORDS = {"good": "Holds", "edge": "On the edge", "bad": "Fails"}
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A sentence, and whether what it says is ``good``, on the ``edge`` or ``bad``."""
+    """A sentence, and whether what it says is ``good``, on the ``edge`` or ``bad``.
+
+    ``word`` says the latter to those who see no colour.
+    """
 
     state: str
     sentence: str
+    word: str
 
-    @property
-    def word(self) -> str:
-        """State in a word, for those who see no colour."""
-        return {"good": "Holds", "edge": "On the edge", "bad": "Fails"}[self.state]
+
+def _judged(state: str, sentence: str) -> Verdict:
+    return Verdict(state, sentence, _WORDS[state])
 
 
 def verdict(subject: Subject) -> Verdict:
     """Whether the flight is perpetual, by how much, where it is weakest, and how sure that is."""
     if subject.verification is not None:
-        return _of_verification(subject)
+        return _of_verification(subject.verification)
     analysis, mission = subject.analysis, subject.mission
     lows, highs = (float(np.min(p.cycle.excess_time_h)) for p in (analysis.low, analysis.high))
     required, excess = mission.required_excess_time_h, analysis.excess_time_h
@@ -48,51 +58,60 @@ def verdict(subject: Subject) -> Verdict:
         )
         told = f"{fails}{longest}, {hours(max(-float(excess), 0.0))} of every day without power"
         if highs > 0.0:
-            return Verdict("edge", f"{told}; with {error} more sun it would fly perpetually.")
-        return Verdict("bad", f"{told}; {error} more sun would not change that.")
+            return _judged("edge", f"{told}; with {error} more sun it would fly perpetually.")
+        return _judged("bad", f"{told}; {error} more sun would not change that.")
     if np.isinf(excess):
-        return Verdict("good", f"{who} flies perpetually: {weakest} the sun always carries it.")
+        return _judged("good", f"{who} flies perpetually: {weakest} the sun always carries it.")
     told = f"{who} flies perpetually: {weakest} {hours(excess)} of excess time remain"
     if excess < required:
-        return Verdict("bad", f"{told}, less than the required {required:g} h.")
+        return _judged("bad", f"{told}, less than the required {required:g} h.")
     if required > 0.0:
         told += f", {hours(excess - required)} more than required"
     if lows <= 0.0:
-        return Verdict("edge", f"{told}, but {error} less sun ends perpetual flight.")
+        return _judged("edge", f"{told}, but {error} less sun ends perpetual flight.")
     if lows < required:
-        return Verdict("edge", f"{told}, but {error} less sun leaves {hours(lows)}, too little.")
+        return _judged("edge", f"{told}, but {error} less sun leaves {hours(lows)}, too little.")
     left = UNLIMITED if np.isinf(lows) else hours(lows)
-    return Verdict("good", f"{told}, and with {error} less sun {left}.")
+    return _judged("good", f"{told}, and with {error} less sun {left}.")
 
 
-def _of_verification(subject: Subject) -> Verdict:
+def _of_verification(found: Verification) -> Verdict:
     """Which model comes closest to the flight, and whether the log looks sound."""
-    found = subject.verification
-    assert found is not None
-    known = [
-        (abs(errors.average_w), model, errors)
-        for section in found.days[:1]
-        for model, errors in section.errors.items()
-    ]
+    errors = _errors_over_days(found)
     count = len(found.anomalies)
     looks = "no anomaly" if count == 0 else f"{count} anomal{'y' if count == 1 else 'ies'}"
-    if not known:
-        return Verdict("edge", f"{found.log.source}: no sample to compare with, {looks}.")
-    _, model, errors = min(known)
-    average, rms = (errors.relative(e) for e in (errors.average_w, errors.rms_w))
-    told = "" if average is None else f" by {100.0 * average:+.1f} % on average"
-    told += "" if rms is None else f", RMS {100.0 * rms:.1f} %"
-    return Verdict(
-        "good" if count == 0 else "edge",
-        f"{model} comes closest to the flight of {found.aircraft}: it errs{told} on "
-        f"{found.days[0].label}; {looks} in the log.",
+    state, word = ("good", "No anomaly") if count == 0 else ("edge", "Look at the log")
+    if not errors:
+        told = f"{found.log.source} has no sample to compare with, {looks}."
+        return Verdict("edge", told, "No comparison")
+    model = min(errors, key=lambda one: errors[one][1])
+    average, rms = errors[model]
+    told = (
+        f"{model} comes closest to the flight of {found.aircraft}: it errs by "
+        f"{100.0 * average:+.1f} % on average, RMS {100.0 * rms:.1f} %; {looks} in the log."
     )
+    return Verdict(state, told, word)
+
+
+def _errors_over_days(found: Verification) -> dict[str, tuple[float, float]]:
+    """Average and RMS error of every model over all days, of the mean measured power [-]."""
+    days = [day for day in found.days if day.errors and day.samples > day.excluded]
+    counts = np.array([day.samples - day.excluded for day in days], float)
+    over: dict[str, tuple[float, float]] = {}
+    for model in found.samples.modelled_w if days else ():
+        each = [day.errors[model] for day in days]
+        measured = float(counts @ [one.measured_mean_w for one in each])
+        if measured > 0.0:
+            average = float(counts @ [one.average_w for one in each]) / measured
+            square = float(counts @ [one.rms_w**2 for one in each]) / float(counts.sum())
+            over[model] = average, square**0.5 * float(counts.sum()) / measured
+    return over
 
 
 def key_facts(subject: Subject) -> Iterator[Fact]:
     """Key numbers, the most important first."""
     if subject.verification is not None:
-        yield from _facts_of_verification(subject)
+        yield from _facts_of_verification(subject.verification)
         return
     record, aircraft = subject.record, subject.aircraft
     excess, margin = record["excess_time_h"], record["charge_margin_h"]
@@ -119,17 +138,13 @@ def _hours(label: str, value: float | None, note: str) -> Fact:
                 note)  # fmt: skip
 
 
-def _facts_of_verification(subject: Subject) -> Iterator[Fact]:
-    found = subject.verification
-    assert found is not None
+def _facts_of_verification(found: Verification) -> Iterator[Fact]:
     log = found.log
-    yield Fact("samples", f"{len(found.samples.time_s)}", "", f"of {len(log)} with the sun up")
+    yield Fact("samples", f"{len(found.samples.time_s)}", "", f"with the sun up, of {len(log)}")
     yield Fact("flight", f"{(log.time_s[-1] - log.time_s[0]) / 3600.0:.1f}", "h",
                f"every {log.step_s:g} s")  # fmt: skip
-    for section in found.days[:1]:
-        for model, errors in section.errors.items():
-            average, rms = (errors.relative(e) for e in (errors.average_w, errors.rms_w))
-            if average is not None and rms is not None:
-                yield Fact(f"error of {model}", f"{100.0 * average:+.1f}", "%",
-                           f"RMS {100.0 * rms:.1f} %")  # fmt: skip
+    for model, (average, rms) in _errors_over_days(found).items():
+        yield Fact(f"error of {model}", f"{100.0 * average:+.1f}", "%",
+                   f"RMS {100.0 * rms:.1f} %")  # fmt: skip
     yield Fact("anomalies", f"{len(found.anomalies)}")
+    yield Fact("samples left out", f"{int(found.excluded.sum())}", "", "charging limited")
