@@ -30,6 +30,8 @@ class OutputError(OSError):
     """A file could not be written; the text says which one and why."""
 
 
+# Characters of a mapping or list that is written on one line.
+_SHORT = 72
 _REPRESENTERS: Any = yaml.SafeDumper.yaml_representers
 
 
@@ -55,6 +57,25 @@ class _Dumper(yaml.SafeDumper):
         return self.represent_float(float(value))
 
 
+class _CompactDumper(_Dumper):
+    """Writes what holds no further mappings and lists on one line, if it is short."""
+
+    def represent_mapping(self, *args: Any, **kwargs: Any) -> yaml.MappingNode:
+        node = super().represent_mapping(*args, **kwargs)
+        _fit_on_line(node, [part for pair in node.value for part in pair])
+        return node
+
+    def represent_sequence(self, *args: Any, **kwargs: Any) -> yaml.SequenceNode:
+        node = super().represent_sequence(*args, **kwargs)
+        _fit_on_line(node, node.value)
+        return node
+
+
+def _fit_on_line(node: yaml.CollectionNode, parts: list[yaml.Node]) -> None:
+    if all(isinstance(part, yaml.ScalarNode) for part in parts):
+        node.flow_style = sum(len(str(part.value)) + 2 for part in parts) <= _SHORT
+
+
 # With their subclasses, as numpy's and enumerations are.
 _Dumper.add_multi_representer(str, _Dumper.text)
 _Dumper.add_multi_representer(int, _Dumper.integer)
@@ -71,7 +92,7 @@ def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
         Nested mappings with text keys, lists, tuples, text, numbers, booleans and None;
         the order of keys is kept.
     compact : bool
-        Innermost mappings and lists on a line each, as people write them.
+        Short innermost mappings and lists on a line each, as people write them.
 
     Returns
     -------
@@ -84,12 +105,12 @@ def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
     """
     return yaml.dump(
         data,
-        Dumper=_Dumper,
+        Dumper=_CompactDumper if compact else _Dumper,
         sort_keys=False,
         allow_unicode=True,
         width=float("inf"),
         indent=2,
-        default_flow_style=None if compact else False,
+        default_flow_style=False,
     )
 
 

@@ -9,13 +9,16 @@ from __future__ import annotations
 import html
 import io
 import re
+from importlib import resources
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
+
+from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["COLOURS", "figure_markup", "inline_svg"]
+__all__ = ["COLOURS", "figure_markup", "inline_svg", "page_options"]
 
 # Colours of the figures, and the variables of the style sheet that stand for them.
 COLOURS = {
@@ -35,7 +38,6 @@ COLOURS = {
     "#cc79a7": "purple",
     "#f0e442": "yellow",
 }
-_SALT = "solar-uav"
 _DOTS_PER_INCH = 110  # of images within a figure
 _SVG, _XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 _COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
@@ -46,43 +48,50 @@ _REFERENCE = re.compile(r"(url\(#)([^)]+)")
 _DRAWN_WHITE = re.compile(r"(stroke:\s*)#ffffff", re.IGNORECASE)
 
 
-def figure_markup(
-    figure: Figure,
-    *,
-    title: str,
-    description: str,
-    key: str,
-    size_in: tuple[float, float] | None = None,
-) -> str:
-    """Draw a figure as an element of a page; its own title is left to the caption.
+def page_options(width_in: float, height_in: float | None = None) -> FigureOptions:
+    """How a figure is drawn for a page: without a title, which is left to the caption.
+
+    Parameters
+    ----------
+    width_in : float
+        Width [in].
+    height_in : float, optional
+        Height [in], by default what the content takes.
+
+    Returns
+    -------
+    FigureOptions
+    """
+    style = resources.files("studies.report").joinpath("templates", "page.mplstyle")
+    return FigureOptions(
+        size_in=(width_in, height_in),
+        dots_per_inch=_DOTS_PER_INCH,
+        style=str(style),
+        title=False,
+    )
+
+
+def figure_markup(figure: Figure, *, title: str, description: str, key: str) -> str:
+    """Make a figure an element of a page.
 
     Parameters
     ----------
     figure : Figure
-        What was drawn.
+        Drawn with :func:`page_options`.
     title, description : str
         What a screen reader reads.
     key : str
         Beginning of the ids, unique on the page.
-    size_in : (float, float), optional
-        Width and height [in], instead of the figure's own.
 
     Returns
     -------
     str
     """
-    import matplotlib as mpl
-
-    if figure.get_suptitle():
-        figure.suptitle("")
-    if size_in is not None:
-        figure.set_size_inches(*size_in)
     _rasterise_cells(figure)
     buffer = io.BytesIO()
-    with mpl.rc_context({"svg.hashsalt": _SALT, "svg.fonttype": "none"}):
-        figure.savefig(
-            buffer, format="svg", dpi=_DOTS_PER_INCH, transparent=True, metadata={"Date": None}
-        )
+    figure.savefig(
+        buffer, format="svg", dpi=_DOTS_PER_INCH, transparent=True, metadata={"Date": None}
+    )
     return inline_svg(buffer.getvalue(), title=title, description=description, key=f"drawn-{key}")
 
 

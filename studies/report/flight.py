@@ -14,7 +14,7 @@ from sizing.results.analysis_summary import flight_table, scenario_table
 from sizing.results.tables import Line, Summary, Table
 from solar.names import ATTITUDE_MODELS
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
-from studies.report.figures import figure_markup
+from studies.report.figures import figure_markup, page_options
 from studies.report.subject import Subject
 
 if TYPE_CHECKING:
@@ -95,11 +95,10 @@ def day_section(subject: Subject) -> Section:
         "night."
     )
     markup = figure_markup(
-        plot_cycle(analysis),
+        plot_cycle(analysis, figure=page_options(_WIDTH_IN, height)),
         title=f"Day cycle at {where}",
         description=described,
         key="cycle",
-        size_in=(_WIDTH_IN, height),
     )
     blocks: list[Block] = [Figure(markup, caption, scrolls=True)]
     if several:
@@ -109,11 +108,10 @@ def day_section(subject: Subject) -> Section:
         blocks.append(
             Figure(
                 figure_markup(
-                    plot_flight(analysis, analysis.flight),
+                    plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8)),
                     title="Flight on the calendar",
                     description="Solar power, load and state of charge over local time.",
                     key="calendar",
-                    size_in=(_WIDTH_IN, 4.8),
                 ),
                 "The mission's launch, flown on the calendar. Grey: night.",
                 scrolls=True,
@@ -162,7 +160,7 @@ def season_section(subject: Subject) -> Section | None:
         model=solar.model,
         correction=solar.correction,
     )
-    plot = plot_map(data)
+    plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
     _mark(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)
     markup = figure_markup(
@@ -171,7 +169,6 @@ def season_section(subject: Subject) -> Section | None:
         description=f"Excess time over the days of the year and latitudes from 70 S to 70 N. "
         f"{season}",
         key="season",
-        size_in=(_WIDTH_IN, 4.6),
     )
     told = [Text(season)] if season else []
     caption = (
@@ -226,7 +223,8 @@ def models_section(subject: Subject) -> Section | None:
     found = subject.comparison
     if found is None:
         return None
-    plot = plot_comparison(found)
+    height = 1.9 + 0.26 * len(found.cases)
+    plot = plot_comparison(found, figure=page_options(_WIDTH_IN + 0.4, height))
     markup = figure_markup(
         plot,
         title="Solar power models side by side",
@@ -234,7 +232,6 @@ def models_section(subject: Subject) -> Section | None:
         "error, the excess time with that error, and the season of perpetual flight; the same "
         "numbers are in the table below.",
         key="models",
-        size_in=(_WIDTH_IN + 0.4, 1.9 + 0.26 * len(found.cases)),
     )
     caption = (
         "What each model predicts: solar energy and excess time with bars of the model's RMS "
@@ -260,14 +257,13 @@ def uncertainty_section(subject: Subject) -> Section | None:
     found = subject.uncertainty
     if found is None:
         return None
-    plot = plot_uncertainty(found)
+    plot = plot_uncertainty(found, figure=page_options(9.6))
     markup = figure_markup(
         plot,
         title="Excess time under uncertain inputs",
         description=f"Histogram of the excess time. {found.headline()}. Beside it the inputs by "
         "what they explain of its variance, as in the table below.",
         key="scatter",
-        size_in=(9.6, plot.get_figheight()),
     )
     blocks = summary_blocks(found.summary(), title="probability and spread")
     caption = (
@@ -289,12 +285,11 @@ def weather_section(subject: Subject) -> Section | None:
     if found is None:
         return None
     markup = figure_markup(
-        plot_weather(found),
+        plot_weather(found, figure=page_options(_WIDTH_IN + 0.4, 6.4)),
         title="Flight through the weather record",
         description=f"{found.headline()}. Calendar of the state of charge at every dawn, share of "
         "launches still airborne, and days that close in every month.",
         key="weather",
-        size_in=(_WIDTH_IN + 0.4, 6.4),
     )
     caption = "State of charge at every dawn, survival of launches, and the season in this weather."
     blocks = summary_blocks(found.summary(), title="flight through the record")
@@ -312,7 +307,7 @@ def verification_section(subject: Subject) -> Section | None:
         return None
     blocks = summary_blocks(found.summary(), title="errors")
     drawn: list[Block] = []
-    for number, (name, plot) in enumerate(figures(found)):
+    for number, (name, plot) in enumerate(figures(found, figure=page_options(_WIDTH_IN + 0.4))):
         markup = figure_markup(
             plot,
             title=f"Log and models, {name}",

@@ -40,10 +40,20 @@ values = st.recursive(
 
 @given(st.dictionaries(texts, values, max_size=5))
 def test_written_data_reads_back_equal(data: dict[str, Any]) -> None:
+    compact = parse_yaml(to_yaml(data, compact=True), "a.yaml").data
+    assert compact == parse_yaml(to_yaml(data), "a.yaml").data
     read = parse_yaml(to_yaml(data), "a.yaml").data
     assert read == data
     # Equality alone takes 1, 1.0 and true for the same, and does not see the order.
     assert repr(read) == repr(data)
+
+
+def test_short_mappings_and_lists_stand_on_a_line() -> None:
+    data = {"a": {"b": 1, "c": [1.5, 2.0]}, "d": list(range(40)), "e": {}}
+    lines = to_yaml(data, compact=True).splitlines()
+    assert lines[:3] == ["a:", "  b: 1", "  c: [1.5, 2.0]"]
+    assert lines[3:5] == ["d:", "- 0"]
+    assert lines[-1] == "e: {}"
 
 
 def test_written_data_is_readable_block_style() -> None:
