@@ -34,6 +34,11 @@ class Latest:
         self._turn = asyncio.Lock()
         self._newest: dict[str, object] = {}
 
+    @property
+    def waiting(self) -> int:
+        """Number of clients whose request waits or is computed."""
+        return len(self._newest)
+
     async def run(self, client: str, work: Callable[[], T]) -> T:
         """Compute when it is this request's turn.
 

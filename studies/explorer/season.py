@@ -42,7 +42,8 @@ _KEYS_OF_LIGHT = (
     "flight_path",
 )
 _KEPT = 6  # lights, of 4 MB at most each
-_TURN_S = 0.12  # of filling a slow map, before others have their turn
+# Of filling a slow map, before others have their turn: while a slider moves, and when it rests.
+_SHORT_TURN_S, _TURN_S = 0.02, 0.12
 
 
 def follows_path(solar: SolarModel) -> bool:
@@ -110,7 +111,7 @@ class SeasonMaps:
             return solar_day(aircraft, mission, solar, scenarios=cells, step_h=step_h)
 
         if on_path:
-            _fill(light, lit)
+            _fill(light, lit, _SHORT_TURN_S if coarse else _TURN_S)
         elif light.day is None:
             light.rows, light.day = list(range(len(LATITUDES_DEG))), lit(LATITUDES_DEG)
         rows: list[list[float | None] | None] = [None] * len(LATITUDES_DEG)
@@ -139,9 +140,9 @@ class SeasonMaps:
         return light
 
 
-def _fill(light: _Light, lit: Callable[[FloatArray], SolarDay]) -> None:
+def _fill(light: _Light, lit: Callable[[FloatArray], SolarDay], turn_s: float) -> None:
     """Add rows that are missing, as many as a turn allows and at least one."""
-    end = time.monotonic() + _TURN_S
+    end = time.monotonic() + turn_s
     for row in _spread(len(LATITUDES_DEG)):
         if row in light.rows:
             continue

@@ -84,4 +84,4 @@ def _require_server() -> None:
         import starlette  # noqa: F401
         import uvicorn  # noqa: F401
     except ImportError as error:
-        raise click.ClickException(_NEEDS.format(missing=error.name)) from None
+        raise click.UsageError(_NEEDS.format(missing=error.name)) from None

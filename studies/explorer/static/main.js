@@ -162,7 +162,12 @@ async function begin() {
     numbers.refuse(heads[error.kind] ?? "Not computed", `${inWords(words)}. Curves and numbers are those before.`);
     $("announce").textContent = error.message;
   };
-  const connection = new Connection($("connection"), () => asked.want("coarse"));
+  const connection = new Connection($("connection"), async () => {
+    // Another explorer may have taken the place of the one that this page belongs to.
+    const now = await api.session().catch(() => session);
+    if (JSON.stringify(now) === JSON.stringify(session)) asked.want("coarse");
+    else location.reload();
+  });
   const asked = new Live(state, draw, refuse, connection);
 
   const follow = () => {

@@ -44,6 +44,7 @@ export class Season {
     holder.addEventListener("pointerup", (event) => this.release(event));
     holder.addEventListener("pointercancel", () => {
       this.pressed = false;
+      this.state.set({});
     });
     holder.addEventListener("pointerleave", () => this.read(null));
     holder.addEventListener("keydown", (event) => this.key(event));

@@ -1,5 +1,7 @@
 // Settings of the page and their trace in the address: only what differs from the start.
 
+const ONE_STEP_MS = 1500;
+
 /** Settings by key, with the fields that they belong to. */
 export class State extends EventTarget {
   constructor(session) {
@@ -9,6 +11,7 @@ export class State extends EventTarget {
     this.start = {};
     for (const one of [...session.fields, ...session.choices]) this.start[one.key] = one.value;
     this.values = { ...this.start, ...this.read() };
+    this.committed = { address: location.pathname + location.hash, keys: "", at: 0 };
   }
 
   /** What differs from the start. */
@@ -24,7 +27,7 @@ export class State extends EventTarget {
    */
   set(values, how = "commit") {
     Object.assign(this.values, values);
-    if (how !== "restore") this.write(how);
+    if (how === "commit") this.write(Object.keys(values).join());
     this.dispatchEvent(new CustomEvent("change", { detail: { how } }));
   }
 
@@ -49,24 +52,21 @@ export class State extends EventTarget {
     return found;
   }
 
-  write(how) {
+  /** Put the state into the address; arrow keys held on one slider are one step back. */
+  write(keys) {
     const hash = new URLSearchParams(this.changes()).toString();
     const address = location.pathname + (hash ? `#${hash}` : "");
-    if (how === "move") {
-      // Browsers allow some hundred changes of the address in half a minute.
-      clearTimeout(this.later);
-      this.later = setTimeout(() => history.replaceState(null, "", address), 300);
-      return;
-    }
-    clearTimeout(this.later);
-    if (address !== this.committed) history.pushState(null, "", address);
-    this.committed = address;
+    const { committed } = this;
+    if (address === committed.address) return;
+    const same = keys === committed.keys && performance.now() - committed.at < ONE_STEP_MS;
+    if (same) history.replaceState(null, "", address);
+    else history.pushState(null, "", address);
+    this.committed = { address, keys, at: performance.now() };
   }
 
   /** Settings of the address again, after the back button. */
   restore() {
-    clearTimeout(this.later);
-    this.committed = location.pathname + location.hash;
+    this.committed = { address: location.pathname + location.hash, keys: "", at: 0 };
     const values = { ...this.start, ...this.read() };
     // The back button is told twice: by popstate and by hashchange.
     if (Object.keys(values).some((key) => values[key] !== this.values[key])) this.set(values, "restore");

@@ -1,0 +1,48 @@
+"""The command: what it refuses before it serves anything."""
+
+import socket
+import sys
+
+import pytest
+from command_line import Run
+
+from studies.explorer.serve import ADDRESS
+
+
+def test_missing_extra_is_named(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    answer = run("explore", "atlantiksolar-as2", "--no-browser")
+    assert answer.code == 2
+    assert "pip install 'solar-uav-sizing[explore]'" in answer.err
+    assert answer.out == ""
+
+
+def test_taken_port_is_told(run: Run) -> None:
+    with socket.socket() as taken:
+        taken.bind((ADDRESS, 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        answer = run("explore", "atlantiksolar-as2", "--no-browser", "--port", str(port))
+    assert answer.code == 1
+    assert f"cannot listen on {ADDRESS}:{port}" in answer.err
+    assert answer.out == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--port", "65536"), "65536"),
+        (("--port", "x"), "not a valid integer"),
+        (("--mission", "nowhere"), "nowhere"),
+        (("--set", "mission.climb={ceiling_m: 3000}"), "explore flies at constant altitude"),
+        (("--set", "battery.mass_kg=-1"), "battery.mass_kg"),
+        (("--mission", "desert-center-48h", "--model", "FM"), "flight path"),
+    ],
+)
+def test_wrong_input_is_refused_before_anything_is_served(
+    run: Run, words: tuple[str, ...], message: str
+) -> None:
+    answer = run("explore", "atlantiksolar-as2", "--no-browser", *words)
+    assert answer.code == 2
+    assert message in answer.err
+    assert answer.out == ""

@@ -1,0 +1,61 @@
+"""Of the requests of a page that wait, the latest alone is computed."""
+
+import asyncio
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+from studies.explorer.latest import Latest, SupersededError
+
+
+def outcomes(clients: list[str]) -> list[str]:
+    """What becomes of requests that come while the first is computed, and what was computed."""
+    computed: list[str] = []
+
+    async def ask() -> list[str]:
+        begun, go = threading.Event(), threading.Event()
+
+        def work(name: str, *, wait: bool = False) -> str:
+            if wait:
+                begun.set()
+                go.wait(10.0)
+            computed.append(name)
+            return name
+
+        with ThreadPoolExecutor(1) as executor:
+            latest = Latest(executor)
+            first = asyncio.create_task(latest.run("a", lambda: work("first", wait=True)))
+            await asyncio.to_thread(begun.wait, 10.0)
+            later = []
+            for number, client in enumerate(clients):
+                name = f"{client}{number}"
+                later.append(asyncio.create_task(latest.run(client, lambda n=name: work(n))))
+                await asyncio.sleep(0)
+            go.set()
+            done = await asyncio.gather(first, *later, return_exceptions=True)
+        assert latest.waiting == 0
+        return ["dropped" if isinstance(one, SupersededError) else str(one) for one in done]
+
+    found = asyncio.run(ask())
+    assert computed == [name for name in found if name != "dropped"]
+    return found
+
+
+def test_latest_of_one_page_is_computed() -> None:
+    assert outcomes(["a", "a", "a"]) == ["first", "dropped", "dropped", "a2"]
+
+
+def test_pages_do_not_drop_those_of_others() -> None:
+    assert outcomes(["a", "b", "a", "b"]) == ["first", "dropped", "dropped", "a2", "b3"]
+
+
+def test_error_of_one_request_leaves_the_next_alone() -> None:
+    async def ask() -> str:
+        with ThreadPoolExecutor(1) as executor:
+            latest = Latest(executor)
+            try:
+                await latest.run("a", lambda: str(1 // 0))
+            except ZeroDivisionError:
+                return await latest.run("a", lambda: "next")
+        return "nothing"
+
+    assert asyncio.run(ask()) == "next"
