@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,9 @@ _POWER_HELP = (
     f"the power is read from a topic {_POWER_TOPIC} with mppt_volt[i] and mppt_amp[i]; "
     "logs that have it elsewhere must be exported to CSV"
 )
+# How often a log is read over before its reader is taken to go round in circles.
+_MOST_PASSES = 20
+_DAMAGED = "the log is damaged; what of it could be read is used"
 
 
 class _Topic(NamedTuple):
@@ -33,6 +38,7 @@ class _Topic(NamedTuple):
     fields: dict[str, NDArray[Any]]
 
 
+@np.errstate(invalid="ignore", over="ignore")  # damaged numbers need not be any
 def read_ulog(path: str | os.PathLike[str]) -> FlightLog:
     """Read a PX4 ULog; needs the package pyulog.
 
@@ -48,7 +54,7 @@ def read_ulog(path: str | os.PathLike[str]) -> FlightLog:
     import pandas as pd
 
     source = os.fspath(path)
-    topics = _ulog_topics(source)
+    topics, damaged = _ulog_topics(source)
     power = _topic(topics, (_POWER_TOPIC,), source, _POWER_HELP)
     attitude = _topic(topics, ("vehicle_attitude",), source, "needed for the attitude")
     position = _topic(topics, _POSITION_TOPICS, source, "needed for position and universal time")
@@ -65,12 +71,42 @@ def read_ulog(path: str | os.PathLike[str]) -> FlightLog:
         battery = topics["battery_status"]
         columns |= _sampled(battery, time_s, _BATTERY_AGE_S, _battery(battery))
     table = pd.DataFrame(columns)
-    note = "load_w is voltage times current of battery_status" if "load_w" in table else ""
-    return log_from_table(table, source, notes=[note] if note else [])
+    notes = [_DAMAGED] if damaged else []
+    if "load_w" in table:
+        notes.append("load_w is voltage times current of battery_status")
+    return log_from_table(table, source, notes=notes)
 
 
-def _ulog_topics(source: str) -> dict[str, _Topic]:
-    """First instance of every topic in the log."""
+class _EndlessError(Exception):
+    """More was read of a file than any of its contents could need."""
+
+
+class _BoundedFile:
+    """File for a parser that may go round in circles where a byte is wrong."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._left = _MOST_PASSES * (os.fstat(file.fileno()).st_size + 1000)
+
+    def read(self, size: int = -1) -> bytes:
+        data = self._file.read(size)
+        self._left -= len(data) + 1  # a read at the end counts as well
+        if self._left < 0:
+            raise _EndlessError("its messages lead back to themselves")
+        return data
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def close(self) -> None:
+        self._file.close()
+
+
+def _ulog_topics(source: str) -> tuple[dict[str, _Topic], bool]:
+    """First instance of every topic in the log; whether the log is damaged."""
     try:
         from pyulog import ULog
     except ImportError:
@@ -80,17 +116,24 @@ def _ulog_topics(source: str) -> dict[str, _Topic]:
     if not Path(source).is_file():
         raise file_error(source, "cannot be read: no such file")
     names = [_POWER_TOPIC, "vehicle_attitude", *_POSITION_TOPICS, "battery_status"]
-    try:
-        log = ULog(source, names)
-    except Exception as error:  # pyulog raises whatever its parsing trips over
-        raise file_error(source, f"is not a ULog: {printable(str(error))}") from None
+    # What pyulog prints of damaged logs would stand among the results.
+    with contextlib.redirect_stdout(io.StringIO()):
+        try:
+            with open(source, "rb") as file:  # noqa: PTH123
+                log = ULog(_BoundedFile(file), names)
+        except OSError as error:
+            raise file_error(source, f"cannot be read: {error.strerror}") from None
+        except Exception as error:  # pyulog raises whatever its parsing trips over
+            raise file_error(source, f"is not a ULog: {printable(str(error))[:200]}") from None
     topics: dict[str, _Topic] = {}
     for data in sorted(log.data_list, key=lambda d: int(d.multi_id)):
         fields = {str(k): np.asarray(v) for k, v in data.data.items()}
+        if "timestamp" not in fields:
+            raise file_error(source, f"topic {printable(str(data.name))} has no field timestamp")
         if len(fields["timestamp"]):
             topic = _Topic(str(data.name), fields["timestamp"] / 1e6, fields)
             topics.setdefault(topic.name, topic)
-    return topics
+    return topics, bool(log.file_corruption)
 
 
 def _topic(topics: dict[str, _Topic], names: Sequence[str], source: str, purpose: str) -> _Topic:

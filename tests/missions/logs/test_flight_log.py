@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import struct
 import sys
 from pathlib import Path
@@ -10,6 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from missions.files.errors import InputError
@@ -301,7 +305,7 @@ def ulog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     def reader(content: dict[str, dict[str, Any]]) -> FlightLog:
         data = [SimpleNamespace(name=n, multi_id=0, data=d) for n, d in content.items()]
         module = ModuleType("pyulog")
-        module.ULog = lambda *_: SimpleNamespace(data_list=data)  # type: ignore[attr-defined]
+        module.ULog = lambda *_: SimpleNamespace(data_list=data, file_corruption=False)  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "pyulog", module)
         return read_flight_log(file)
 
@@ -413,4 +417,38 @@ def test_ulog_file_is_read_by_the_package(tmp_path: Path) -> None:
     check_ulog(read_flight_log(file))
     file.write_bytes(b"not a log at all")
     with pytest.raises(InputError, match="is not a ULog"):
+        read_flight_log(file)
+
+
+@settings(max_examples=100)
+@given(
+    st.lists(st.tuples(st.floats(0.0, 1.0), st.integers(0, 255)), min_size=1, max_size=3),
+    st.floats(0.5, 1.0),
+)
+def test_damaged_ulog_is_read_or_refused_in_words(
+    tmp_path_factory: pytest.TempPathFactory, changes: list[tuple[float, int]], kept: float
+) -> None:
+    pytest.importorskip("pyulog")
+    content = bytearray(ulog_bytes(topics()))
+    content = content[: int(kept * len(content))] if kept < 0.9 else content
+    for place, value in changes:
+        content[min(int(place * len(content)), len(content) - 1)] = value
+    file = tmp_path_factory.mktemp("log") / "flight.ulg"
+    file.write_bytes(content)
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed), contextlib.suppress(InputError):
+        read_flight_log(file)
+    assert not printed.getvalue()
+
+
+def test_ulog_that_leads_back_to_itself_is_refused(tmp_path: Path) -> None:
+    pytest.importorskip("pyulog")
+    file = tmp_path / "flight.ulg"
+    content = bytearray(ulog_bytes(topics())[:16])
+    note = b"\x0achar[4] abcnote"
+    content += 5000 * (struct.pack("<H", len(note)) + b"I" + note)
+    # A message that claims to be longer than the file, of no known kind: pyulog steps back.
+    content += struct.pack("<H", 65535) + b"\x00" + b"tail"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match="is not a ULog|has no topic"):
         read_flight_log(file)
