@@ -450,5 +450,5 @@ def test_ulog_that_leads_back_to_itself_is_refused(tmp_path: Path) -> None:
     # A message that claims to be longer than the file, of no known kind: pyulog steps back.
     content += struct.pack("<H", 65535) + b"\x00" + b"tail"
     file.write_bytes(content)
-    with pytest.raises(InputError, match="is not a ULog|has no topic"):
+    with pytest.raises(InputError, match=r"is not a ULog|has no topic"):
         read_flight_log(file)
