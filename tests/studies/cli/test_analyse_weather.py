@@ -1,7 +1,7 @@
 import csv
 import io
 
-from weather_files import clear_record, write_plain
+from weather_files import clear_record, write_epw, write_plain
 
 from missions.weather.files import load_weather
 
@@ -45,13 +45,17 @@ def test_mistakes_end_with_two_and_one_line(run, tmp_path):
     assert "Traceback" not in missing.err + far.err + moved.err
 
 
-def test_options_without_effect_are_refused(run):
+def test_options_without_effect_are_refused(run, tmp_path):
     for option, value in (("--date", "06-21"), ("--day-of-year", "172")):
         told = run("analyse", AS2, option, value, "--weather", "colorado-2023")
         assert told.code == 2
         assert f"a weather record has its own days: give {option} or --weather" in told.err
     told = run("analyse", AS2, "--csv-years", "years.csv")
     assert (told.code, "--csv-years needs --weather" in told.err) == (2, True)
+    record = clear_record(59, first="2001-01-01", interval_s=3600.0)
+    typical = write_epw(tmp_path / "typical.epw", record, years={1: 1996, 2: 1988})
+    told = run("analyse", AS2, "--weather", typical, "--csv-years", "years.csv")
+    assert (told.code, "this is a typical year" in told.err) == (2, True)
 
 
 def test_years_are_written_a_row_each(run, tmp_path):
