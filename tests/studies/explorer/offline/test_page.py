@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 from browser_pages import PHONE, accessibility_problems, too_wide
+from explorer_pages import DAY, LATITUDE, at_rest, go_to, number, shown, slider
 
 from sizing.results.analysis import Analysis
 from studies.explorer.offline.page import offline_page
@@ -15,7 +17,6 @@ from studies.explorer.session import Session
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
-LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
 MEGABYTE = 1e6
 
 
@@ -38,30 +39,6 @@ def offline(session: Session, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def at_rest(page: Any) -> Any:
-    """The page, once its map is exact."""
-    page.wait_for_function("document.documentElement.dataset.rest === 'true'")
-    return page
-
-
-def shown(page: Any, label: str) -> str:
-    found = page.locator("#numbers div", has=page.get_by_text(label, exact=True))
-    return str(found.locator("dd").first.inner_text())
-
-
-def mass_kg(page: Any) -> float:
-    return float(shown(page, "total mass").removesuffix(" kg"))
-
-
-def go_to(page: Any, **settings: float) -> None:
-    """Move the page by its address, as a link would."""
-    hash_ = "&".join(f"{key}={value}" for key, value in settings.items())
-    page.evaluate(
-        "hash => { document.documentElement.dataset.rest = ''; location.hash = hash }", hash_
-    )
-    at_rest(page)
-
-
 def test_one_file_of_moderate_size(offline: Path) -> None:
     assert offline.stat().st_size < 2 * MEGABYTE
 
@@ -71,9 +48,7 @@ def test_start_is_that_of_the_analysis(open_page: Any, offline: Path, session: S
     numbers = session.day(session.settings())["numbers"]
     assert page.locator("#verdict-title").inner_text() == "Perpetual flight"
     # Light between two latitudes and two dates of the table; see the next test.
-    assert float(shown(page, "excess time").split()[0]) == pytest.approx(
-        numbers["excess_time_h"], abs=0.02
-    )
+    assert number(page, "excess time") == pytest.approx(numbers["excess_time_h"], abs=0.02)
     assert shown(page, "total mass") == f"{numbers['total_mass_kg']:.2f} kg"
     assert shown(page, "battery") == f"{numbers['battery_energy_wh']:.0f} Wh"
     assert too_wide(page) == []
@@ -96,23 +71,21 @@ def test_numbers_between_the_nodes(open_page: Any, offline: Path, session: Sessi
     for point in POINTS:
         go_to(page, **point)
         found: Analysis = session.analysis(session.settings(point))
-        cycle = found.performance.cycle
-        text = shown(page, "excess time")
+        cycle, hours = found.performance.cycle, partial(number, page)
         if found.to_dict()["status"] == "always_lit":
-            assert text == "unlimited"
+            assert shown(page, "excess time") == "unlimited"
         else:
-            excess = float(text.removesuffix(" h").replace("\u2212", "-"))
             # The error that the page itself states for nine points of ten is 0.04 h.
-            assert excess == pytest.approx(found.excess_time_h, abs=0.06), point
-        charge = float(shown(page, "min. charge").removesuffix(" %")) / 100
+            assert hours("excess time") == pytest.approx(found.excess_time_h, abs=0.06), point
+        charge = number(page, "min. charge") / 100
         assert charge == pytest.approx(cycle.minimum_state_of_charge[0], abs=0.01), point
-        margin = float(shown(page, "charge margin").removesuffix(" h"))
-        assert margin == pytest.approx(cycle.charge_margin_h[0], abs=0.1), point
+        assert hours("charge margin") == pytest.approx(cycle.charge_margin_h[0], abs=0.1), point
         endurance = found.endurances[0]
         if endurance is not None:
-            hours = float(shown(page, "endurance").removesuffix(" h"))
             # Launches five minutes apart.
-            assert hours == pytest.approx(float(endurance.endurance_h), abs=0.2), point
+            assert number(page, "endurance") == pytest.approx(
+                float(endurance.endurance_h), abs=0.2
+            ), point
 
 
 @pytest.mark.parametrize("name", ["atlantiksolar-design", "atlantiksolar-as2"])
@@ -144,17 +117,17 @@ def test_settings_that_no_aircraft_has(open_page: Any, offline: Path) -> None:
 
 def test_slider_by_keyboard_changes_numbers_and_address(open_page: Any, offline: Path) -> None:
     page = at_rest(open_page(offline, waiting=True))
-    before = mass_kg(page)
-    slider = page.locator('[data-key="battery.mass_kg"] input[type=range]')
-    slider.focus()
+    before = number(page, "total mass")
+    mass = slider(page, "battery.mass_kg")
+    mass.focus()
     for _ in range(5):
-        slider.press("PageUp")
+        mass.press("PageUp")
     at_rest(page)
-    assert mass_kg(page) > before
+    assert number(page, "total mass") > before
     page.wait_for_function("location.hash.includes('battery.mass_kg')")
     page.reload()
     at_rest(page)
-    assert mass_kg(page) > before
+    assert number(page, "total mass") > before
 
 
 @pytest.mark.parametrize("dark", [False, True])

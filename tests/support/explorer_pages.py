@@ -1,0 +1,49 @@
+"""What tests read on the explorer's page, served or offline."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Locator, Page
+
+LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
+
+
+def at_rest(page: Page) -> Page:
+    """The page, once its map is exact; it must have been opened with ``waiting``."""
+    page.wait_for_function("document.documentElement.dataset.rest === 'true'")
+    return page
+
+
+def shown(page: Page, label: str) -> str:
+    """Number beside a label, with its unit."""
+    found = page.locator("#numbers div", has=page.get_by_text(label, exact=True))
+    return found.locator("dd").first.inner_text()
+
+
+def number(page: Page, label: str) -> float:
+    """The same without its unit."""
+    return float(shown(page, label).split()[0].replace("\u2212", "-"))
+
+
+def slider(page: Page, key: str) -> Locator:
+    """Slider of a field."""
+    return page.locator(f'[data-key="{key}"] input[type=range]')
+
+
+def typed(page: Page, key: str, text: str) -> None:
+    """Type a number beside a slider, as people do, and wait for what it makes."""
+    box = page.locator(f'[data-key="{key}"] input[type=number]')
+    box.fill(text)
+    box.press("Tab")
+    at_rest(page)
+
+
+def go_to(page: Page, **settings: float) -> None:
+    """Move the page by its address, as a link would."""
+    place = "&".join(f"{key}={value}" for key, value in settings.items())
+    page.evaluate(
+        "place => { document.documentElement.dataset.rest = ''; location.hash = place }", place
+    )
+    at_rest(page)
