@@ -62,7 +62,10 @@ def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--o
         raise click.BadParameter(f"{path!r} must end in .html or .pdf", param_hint=option)
     if (with_pdf or suffix == _PRINTED) and not has_weasyprint():
         raise click.UsageError(MISSING)
-    check_outputs(**{option.removeprefix("--"): path})
+    places = {option.removeprefix("--"): path}
+    if with_pdf and suffix == _PAGE:
+        places["pdf"] = str(PurePath(path).with_suffix(_PRINTED))
+    check_outputs(**places)
 
 
 def subject_of(case: Case, **others: Any) -> Subject:

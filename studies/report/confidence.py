@@ -85,6 +85,12 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
     still = mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0
     if subject.verification is None and still:
         found.append("The air is calm: level flight takes no more power than in still air.")
+    left_out = subject.with_uncertainty is None and subject.has_uncertain_inputs
+    if subject.verification is None and left_out and not subject.uncertainty_is_quick:
+        found.append(
+            f"Uncertain inputs: left out, {len(mission.scenarios())} scenarios take long "
+            "(--uncertainty)."
+        )
     if mission.uncertainty_margins.given:
         found.append("The mission's uncertainty margins are taken off every number here.")
     return tuple(found)

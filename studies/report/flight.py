@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +35,7 @@ _WIDTH_IN = 7.4
 # Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
 CELLS, SLOW_CELLS = (57, 74), (15, 14)
 _NORTHERNMOST_DEG = 70.0
+_MOST_RINGS = 30
 # Lines on the cells of a map: black on a dark page as well, unlike the axes.
 _ON_CELLS = "#111111"
 
@@ -179,9 +181,12 @@ def season_section(subject: Subject) -> Section | None:
 
 
 def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
-    """Rings at the places of a mission: of many, those at the corners."""
+    """Rings at the places of a mission: of many, at the corners of what they cover."""
     from matplotlib.contour import ContourSet
 
+    if len(day) > _MOST_RINGS:
+        days, latitudes = ((min(v), max(v)) for v in (day, latitude_deg))
+        day, latitude_deg = (*days, *days), (latitudes[0], *latitudes, latitudes[1])
     axes = plot.axes[0]
     for contour in axes.collections:
         if isinstance(contour, ContourSet):
@@ -195,14 +200,13 @@ def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
 
 def _season_text(subject: Subject) -> str:
     """Days of the year on which all latitudes of the mission are flown perpetually."""
-    found, latitudes = subject.comparison, subject.mission.latitudes()
+    found = subject.comparison
     cases = () if found is None else found.cases
+    latitudes = () if found is None else found.mission.latitudes()
     season = next((case.season for case in cases if case.solar == subject.solar), None)
     if season is None:
         return ""
-    where = latitude_label(latitudes[0])
-    if len(latitudes) > 1:
-        where = f"all latitudes of the mission, {where} to {latitude_label(latitudes[-1])}"
+    where = _places(latitudes)
     if season.days in (0, DAYS_PER_YEAR):
         day = "no day" if season.days == 0 else "every day"
         return f"At {where}, {day} of the year is flown perpetually."
@@ -211,6 +215,12 @@ def _season_text(subject: Subject) -> str:
         return f"{told}, none of them at midsummer."
     window = f"{date_label(season.first)} to {date_label(season.last)}"
     return f"{told}, {window} without a break."
+
+
+def _places(latitudes: Sequence[float]) -> str:
+    """One latitude, or the ends of several."""
+    ends = [latitude_label(latitude) for latitude in latitudes]
+    return ends[0] if len(ends) == 1 else f"all latitudes from {ends[0]} to {ends[-1]}"
 
 
 # ---- Models
@@ -233,9 +243,11 @@ def models_section(subject: Subject) -> Section | None:
         "numbers are in the table below.",
         key="models",
     )
+    at = found.mission.latitudes()
+    where = "" if len(at) == len(subject.mission.latitudes()) else f" at {_places(at)}"
     caption = (
-        "What each model predicts: solar energy and excess time with bars of the model's RMS "
-        "error, and the perpetual season."
+        f"What each model predicts{where}: solar energy and excess time with bars of the model's "
+        "RMS error, and the perpetual season."
     )
     blocks: list[Block] = [
         Text(found.headline()),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
@@ -24,6 +25,8 @@ __all__ = ["SAMPLES", "Subject"]
 
 # Draws of uncertain inputs: a second or two, and probabilities to within two per cent.
 SAMPLES = 2048
+_MOST_SCENARIOS = 30  # of which so many draws are flown unasked
+_MOST_LATITUDES = 3
 
 
 @dataclass(frozen=True)
@@ -80,18 +83,41 @@ class Subject:
 
     @cached_property
     def comparison(self) -> Comparison | None:
-        """Solar power models side by side; None for a mission that climbs."""
-        from studies.models.comparison import compare
+        """Solar power models side by side; None for a mission that climbs.
 
-        return None if self.climbs else compare(self.aircraft, self.mission, design=False)
+        Of a mission with many latitudes at that of its weakest scenario: the season of VM and FM
+        takes a second or two at each.
+        """
+        from studies.models.comparison import compare
+        from studies.models.solar_models import attitude_is_known
+
+        if self.climbs:
+            return None
+        mission, latitudes = self.mission, self.mission.latitudes()
+        if len(latitudes) > _MOST_LATITUDES and attitude_is_known(self.aircraft, mission):
+            scenarios = self.analysis.performance.day.scenarios
+            weakest = float(scenarios.latitude_deg[self.analysis.worst])
+            mission = with_values(mission, {"latitude_deg": weakest, "launch": None})
+        return compare(self.aircraft, mission, design=False)
+
+    @property
+    def has_uncertain_inputs(self) -> bool:
+        """Whether a file says how its inputs scatter."""
+        return self.aircraft.uncertainty is not None or self.mission.uncertainty is not None
+
+    @property
+    def uncertainty_is_quick(self) -> bool:
+        """Whether flights of all draws take no more than a few seconds."""
+        return len(self.mission.scenarios()) <= _MOST_SCENARIOS
 
     @cached_property
     def uncertainty(self) -> UncertaintyAnalysis | None:
         """Flights under draws of the uncertain inputs, where there are any or asked for."""
         from sizing.results.uncertainty import analyse_uncertainty
 
-        given = self.aircraft.uncertainty is not None or self.mission.uncertainty is not None
-        wanted = given if self.with_uncertainty is None else self.with_uncertainty
+        wanted = self.with_uncertainty
+        if wanted is None:
+            wanted = self.has_uncertain_inputs and self.uncertainty_is_quick
         if not wanted or self.climbs:
             return None
         return analyse_uncertainty(
