@@ -31,7 +31,7 @@ class OutputError(OSError):
 
 
 # Characters of a mapping or list that is written on one line.
-_SHORT = 72
+_SHORT = 84
 _REPRESENTERS: Any = yaml.SafeDumper.yaml_representers
 
 

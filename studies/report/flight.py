@@ -34,7 +34,7 @@ _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
 # Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
 CELLS, SLOW_CELLS = (57, 74), (15, 14)
-_NORTHERNMOST_DEG = 70.0
+_POLEWARD_DEG = 70.0  # or the poles, for a mission beyond
 _MOST_RINGS = 30
 # Lines on the cells of a map: black on a dark page as well, unlike the axes.
 _ON_CELLS = "#111111"
@@ -152,7 +152,8 @@ def season_section(subject: Subject) -> Section | None:
     solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
     slow = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
     rows, columns = SLOW_CELLS if slow else CELLS
-    latitudes = np.linspace(-_NORTHERNMOST_DEG, _NORTHERNMOST_DEG, rows)
+    farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
+    latitudes = np.linspace(-farthest, farthest, rows)
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
     data = feasibility_map(
         subject.aircraft,
@@ -168,8 +169,7 @@ def season_section(subject: Subject) -> Section | None:
     markup = figure_markup(
         plot,
         title="Season map",
-        description=f"Excess time over the days of the year and latitudes from 70 S to 70 N. "
-        f"{season}",
+        description=f"Excess time over the days of the year and all latitudes. {season}",
         key="season",
     )
     told = [Text(season)] if season else []

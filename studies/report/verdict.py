@@ -47,32 +47,32 @@ def verdict(subject: Subject) -> Verdict:
     required, excess = mission.required_excess_time_h, analysis.excess_time_h
     several = len(analysis.performance.cycle.status) > 1
     where = analysis.performance.day.scenarios.label(analysis.worst)
-    weakest = f"in its weakest scenario, {where}," if several else f"at {where}"
+    weakest = f"in its weakest scenario, {where}," if several else f"at {where},"
     who = f"{subject.aircraft.name} on {mission.name}"
     error = f"one RMS error of the solar model ({100.0 * subject.solar.rms_relative:.0f} %)"
     fails = f"{who} does not fly perpetually: {weakest}"
     if not analysis.is_perpetual:
         flight = analysis.endurances[analysis.worst]
-        longest = (
-            "" if flight is None else f" it stays up for {hours(float(flight.endurance_h))} at most"
-        )
-        told = f"{fails}{longest}, {hours(max(-float(excess), 0.0))} of every day without power"
+        hold_h = np.inf if flight is None else float(flight.endurance_h)
+        longest = "more than a year" if np.isinf(hold_h) else f"{hours(hold_h)} at most"
+        without = hours(max(-float(excess), 0.0))
+        told = f"{fails} it stays up for {longest}, {without} of every day are without power"
         if highs > 0.0:
             return _judged("edge", f"{told}; with {error} more sun it would fly perpetually.")
         return _judged("bad", f"{told}; {error} more sun would not change that.")
-    if np.isinf(excess):
-        return _judged("good", f"{who} flies perpetually: {weakest} the sun always carries it.")
-    told = f"{who} flies perpetually: {weakest} {hours(excess)} of excess time remain"
+    remain = "the sun always carries it" if np.isinf(excess) else f"{hours(excess)} of excess time"
+    told = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
     if excess < required:
         return _judged("bad", f"{told}, less than the required {required:g} h.")
-    if required > 0.0:
+    if required > 0.0 and np.isfinite(excess):
         told += f", {hours(excess - required)} more than required"
     if lows <= 0.0:
         return _judged("edge", f"{told}, but {error} less sun ends perpetual flight.")
     if lows < required:
         return _judged("edge", f"{told}, but {error} less sun leaves {hours(lows)}, too little.")
-    left = UNLIMITED if np.isinf(lows) else hours(lows)
-    return _judged("good", f"{told}, and with {error} less sun {left}.")
+    if np.isinf(lows):
+        return _judged("good", f"{told}, also with {error} less sun.")
+    return _judged("good", f"{told}, and {hours(lows)} with {error} less sun.")
 
 
 def _of_verification(found: Verification) -> Verdict:
