@@ -2,7 +2,8 @@
 
 The energy at a day's end rises with that at its start, by at most as much. All days are therefore
 marched at once from an empty and from a full battery: where both end alike, the day's end is known
-whatever came before. The few days that are left are marched one after the other. Nothing is
+whatever came before. The days that are left are marched again from the least and the most that the
+day before may end with, and the few that even that leaves open one after the other. Nothing is
 approximated but what :mod:`sizing.energy.march` approximates.
 """
 
@@ -218,18 +219,49 @@ def carried_over(
     brief = day.without_nodes()
     full = store.battery_energy_wh
     shape = (-1, days)
-    energy = np.zeros(full.shape).reshape(shape)
-    energy[:, 0] = start_wh
-    from_empty = brief.end_wh(store, np.zeros(full.shape)).reshape(shape)
-    from_full = brief.end_wh(store, np.array(full)).reshape(shape)
-    alike = from_full - from_empty <= _SAME * full.reshape(shape)
+    low = brief.end_wh(store, np.zeros(full.shape)).reshape(shape)
+    high = brief.end_wh(store, np.array(full)).reshape(shape)
+    alike = _narrowed(brief, store, start_wh, low, high)
     # Ends that do not depend on the start are the starts of the next days.
     known = np.zeros(alike.shape, bool)
     known[:, 0] = True
     known[:, 1:] = alike[:, :-1]
-    energy[:, 1:] = np.where(alike[:, :-1], from_full[:, :-1] * _next_over_own(full, days), 0.0)
+    energy = np.where(known, _starts(store, start_wh, high), 0.0)
     _march_open_days(brief, store, energy, known)
     return CarriedDays(balance, day, store, days, day.run(store, energy.reshape(-1)))
+
+
+def _narrowed(
+    day: ChargingDay, store: Store, start_wh: FloatArray, low_wh: FloatArray, high_wh: FloatArray
+) -> BoolArray:
+    """Narrow the ends that days may have, in place; true where but one is left.
+
+    The least and the most that a day may end with are where the next one may begin. As long as that
+    settles half of the days that are open, they are marched from there, all at once.
+    """
+    shape = low_wh.shape
+    width = _SAME * store.battery_energy_wh.reshape(shape)
+    alike = high_wh - low_wh <= width
+    cells = np.flatnonzero(~alike)
+    count = 2 * alike.size
+    while 0 < len(cells) <= count // 2:
+        count = len(cells)
+        begins = [_starts(store, start_wh, end).reshape(-1)[cells] for end in (low_wh, high_wh)]
+        twice = np.concatenate([cells, cells])
+        ends = day.select_lit(twice).end_wh(store.select(twice), np.concatenate(begins))
+        low_wh.reshape(-1)[cells], high_wh.reshape(-1)[cells] = ends[:count], ends[count:]
+        alike = high_wh - low_wh <= width
+        cells = np.flatnonzero(~alike)
+    return alike
+
+
+def _starts(store: Store, start_wh: FloatArray, end_wh: FloatArray) -> FloatArray:
+    """Energy at the start of every day from that at the ends of all [Wh]."""
+    starts = np.empty(end_wh.shape)
+    starts[:, 0] = start_wh
+    full = store.battery_energy_wh
+    starts[:, 1:] = end_wh[:, :-1] * _next_over_own(full, end_wh.shape[1])
+    return starts
 
 
 def _march_open_days(

@@ -167,6 +167,16 @@ def test_batteries_run_empty_where_a_load_is_not_met(clearness, energy):
     assert empty == pytest.approx(unserved > 1e-9 * energy)
 
 
+def test_days_that_never_settle_are_marched_one_after_the_other():
+    # Never empty, never full: each day's end depends on all days before.
+    clearness = 0.6 + 0.02 * np.sin(np.arange(30.0))
+    balance, its_store = days_of(clearness), store(20000.0, 30)
+    run = carried_over(balance, its_store, np.array([8000.0]), 30)
+    nodes, _ = step_by_step(balance, its_store, 8000.0)
+    assert 0.0 < nodes.min() < nodes.max() < 20000.0
+    assert pytest.approx(nodes, rel=1e-9) == run.energy_wh()[:, 0, :].T
+
+
 def test_the_same_day_again_and_again_becomes_the_repeated_day():
     for peak_w in (150.0, 165.0, 200.0):
         days = 120
