@@ -100,8 +100,6 @@ html_theme_options = {
     "show_prev_next": True,
     "footer_start": ["copyright"],
     "footer_end": [],
-    "pygments_light_style": "tango",
-    "pygments_dark_style": "monokai",
 }
 # Pages without others below them have nothing to show beside them.
 html_sidebars = {page: [] for page in ("index", "get-started", "validation", "faq", "nomenclature")}

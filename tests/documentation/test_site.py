@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from browser_pages import DESKTOP, PHONE, too_wide
+from browser_pages import DESKTOP, PHONE, accessibility_problems, too_wide
 from documented import DOCS
 
 SITE = DOCS / "_build" / "html"
@@ -30,13 +30,18 @@ PAGES = (
 )
 
 
+@pytest.fixture
+def problems() -> list[str]:
+    """What a page did that it must not do."""
+    return []
+
+
 @pytest.fixture(params=[DESKTOP, PHONE], ids=["desktop", "phone"])
-def page(request: pytest.FixtureRequest, chromium: Any) -> Iterator[Any]:
+def page(request: pytest.FixtureRequest, chromium: Any, problems: list[str]) -> Iterator[Any]:
     """A page that may read the files of the site, and nothing else."""
     width, height = request.param
     context = chromium.new_context(viewport={"width": width, "height": height})
     page = context.new_page()
-    problems: list[str] = []
     page.on("pageerror", lambda error: problems.append(str(error)))
     page.on("console", lambda message: _note(message, problems))
     page.on("request", lambda request: _ask(request, problems))
@@ -64,6 +69,16 @@ def test_page_is_whole(page: Any, name: str) -> None:
     pictures = "[...document.images].filter(i => i.complete && !i.naturalWidth).map(i => i.src)"
     assert page.evaluate(pictures) == []
     assert too_wide(page) == []
+
+
+@pytest.mark.parametrize("name", ["structure.html", "gallery/index.html", "api/sizing.html"])
+def test_page_is_accessible(page: Any, problems: list[str], name: str) -> None:
+    page.goto((SITE / name).as_uri())
+    page.evaluate("() => window.MathJax?.startup?.promise")
+    assert problems == []
+    assert accessibility_problems(page) == []
+    # The judge itself asks for style sheets, which a page in a file may not read.
+    problems.clear()
 
 
 def test_search_finds_pages(page: Any) -> None:
