@@ -26,6 +26,7 @@ from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
 from solar.schema import (
     Fraction,
+    Name,
     NonNegativeReal,
     Record,
     Text,
@@ -234,7 +235,7 @@ class Mission(Record):
 
     renamed_keys: ClassVar[Mapping[str, str]] = {"bands": "uncertainty_margins"}
 
-    name: Text
+    name: Name
     description: str = ""
     latitude_deg: Latitude | LatitudeRange
     longitude_deg: Longitude | None = None

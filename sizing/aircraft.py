@@ -15,7 +15,7 @@ from sizing.smooth import Value
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
+from solar.schema import Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
@@ -369,7 +369,7 @@ class DesignSpace(Record):
 class Aircraft(Record):
     """A solar aircraft as its file describes it."""
 
-    name: Text
+    name: Name
     description: str = ""
     airframe: Airframe
     modules: SolarModules

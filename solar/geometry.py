@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
 from solar.attitude import direction_cosines
-from solar.schema import PositiveReal, Real, Record, Text
+from solar.schema import Name, PositiveReal, Real, Record
 from solar.types import FloatArray
 
 _Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
@@ -45,7 +45,7 @@ class ModuleSurface(Record):
     The dihedral of a left or right surface raises its outer end.
     """
 
-    name: Text
+    name: Name
     area_m2: PositiveReal
     side: Literal["left", "centre", "right"]
     dihedral_deg: _Angle = 0.0

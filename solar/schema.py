@@ -10,6 +10,7 @@ __all__ = [
     "Flag",
     "Fraction",
     "Integer",
+    "Name",
     "NonNegativeInteger",
     "NonNegativeReal",
     "PositiveInteger",
@@ -104,3 +105,5 @@ def _printable(text: str) -> str:
 
 
 Text = Annotated[str, Strict(), Field(min_length=1, pattern=r"\S"), AfterValidator(_printable)]
+# Stands in titles of figures and first lines of tables.
+Name = Annotated[Text, Field(max_length=120)]

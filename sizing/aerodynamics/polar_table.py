@@ -57,7 +57,12 @@ def read_table_text(path: str) -> str:
         If the file cannot be read.
     """
     known = (_READ.get() or {}).get(path)
-    return Path(path).read_text(encoding="utf-8") if known is None else known
+    if known is not None:
+        return known
+    file = Path(path)
+    if file.exists() and not file.is_file():  # a pipe would keep its reader waiting
+        raise file_error(path, "is not a plain file")
+    return file.read_text(encoding="utf-8")
 
 
 @dataclass(frozen=True)

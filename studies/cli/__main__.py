@@ -19,6 +19,7 @@ from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 
 _CAN_REPEAT = hasattr(signal, "setitimer")  # not on Windows
 _REPEAT_S = 1.0
+_LONGEST_WORD, _MOST_LINES = 200, 30
 
 
 class _Lazy(NamedTuple):
@@ -130,6 +131,7 @@ def main() -> None:
 def _told(error: BaseException) -> int:
     """Print a mistake of the user, and return the exit code; raise what is ours."""
     if isinstance(error, click.ClickException):
+        vars(error)["message"] = _brief(error.message)
         error.show()
         return error.exit_code
     if isinstance(error, click.Abort | KeyboardInterrupt):
@@ -138,12 +140,22 @@ def _told(error: BaseException) -> int:
     from sizing.design import ImpossibleDesignError
 
     if isinstance(error, InputError):
-        click.echo(str(error), err=True)
+        click.echo(_brief(str(error)), err=True)
         return EXIT_BAD_INPUT
     if isinstance(error, ImpossibleDesignError | OSError):
-        click.echo(f"solar-uav: {error}", err=True)
+        click.echo(f"solar-uav: {_brief(str(error))}", err=True)
         return EXIT_FAILED
     raise error
+
+
+def _brief(message: str) -> str:
+    """Message that fits a screen: the first mistakes, and no word that goes on for pages."""
+    lines = [
+        " ".join(w if len(w) <= _LONGEST_WORD else f"{w[:_LONGEST_WORD]}..." for w in s.split(" "))
+        for s in message.splitlines()
+    ]
+    more = len(lines) - _MOST_LINES
+    return "\n".join(lines if more <= 0 else [*lines[:_MOST_LINES], f"... and {more} more"])
 
 
 @contextmanager

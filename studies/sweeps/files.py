@@ -47,12 +47,12 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
         from studies.output.columns import to_netcdf_bytes
 
         return to_netcdf_bytes(data)
+    from studies.output.formats import csv_bytes
     from studies.sweeps.study import to_table
 
     table = to_table(data)
     if file_format == "csv":
-        head = f"# {json.dumps(table.attrs)}\n"
-        return (head + table.to_csv(index=False)).encode()
+        return f"# {json.dumps(table.attrs)}\n".encode() + csv_bytes(table)
     buffer = io.BytesIO()
     table.to_parquet(buffer, index=False, engine="pyarrow")
     return buffer.getvalue()

@@ -125,6 +125,7 @@ def efficiencies(
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.models import component_efficiencies as study
+    from studies.output.formats import csv_bytes
 
     check_image(plot_file)
     check_outputs(csv=csv_file, plot=plot_file)
@@ -134,7 +135,7 @@ def efficiencies(
     data = study.component_efficiencies(case.aircraft, case.mission)
     write_results(
         csv_file,
-        lambda: data.to_dataframe().to_csv().encode(),
+        lambda: csv_bytes(data.to_dataframe().reset_index()),
         plot_file,
         lambda: study.plot_efficiencies(data, figure=figure),
     )

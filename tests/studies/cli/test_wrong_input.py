@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from command_line import BIRD, FIELD, Run, edited, files
+
+from studies.cli.__main__ import cli, main
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
@@ -323,3 +327,62 @@ def test_files_that_cannot_be_written(
     assert outcome.err.count("\n") == 1
     assert files(tmp_path) == {"file", "folder.png"}
     assert (tmp_path / "file").read_text() == "old"
+
+
+# ---- Messages that fit a screen
+
+
+LONG = 100_000 * "x"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["analyse", "atlantiksolar-design", "--set", f"name={LONG}"],
+        ["analyse", "atlantiksolar-design", "--set", f"battery.mass_kg={LONG}"],
+        ["analyse", "atlantiksolar-design", "--set", f"{LONG}=1"],
+        ["analyse", LONG],
+        ["sweep", "atlantiksolar-design", "--vary", f"{LONG}=1:2:1"],
+        ["sweep", "atlantiksolar-design", "--vary", f"battery_mass_kg={LONG}"],
+        ["map", "atlantiksolar-design", "--latitudes", LONG],
+    ],
+)
+def test_echoed_values_are_cut(
+    arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_main(arguments, monkeypatch) == 2
+    told = capsys.readouterr()
+    assert not told.out
+    assert len(told.err) < 2000
+
+
+def test_of_many_mistakes_the_first_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "many.yaml"
+    file.write_text("name: x\n" + "".join(f"key{i}: {i}\n" for i in range(3000)))
+    assert run_main(["analyse", str(file)], monkeypatch) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 31
+    assert lines[-1].startswith("... and 29")
+
+
+def run_main(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> int | str | None:
+    monkeypatch.setattr(sys, "argv", ["solar-uav", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    return ended.value.code
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe with a name")
+def test_a_pipe_in_place_of_an_airfoil_is_refused(tmp_path: Path) -> None:
+    pipe = tmp_path / "polar.csv"
+    os.mkfifo(pipe)
+    aerodynamics = (
+        f"{{model: wing_polar, airfoil: {pipe}, design_aspect_ratio: 18.5, design_reynolds: 2e5}}"
+    )
+    result = CliRunner().invoke(
+        cli,
+        ["analyse", "atlantiksolar-design", "--set", f"airframe.aerodynamics={aerodynamics}"],
+    )
+    assert "is not a plain file" in str(result.exception)
