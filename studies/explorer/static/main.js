@@ -135,6 +135,7 @@ async function begin() {
     controls.forgive();
     root.classList.remove("stale");
     const sentence = numbers.show(view, first, state.values["mission.required_excess_time_h"]);
+    mini(numbers.short);
     day.show(view, first, Object.keys(state.changes()).length > 0);
     masses.show(view, first);
     if (view.season) season.show(view.season);
@@ -148,6 +149,11 @@ async function begin() {
     root.dataset.season = detail;
     document.dispatchEvent(new CustomEvent("explorer:drawn", { detail: { sequence: view.sequence, season: detail } }));
   };
+  // On a phone the verdict stays in sight with the curve.
+  const mini = (words) => {
+    $("day-verdict").textContent = words;
+    $("day-verdict").dataset.mood = $("verdict-title").dataset.mood;
+  };
   const refuse = (error) => {
     controls.forgive();
     root.classList.add("stale");
@@ -159,7 +165,9 @@ async function begin() {
     const [wrong] = error.problems;
     const label = state.fields.get(wrong?.field)?.label;
     const words = wrong ? `${label ? `${label} ` : ""}${wrong.message}` : error.message;
-    numbers.refuse(heads[error.kind] ?? "Not computed", `${inWords(words)}. Curves and numbers are those before.`);
+    const head = heads[error.kind] ?? "Not computed";
+    numbers.refuse(head, `${inWords(words)}. Curves and numbers are those before.`);
+    mini(head);
     $("announce").textContent = error.message;
   };
   const connection = new Connection($("connection"), async () => {

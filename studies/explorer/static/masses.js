@@ -38,7 +38,7 @@ export class Masses {
       ...names.map((name) => {
         const bar = element("i", { "aria-hidden": "true" });
         const value = element("b");
-        const label = name === "other" && this.measured ? "airframe, rest" : (NAMES[name] ?? name);
+        const label = name === "other" && this.measured ? "airframe" : (NAMES[name] ?? name);
         this.rows.set(name, { bar, value });
         return element("li", {}, element("span", {}, label), bar, value);
       }),

@@ -66,6 +66,7 @@ export class Numbers {
       value.textContent = now;
       start.textContent = now === was ? "" : `start ${was}`;
     });
+    this.short = `${state} \u00b7 ${NUMBERS[0][1](view.numbers)}`;
     return `${state}. Excess time ${NUMBERS[0][1](view.numbers)}.`;
   }
 
