@@ -32,6 +32,7 @@ from .results.uncertainty import UncertaintyAnalysis as UncertaintyAnalysis
 from .results.uncertainty import analyse_uncertainty as analyse_uncertainty
 from .results.weather import WeatherAnalysis as WeatherAnalysis
 from .results.weather import analyse_weather as analyse_weather
+from .results.weather_sizing import size_in_weather as size_in_weather
 from .sunlight import SolarDay as SolarDay
 from .sunlight import SolarModel as SolarModel
 from .sunlight import solar_day as solar_day

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 
@@ -34,14 +35,36 @@ def load_weather(path: str | os.PathLike[str]) -> Weather:
     InputError
         With file, line and reason, if the file cannot be read or its values cannot be true.
     """
+    with weather_file(path) as (place, source):
+        return checked_record(read_layout(place, source), source)
+
+
+@contextmanager
+def weather_file(path: str | os.PathLike[str]) -> Iterator[tuple[Path, str]]:
+    """File of a weather record while it is read, and its name for messages.
+
+    Parameters
+    ----------
+    path : str or path
+        Name of a shipped record, or a file.
+
+    Yields
+    ------
+    Path
+    str
+
+    Raises
+    ------
+    InputError
+        If there is no such file.
+    """
     name = os.fspath(path)
     source = printable(name)
-    with ExitStack() as stack:
-        place = Path(name)
-        if name in shipped_records() and not place.exists():
-            shipped = resources.as_file(shipped_record(name))
-            place, source = stack.enter_context(shipped), f"{name} (shipped)"
-        elif name and not os.path.lexists(place):
-            known = ", ".join(shipped_records())
-            raise file_error(source, f"there is no such file, and none is shipped but {known}")
-        return checked_record(read_layout(place, source), source)
+    if name in shipped_records() and not Path(name).exists():
+        with resources.as_file(shipped_record(name)) as place:
+            yield place, f"{name} (shipped)"
+        return
+    if name and not os.path.lexists(name):
+        known = ", ".join(shipped_records())
+        raise file_error(source, f"there is no such file, and none is shipped but {known}")
+    yield Path(name), source

@@ -46,7 +46,8 @@ def mission_at_site(
         raise file_error(
             weather.source,
             f"its site {site.label} is {away_km:.0f} km from the mission {mission.name}; allowed: "
-            f"up to {FAR_KM:.0f} km (set the mission's latitude_deg, or leave the mission out)",
+            f"up to {FAR_KM:.0f} km (set the mission's latitude_deg; solar-uav analyse may also "
+            "leave the mission out)",
         )
     if away_km > NEAR_KM:
         notes.append(f"flown at the record's site, {away_km:.0f} km from the mission's")

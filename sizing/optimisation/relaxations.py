@@ -223,7 +223,7 @@ class _Relaxations:
         moved = self._moved_least(name, (present, _WIDER * present), upwards=True)
         if moved is None:
             return None
-        value = _rounded(moved.solution.value(name), "at least")
+        value = rounded(moved.solution.value(name), "at least")
         return Relaxation(
             key, parameter(key).unit, present, "at least", value, moved.found.excess_time_h
         )
@@ -329,7 +329,7 @@ class _Relaxations:
     ) -> Relaxation | None:
         """Relaxation at the rounded value, if the simulator finds the design feasible there."""
         direction: Direction = "at least" if parameter(key).relaxable == "up" else "at most"
-        value = _rounded(found, direction)
+        value = rounded(found, direction)
         eased = with_parameter(self.aircraft, self.mission, key, value)
         worst_h = self._reached_by(variables, *eased)
         if worst_h is None:
@@ -354,7 +354,7 @@ class _Relaxations:
         # Missing anything else means that even without a required time no design exists.
         if self.others_missed or not 0.0 < worst_h < self.required_h:
             return None
-        value = _rounded(worst_h, "at most")
+        value = rounded(worst_h, "at most")
         return Relaxation(
             "mission.required_excess_time_h", "h", self.required_h, "at most", value, worst_h
         )
@@ -497,7 +497,7 @@ class _Relaxations:
         space = self.aircraft.design_space
         present = getattr(space.all_limits()[quantity], end)
         direction: Direction = "at least" if upwards else "at most"
-        value = _rounded(present * moved.solution.value(name), direction)
+        value = rounded(present * moved.solution.value(name), direction)
         eased = self._with_limit(quantity, end, value / present)
         worst_h = self._reached_by(moved.solution.design, eased, self.mission)
         if worst_h is None:
@@ -513,8 +513,20 @@ def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:
     return bool(np.all(met))
 
 
-def _rounded(value: float, direction: Direction) -> float:
-    """Value with three digits, on the safe side."""
+def rounded(value: float, direction: Direction) -> float:
+    """Value with three digits, on the safe side.
+
+    Parameters
+    ----------
+    value : float
+        Zero for values below it.
+    direction : {"at least", "at most"}
+        Which side is safe.
+
+    Returns
+    -------
+    float
+    """
     if value <= 0.0:
         return 0.0
     digits = 10.0 ** (math.floor(math.log10(value)) - 2)

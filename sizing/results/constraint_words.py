@@ -18,6 +18,7 @@ _REQUIREMENTS = {
     "battery_capacity": ("battery capacity for the night", ""),
     "energy_balance": ("solar energy of the day", ""),
     "excess_time": ("required excess time", "mission.required_excess_time_h"),
+    "days_that_close": ("days of the record that close", ""),
     "always_lit": ("solar power above the load at all times", ""),
 }
 _BOUND_KEYS = {"total_mass_kg": "maximum_total_mass_kg"}

@@ -36,6 +36,7 @@ from sizing.results.notes import extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, solar_day
+from sizing.survival.result import Survival
 from sizing.validity.checks import stall_margin_within_polar
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations
@@ -70,6 +71,8 @@ class SizingStudy(Result):
         Optimum without the mission's uncertainty margins, where it has any.
     reliability : Reliability or None
         Probability of the required excess time, where one was asked for.
+    survival : Survival or None
+        Days of a weather record's season that the design closes, where it was sized for them.
     """
 
     aircraft: Aircraft
@@ -85,6 +88,7 @@ class SizingStudy(Result):
     cross_check: CrossCheck | None = None
     without_margins: Performance | None = None
     reliability: Reliability | None = None
+    survival: Survival | None = None
 
     @property
     def status(self) -> SizingStatus:
@@ -202,6 +206,8 @@ class SizingStudy(Result):
             record["as_assumed"] = _reached(self.without_margins)
         if self.reliability is not None:
             record["reliability"] = finite_values(self.reliability.to_dict())
+        if self.survival is not None:
+            record["weather"] = self.survival.to_dict()
         return record
 
     def to_frame(self) -> pd.DataFrame:
@@ -325,13 +331,13 @@ def size(
     if result.status is SizingStatus.infeasible and not wanted.of_range:
         relaxed = tuple(relaxations(*asked, problems=problems))
     worth = with_sensitivities and result.feasible
-    low, high = _under_model_error(*asked)
+    low, high = under_model_error(*asked)
     return SizingStudy(
         *(aircraft, mission, solar, result, low, high, coverage, relaxed),
         sensitivities=sensitivities(*asked) if worth else None,
         multipliers=constraint_multipliers(result) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
-        without_margins=_without_margins(*asked),
+        without_margins=without_margins_of(*asked),
     )
 
 
@@ -359,11 +365,11 @@ def _reliable(
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.
     failed = result.status is SizingStatus.infeasible and found is None
-    low, high = _under_model_error(*asked)
+    low, high = under_model_error(*asked)
     return SizingStudy(
         *(aircraft, mission, solar, result, low, high),
         relaxations=tuple(relaxations(*asked, problems=problems)) if failed else (),
-        without_margins=_without_margins(*asked),
+        without_margins=without_margins_of(*asked),
         reliability=found,
     )
 
@@ -383,7 +389,7 @@ def checked_objective(objective: Objective | str) -> Objective:
         raise ValueError(f"objective must be one of {allowed} (got {objective!r})") from None
 
 
-def _under_model_error(
+def under_model_error(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> tuple[Performance | None, Performance | None]:
     """Optimum with the solar power one RMS error of the model lower and higher."""
@@ -402,7 +408,7 @@ def _under_model_error(
     return low, high
 
 
-def _without_margins(
+def without_margins_of(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
     """Optimum without the mission's uncertainty margins; None where the mission has none."""

@@ -21,6 +21,7 @@ from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
+from sizing.survival.result import Survival
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 
@@ -28,7 +29,7 @@ _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 def headline(study: SizingStudy) -> str:
     """Aircraft, mission, verdict and objective in one line."""
     objective, value = study.objective, study.result.objective_value
-    text = f"{study.aircraft.name} sized for {study.mission.name}: {_verdict(study)}"
+    text = f"{study.aircraft.name} sized for {_where(study)}: {_verdict(study)}"
     if study.feasible:
         text += f", {objective.label} {with_unit(value, '.4g', objective)}"
     return text
@@ -37,7 +38,7 @@ def headline(study: SizingStudy) -> str:
 def summary(study: SizingStudy) -> Summary:
     """What is shown of a sizing, in the order in which it is read."""
     record = study.to_dict()
-    title = f"{study.aircraft.name} sized for {study.mission.name} ({study.objective.value})"
+    title = f"{study.aircraft.name} sized for {_where(study)} ({study.objective.value})"
     blocks: list[Any] = [Line(f"{title}: {_verdict(study)}", "strong")]
     if study.design is None:
         return Summary((*blocks, *_without_design(study, record)))
@@ -52,6 +53,8 @@ def summary(study: SizingStudy) -> Summary:
     blocks += _confidence(study, record)
     if study.reliability is not None:
         blocks.append(reliability_text(study.reliability, study))
+    if study.survival is not None:
+        blocks += survival_blocks(study.survival, study)
     if study.coverage is not None and study.coverage.first is not None:
         blocks.append(_range_text(record["range"]))
     solver = study.result.solver
@@ -67,6 +70,12 @@ def summary(study: SizingStudy) -> Summary:
     return Summary(tuple(blocks))
 
 
+def _where(study: SizingStudy) -> str:
+    found = study.survival
+    name = study.mission.name
+    return name if found is None else f"{name} in the weather of {found.weather.site.label}"
+
+
 def _verdict(study: SizingStudy) -> str:
     return study.status.label
 
@@ -78,6 +87,8 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     blocks += extrapolation_blocks(study.extrapolations)
     if study.reliability is not None:
         return [*blocks, reliability_text(study.reliability, study)]
+    if study.survival is not None:
+        blocks += survival_blocks(study.survival, study)
     if study.status is not SizingStatus.infeasible or study.coverage is not None:
         return blocks
     if not study.relaxations:
@@ -155,7 +166,8 @@ def _design_table(record: dict[str, Any]) -> Table:
     ]
     simulated = record["simulated"]
     where = record["worst_scenario"]["label"]
-    rows.append((f"excess time, {where}", hours(simulated["excess_time_h"], UNLIMITED)))
+    clear = " under a clear sky" if "weather" in record else ""
+    rows.append((f"excess time{clear}, {where}", hours(simulated["excess_time_h"], UNLIMITED)))
     rows.append(("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"))
     return facts("", rows)
 
@@ -175,6 +187,7 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
         low = record["uncertainty"]["excess_time_low_h"]
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.given or study.reliability is not None
+        guarded = guarded or study.survival is not None
         if low is not None and low < required and not guarded:
             what = "ends perpetual flight" if low <= 0.0 else f"misses the required {required:g} h"
             text = (
@@ -212,6 +225,59 @@ def reliability_text(found: Reliability, study: SizingStudy) -> str:
         f"{with_unit(found.nominal_objective, '.4g', objective)}, has "
         f"{100 * found.nominal.value:.1f} %"
     )
+
+
+def survival_blocks(found: Survival, study: SizingStudy) -> list[Any]:
+    """Days of the season that close, year by year, beside the design for a clear sky.
+
+    Parameters
+    ----------
+    found : Survival
+    study : SizingStudy
+
+    Returns
+    -------
+    list
+        Blocks of a summary.
+    """
+    days, season = found.days, found.mission.dates.range()
+    ends = " to ".join(date_label(day) for day in dict.fromkeys((season[0], season[-1])))
+    whose = "" if study.feasible else " with the design that closes most of those found"
+    text = (
+        f"days that close, {ends}: {days.that_close} of {len(days)}, {100 * days.share:.1f} % "
+        f"(asked for {100 * found.required:g} %){whose}; longest gap {days.longest_gap_days} days"
+    )
+    blocks: list[Any] = [f"{text}. {_clear_sky_text(found, study)}"]
+    if found.several_years:
+        columns = (
+            Column("year"),
+            Column("days"),
+            Column("days_that_close", "close"),
+            Column("share", "share", "%", ".1f"),
+        )
+        rows = tuple(
+            (one["year"], one["days"], one["days_that_close"], 100.0 * one["share"])
+            for one in days.by_year()
+        )
+        blocks.append(Table("year by year", columns, rows))
+    blocks += [Line(f"record: {text}", "faint") for text in found.weather.repairs]
+    return blocks + [Line(text, "faint") for text in found.notes]
+
+
+def _clear_sky_text(found: Survival, study: SizingStudy) -> str:
+    """Design for a clear sky on the same dates, and what it makes of the record."""
+    value, clear = found.clear_sky_objective, found.clear_sky_days
+    if value is None or clear is None:
+        return "No design flies perpetually on all of these dates under a clear sky"
+    objective, own = study.objective, study.result.objective_value
+    text = (
+        f"The design for a clear sky, {objective.label} {with_unit(value, '.4g', objective)}, "
+        f"closes {clear.that_close}, {100 * clear.share:.1f} %"
+    )
+    if own is None or value <= 0.0:
+        return text
+    more = 100.0 * (own / value - 1.0)
+    return f"{text}; this one is {abs(more):.1f} % {'larger' if more >= 0.0 else 'smaller'}"
 
 
 def _range_text(found: dict[str, Any]) -> str:

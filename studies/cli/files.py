@@ -24,6 +24,7 @@ from missions.files.writing import write_files_atomically
 from missions.files.yaml import Document
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
+from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft
 from sizing.sunlight import SolarModel
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
@@ -121,6 +122,18 @@ class Case:
             **{kind: InputFile.of(path) for kind, path in others.items()},
         }
         return RunInputs(craft.document.data, where.document.data, self.solar, files)
+
+    def inputs_with_weather(self, record: str) -> RunInputs:
+        """Inputs of :meth:`inputs`, and a weather record by its file or the name of a shipped one.
+
+        Parameters
+        ----------
+        record : str
+        """
+        inputs = self.inputs()
+        with weather_file(record) as (path, source):
+            file = InputFile(source, InputFile.of(path).sha256)
+        return dataclasses.replace(inputs, files={**inputs.files, "weather": file})
 
 
 class WrongKindError(InputError):

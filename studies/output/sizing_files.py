@@ -19,6 +19,9 @@ from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
 
+# Keys of a mission that play no part in a weather record.
+_NOT_OF_A_RECORD = ("launch", "clearness", "required_excess_time_h")
+
 
 def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
     """What a folder of results keeps: the sized aircraft, on the mission that it was sized for.
@@ -36,12 +39,21 @@ def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
         Analysed, they give the excess time of the sizing: the mission has the payload that the
         optimum carries, and the range of days or latitudes that it covers.
     """
-    mission = _on_range(inputs.mission, study.coverage)
+    mission = _at_the_site(_on_range(inputs.mission, study.coverage), study)
     carried = study.sized_mission().payload
     if carried != study.mission.payload:
         mission["payload"] = carried.model_dump()
     aircraft = study.sized_aircraft().model_dump(mode="json", exclude_unset=True)
     return dataclasses.replace(inputs, aircraft=aircraft, mission=mission)
+
+
+def _at_the_site(mission: dict[str, Any], study: SizingStudy) -> dict[str, Any]:
+    """Mission's data at the site of a weather record, if it was sized for one."""
+    if study.survival is None:
+        return mission
+    site = study.survival.weather.site
+    place = {"latitude_deg": site.latitude_deg, "longitude_deg": site.longitude_deg}
+    return {key: mission[key] for key in mission if key not in _NOT_OF_A_RECORD} | place
 
 
 def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[str, Any]:

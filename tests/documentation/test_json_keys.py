@@ -36,7 +36,18 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             ],
             [DESIGN, "--mission", "rafz-july", "--reliability", "0.4"],
         ],
-        {"range"},
+        {"range", "weather"},
+    ),
+    "size --weather": (
+        "season.md",
+        [
+            [
+                *(DESIGN, *SUMMER, "--set", "mission.latitude_deg=40.5"),
+                *("--set", "mission.altitude_m=2300", "--set", "mission.dates.to=05-03"),
+                *("--weather", "colorado-2023", "--survive", "1"),
+            ]
+        ],
+        set(),
     ),
     "ceiling": ("cli.md", [[AS2, "--step", "4000"]], set()),
     "published": (

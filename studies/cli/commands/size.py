@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -21,13 +23,34 @@ from studies.cli.options import (
 )
 from studies.output.figures.options import FigureOptions
 
+if TYPE_CHECKING:
+    from sizing.optimisation.objectives import Objective
+
 
 def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     if given:
         raise click.UsageError(f"{option.opts[0]} is called --cross-check now")
 
 
-@command("solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2")
+def _check_weather(objective: Objective, survive: float, others: Mapping[str, bool]) -> None:
+    """Refuse a share of days together with what is asked of clear days."""
+    from sizing.survival.sizing import check_survival
+
+    for option, given in others.items():
+        if given:
+            raise click.UsageError(
+                f"{option} is of repeated clear days: leave it out, or --weather with --survive"
+            )
+    try:
+        check_survival(objective, survive)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+@command(
+    "solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2",
+    "solar-uav size atlantiksolar-design -m mission.yaml --weather FILE --survive 0.9",
+)
 @click.argument("aircraft")
 @mission_option(None)
 @click.option(
@@ -62,6 +85,20 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     help="Least probability of the required excess time in every scenario when the uncertain "
     "inputs of aircraft and mission scatter, for instance 0.95.",
 )
+@click.option(
+    "--weather",
+    "weather_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="Size for the days of a weather record on the mission's dates, instead of clear ones; "
+    "with --survive.",
+)
+@click.option(
+    "--survive",
+    type=RealRange(0.0, 1.0, unit="the interval from 0 to 1"),
+    metavar="SHARE",
+    help="Least share of the days of the weather record that close, for instance 0.9.",
+)
 @solar_options
 @figure_options
 def size(
@@ -75,6 +112,8 @@ def size(
     with_sensitivities: bool,
     with_cross_check: bool,
     reliability: float | None,
+    weather_file: str | None,
+    survive: float | None,
     model: str,
     correction: str,
     overrides: tuple[str, ...],
@@ -82,9 +121,11 @@ def size(
 ) -> None:
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
     from missions.files.writing import check_writable_folder
+    from missions.weather.files import load_weather
     from sizing.optimisation.objectives import Objective
     from sizing.reliability import check_reliability
     from sizing.results import sizing
+    from sizing.results.weather_sizing import size_in_weather
     from studies.cli.checks import (
         refuse_climb,
         refuse_polar_night,
@@ -105,12 +146,31 @@ def size(
         )
     if reliability is not None and (with_sensitivities or with_cross_check):
         raise click.UsageError("--sensitivities and --cross-check know of no --reliability")
+    if (weather_file is None) != (survive is None):
+        given, other = ("--weather", "--survive") if survive is None else ("--survive", "--weather")
+        raise click.UsageError(f"{given} needs {other} as well")
+    if survive is not None and report_file is not None:
+        raise click.UsageError(
+            "--report is of repeated clear days: use --out FOLDER, then solar-uav report FOLDER "
+            "--weather FILE"
+        )
+    if survive is not None:
+        _check_weather(
+            asked,
+            survive,
+            {
+                "--sensitivities": with_sensitivities,
+                "--cross-check": with_cross_check,
+                "--reliability": reliability is not None,
+                "--required-excess-time": required_h is not None,
+            },
+        )
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     if required_h is not None:
         case = case.with_mission(required_excess_time_h=required_h)
     require_parametric(case, "a measured aircraft cannot be sized; allowed: parametric")
     refuse_climb(case, "size")
-    if not asked.of_range:
+    if not asked.of_range and weather_file is None:
         refuse_polar_night(case)
     require_path(case)
     if reliability is not None:
@@ -121,18 +181,27 @@ def size(
             raise click.BadParameter("needs the name of a folder", param_hint="--out")
         check_writable_folder(Path(out_dir))
     check_report(report_file, option="--report")
-    study = sizing.size(
-        *(case.aircraft, case.mission, asked),
-        model=case.solar.model,
-        correction=case.solar.correction,
-        with_sensitivities=with_sensitivities,
-        with_cross_check=with_cross_check,
-        reliability=reliability,
-    )
+    if weather_file is not None and survive is not None:
+        study = size_in_weather(
+            *(case.aircraft, case.mission, load_weather(weather_file), asked),
+            survive=survive,
+            model=case.solar.model,
+            correction=case.solar.correction,
+        )
+    else:
+        study = sizing.size(
+            *(case.aircraft, case.mission, asked),
+            model=case.solar.model,
+            correction=case.solar.correction,
+            with_sensitivities=with_sensitivities,
+            with_cross_check=with_cross_check,
+            reliability=reliability,
+        )
     record = case.named(study.to_dict())
     written = out_dir if study.feasible else None
     if written is not None:
-        inputs = sized_inputs(study, case.inputs())
+        read = case.inputs() if weather_file is None else case.inputs_with_weather(weather_file)
+        inputs = sized_inputs(study, read)
         write_run_folder(Path(written), inputs, record, sizing_files(study, figure))
     reported = report_file if study.feasible else None
     if reported is not None:

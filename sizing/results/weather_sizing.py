@@ -1,0 +1,99 @@
+"""Sizing for a share of the days of a season, in a weather record: ``size --weather``."""
+
+from __future__ import annotations
+
+from missions.mission import Mission
+from missions.weather.record import Weather
+from missions.weather.site import mission_at_site
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.optimisation.objectives import Objective
+from sizing.results.records import check_subjects
+from sizing.results.sizing import (
+    SizingStudy,
+    checked_objective,
+    under_model_error,
+    without_margins_of,
+)
+from sizing.sunlight import SolarModel
+from sizing.survival.sizing import check_survival, in_the_record, size_surviving
+from solar.names import CorrectionName, ModelName
+
+
+def size_in_weather(
+    aircraft: Aircraft,
+    mission: Mission,
+    weather: Weather,
+    objective: Objective | str = Objective.min_mass,
+    *,
+    survive: float,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+) -> SizingStudy:
+    """Find the best design for which a share of the days of a season closes in a weather record.
+
+    A day closes if, begun at dawn with the charge carried over from the day before, it reaches the
+    next dawn without an empty battery. The season is the mission's dates, in all years of the
+    record.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        A parametric one; its ``design_space`` bounds what is chosen.
+    mission : Mission
+        Dates, altitude, air, turbulence, payload, flight path and margins; it is flown at the
+        record's site. Its clearness and required excess time play no part: the clouds are the
+        record's.
+    weather : Weather
+        Record (:func:`missions.load_weather`).
+    objective : Objective or str
+        ``min_mass``, ``min_wingspan``, ``max_payload_mass`` or ``max_payload_power``.
+    survive : float
+        Least share of the season's days that close [-], above 0 and at most 1.
+    model : {"CAM", "CDM", "VM", "FM"}
+        Solar power model.
+    correction : {"none", "report", "loiter"}
+        Correction of the model's systematic error.
+
+    Returns
+    -------
+    SizingStudy
+        Its ``survival`` tells the days. Everything else is that of the design under a clear sky, on
+        the mission's dates at the record's site.
+
+    Raises
+    ------
+    InputError
+        If the mission is far from the site, flies below its ground, or has no day in the record.
+    TypeError
+        For a measured aircraft, or what is no aircraft or mission.
+    ValueError
+        For an unknown objective, model or correction, one that no share of days can be asked of, or
+        a share that is none.
+    """
+    check_subjects(aircraft, mission)
+    wanted, solar = checked_objective(objective), SolarModel(model, correction)
+    check_survival(wanted, survive)
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
+    moved, notes = mission_at_site(mission, weather)
+    if mission.required_excess_time_h > 0.0:
+        notes += (
+            f"the mission's required excess time of {mission.required_excess_time_h:g} h is not "
+            "asked for: it is a margin for clouds, and these are the record's",
+        )
+    if mission.pessimistic_clearness < 1.0:
+        notes += (
+            f"the mission's clearness of {mission.pessimistic_clearness:g} plays no part: the "
+            "clouds are the record's",
+        )
+    found = size_surviving(
+        *(aircraft, moved, wanted, solar), weather=weather, survive=survive, notes=notes
+    )
+    asked = (aircraft, in_the_record(moved), found.result, solar)
+    low, high = under_model_error(*asked)
+    return SizingStudy(
+        *(aircraft, in_the_record(moved), solar, found.result, low, high),
+        relaxations=found.relaxations,
+        without_margins=without_margins_of(*asked),
+        survival=found.survival,
+    )

@@ -1,0 +1,224 @@
+"""Many designs at once through the days of a record's season: which days close.
+
+What a record asks of a design depends on two numbers in the main: *income*, module area over the
+load, and *storage*, energy of the battery over the load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from missions.dates import date_label
+from missions.files.errors import file_error
+from missions.mission import Mission
+from missions.weather.record import Weather
+from sizing.aircraft import Aircraft
+from sizing.design import Design
+from sizing.energy.battery import Store
+from sizing.energy.carried_days import carried_over, dawns_of
+from sizing.energy.power_balance import PowerBalance
+from sizing.sunlight import SolarModel
+from sizing.weather_run import HOURS_PER_DAY, WeatherDays
+from solar.types import BoolArray, FloatArray, IntArray
+
+# Values of an array that designs are flown in at once.
+_AT_ONCE = 2_000_000
+_NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself
+
+
+class Powers(NamedTuple):
+    """What a design is to a record, arrays of shape ``(design,)``.
+
+    Attributes
+    ----------
+    area_m2 : ndarray
+        Module area [m2].
+    level_w, constant_w : ndarray
+        Propulsion power of level flight, and what draws power at all times [W].
+    battery_wh : ndarray
+        Energy at full charge in the mission's air [Wh].
+    """
+
+    area_m2: FloatArray
+    level_w: FloatArray
+    constant_w: FloatArray
+    battery_wh: FloatArray
+
+    @classmethod
+    def of(cls, design: Design) -> Powers:
+        """Powers of a design or of a batch of them."""
+        level = np.atleast_1d(np.asarray(design.propulsion_power_w, float))
+        parts = (
+            design.variables.module_area_m2,
+            np.where(np.isfinite(level), level, _NO_FLIGHT_W),
+            design.constant_power_w,
+            design.battery_energy_wh,
+        )
+        return cls(*(np.array(v) for v in np.broadcast_arrays(*map(np.atleast_1d, parts))))
+
+    def scaled(self, income: FloatArray, storage: FloatArray) -> Powers:
+        """Designs with that many times the income and the storage of this single one.
+
+        Parameters
+        ----------
+        income, storage : ndarray, shape (design,)
+            Factors [-].
+
+        Returns
+        -------
+        Powers
+            At the same load.
+        """
+        one = np.ones(len(income))
+        return Powers(
+            income * self.area_m2,
+            one * self.level_w,
+            one * self.constant_w,
+            storage * self.battery_wh,
+        )
+
+    def select(self, some: slice) -> Powers:
+        """Part of the designs."""
+        return Powers(*(values[some] for values in self))
+
+    @property
+    def place(self) -> FloatArray:
+        """Logarithms of income [m2/W] and storage [h], shape ``(2, design)``."""
+        load = self.level_w + self.constant_w
+        return np.log([self.area_m2 / load, self.battery_wh / load])
+
+
+def days_of_season(axis_days: IntArray, mission: Mission) -> BoolArray:
+    """Days of year that are within a mission's dates.
+
+    Parameters
+    ----------
+    axis_days : ndarray of int, shape (day,)
+        Days of year, 1 to 365.
+    mission : Mission
+        One date, or a range that may cross the year's end.
+
+    Returns
+    -------
+    ndarray of bool, shape (day,)
+    """
+    return np.isin(axis_days, mission.dates.range())
+
+
+@dataclass(frozen=True)
+class SeasonFlights:
+    """Days of a record, and which of them are the season's.
+
+    Attributes
+    ----------
+    days : WeatherDays
+        Of the whole record.
+    kept : ndarray of int
+        Days that are flown, in their order.
+    counted : ndarray of bool
+        Which of these are in the season.
+    specific_w_per_m2 : ndarray, shape (kept, node)
+        Solar power per module area [W/m2].
+    """
+
+    days: WeatherDays
+    kept: IntArray
+    counted: BoolArray
+    specific_w_per_m2: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        aircraft: Aircraft,
+        mission: Mission,
+        weather: Weather,
+        solar: SolarModel,
+        *,
+        step_s: float,
+        lead_days: int | None = None,
+    ) -> SeasonFlights:
+        """Days of a record for an aircraft.
+
+        Parameters
+        ----------
+        aircraft, mission, weather, solar
+            As for :func:`sizing.weather_run.weather_performance`; the mission's dates are the
+            season.
+        step_s : float
+            Largest distance of the nodes [s].
+        lead_days : int, optional
+            Leave out days that are further before the season than this, from a full battery again
+            after each gap; all days are flown by default.
+
+        Returns
+        -------
+        SeasonFlights
+
+        Raises
+        ------
+        InputError
+            If the record has no day of the season, or is shorter than a day.
+        """
+        days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
+        season = days_of_season(days.axis.day_of_year, mission)
+        if not season.any():
+            first, last = (date_label(int(days.axis.day_of_year[i])) for i in (0, -1))
+            dates = dict.fromkeys(date_label(mission.dates.range()[i]) for i in (0, -1))
+            raise file_error(
+                weather.source,
+                f"has no day of the season of the mission {mission.name}, {' to '.join(dates)}: "
+                f"the record covers {first} to {last} (set the mission's dates)",
+            )
+        kept = np.arange(len(season))
+        if lead_days is not None:
+            kept = np.flatnonzero(_near(season, lead_days))
+        specific = days.specific_power_w_per_m2(days.light.recorded)
+        return cls(days, kept, season[kept], specific[kept])
+
+    def __len__(self) -> int:
+        return int(np.count_nonzero(self.counted))
+
+    def closes(self, designs: Powers) -> BoolArray:
+        """Which days of the season close, shape ``(design, day)``."""
+        per_design = self.specific_w_per_m2.size
+        step = max(1, _AT_ONCE // per_design)
+        count = len(designs.area_m2)
+        parts = [
+            self._closes(designs.select(slice(first, first + step)))
+            for first in range(0, count, step)
+        ]
+        return np.concatenate(parts)
+
+    def that_close(self, designs: Powers) -> IntArray:
+        """Days of the season that close, of each design."""
+        return np.asarray(self.closes(designs).sum(axis=1))
+
+    def _closes(self, designs: Powers) -> BoolArray:
+        days, some = self.days, self.kept
+        count, nodes = len(designs.area_m2), self.specific_w_per_m2.shape[1]
+
+        def each(values: FloatArray) -> FloatArray:
+            return values[:, np.newaxis, np.newaxis]
+
+        load = each(designs.level_w) * days.propulsion_ratio[some]
+        load += each(designs.constant_w) + days.more_heater_w[some]
+        power = each(designs.area_m2) * self.specific_w_per_m2
+        full = designs.battery_wh[:, np.newaxis] * days.capacity_ratio[some]
+        store = Store.of(days.aircraft.battery, full.reshape(-1))
+        balance = PowerBalance.of(
+            days.axis.time_h, power.reshape(-1, nodes), load.reshape(-1, nodes)
+        )
+        carried = carried_over(balance, store, full[:, 0], len(some))
+        noon_h = HOURS_PER_DAY / 2.0 - np.tile(days.axis.midnight_h[some], count)
+        dawns = dawns_of(balance, carried.day, store, noon_h)
+        closes = carried.closes(dawns).reshape(count, -1)
+        return np.asarray(closes[:, self.counted])
+
+
+def _near(season: BoolArray, lead_days: int) -> BoolArray:
+    """Days of the season, so many before it, and the one after it, on which its last night ends."""
+    ahead = np.convolve(season[::-1], np.ones(lead_days + 1))[: len(season)][::-1] > 0.0
+    return np.asarray(ahead | np.append(False, season[:-1]))

@@ -1,0 +1,155 @@
+"""What a design makes of a season of a weather record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missions.dates import date_code
+from missions.mission import Mission
+from missions.weather.record import Weather
+from sizing.optimisation.result import SizingStatus
+from sizing.survival.flights import Powers, SeasonFlights
+from sizing.weather_run import run_lengths
+from solar.types import BoolArray, IntArray
+
+
+@dataclass(frozen=True)
+class SeasonDays:
+    """Days of a record's season, and which of them close.
+
+    Attributes
+    ----------
+    year, day_of_year : ndarray of int, shape (day,)
+        Of each day of the season, by local date.
+    closes : ndarray of bool, shape (day,)
+        Whether it closes.
+    longest_gap_days : int
+        Most consecutive days of the season that do not close.
+    """
+
+    year: IntArray
+    day_of_year: IntArray
+    closes: BoolArray
+    longest_gap_days: int
+
+    @classmethod
+    def of(cls, flights: SeasonFlights, designs: Powers) -> SeasonDays:
+        """Days of a season that a single design closes; all days of the record must be flown."""
+        closes = flights.closes(designs)[0]
+        axis, counted = flights.days.axis, flights.counted
+        dates = axis.time_s.astype("datetime64[s]") + np.timedelta64(12, "h")
+        missed = np.zeros(len(axis), bool)
+        missed[counted] = ~closes
+        return cls(
+            year=dates.astype("datetime64[Y]").astype(int)[counted] + 1970,
+            day_of_year=axis.day_of_year[counted],
+            closes=closes,
+            longest_gap_days=int(np.max(run_lengths(missed), initial=0)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.closes)
+
+    @property
+    def that_close(self) -> int:
+        """Days that close."""
+        return int(np.count_nonzero(self.closes))
+
+    @property
+    def share(self) -> float:
+        """Share of the days that close [-]."""
+        return self.that_close / len(self)
+
+    def by_year(self) -> list[dict[str, Any]]:
+        """Days, and days that close, of each year."""
+        return [
+            {
+                "year": int(year),
+                "days": int(np.count_nonzero(at)),
+                "days_that_close": int(np.count_nonzero(self.closes[at])),
+                "share": float(np.mean(self.closes[at])),
+            }
+            for year in np.unique(self.year)
+            if np.any(at := self.year == year)
+        ]
+
+
+@dataclass(frozen=True)
+class Survival:
+    """How a sized design flies through the season of a weather record.
+
+    Attributes
+    ----------
+    weather : Weather
+        Record.
+    mission : Mission
+        At the record's site; its dates are the season.
+    required : float
+        Share of the days that was asked for [-].
+    days : SeasonDays
+        Of the design; of the one with the most days that close that was found, where no design has
+        enough.
+    clear_sky_status : SizingStatus
+        Of the sizing for perpetual flight under a clear sky on the same dates.
+    clear_sky_objective : float or None
+        Its objective, in its unit; None where it has no design.
+    clear_sky_days : SeasonDays or None
+        What that design makes of the record.
+    notes : tuple of str
+        What was changed to fly the mission at the record's site.
+    """
+
+    weather: Weather
+    mission: Mission
+    required: float
+    days: SeasonDays
+    clear_sky_status: SizingStatus
+    clear_sky_objective: float | None
+    clear_sky_days: SeasonDays | None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def achieved(self) -> float:
+        """Share of the season's days that close [-]."""
+        return self.days.share
+
+    @property
+    def several_years(self) -> bool:
+        """Whether the record tells years apart."""
+        return not self.weather.typical and len(np.unique(self.days.year)) > 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """Record, JSON-ready."""
+        weather, clear = self.weather, self.clear_sky_days
+        site, season = weather.site, self.mission.dates.range()
+        return {
+            "source": weather.source,
+            "layout": weather.layout,
+            "typical_year": weather.typical,
+            "site": {
+                "name": site.name,
+                "latitude_deg": site.latitude_deg,
+                "longitude_deg": site.longitude_deg,
+                "altitude_m": site.altitude_m,
+                "utc_offset_h": site.utc_offset_h,
+            },
+            "flight_altitude_m": self.mission.altitude_m,
+            "season": {"from": date_code(season[0]), "to": date_code(season[-1])},
+            "required": self.required,
+            "achieved": self.achieved,
+            "days": len(self.days),
+            "days_that_close": self.days.that_close,
+            "longest_gap_days": self.days.longest_gap_days,
+            "by_year": self.days.by_year() if self.several_years else [],
+            "clear_sky": {
+                "status": self.clear_sky_status.name,
+                "objective": self.clear_sky_objective,
+                "days_that_close": None if clear is None else clear.that_close,
+                "share": None if clear is None else clear.share,
+            },
+            "repairs": list(weather.repairs),
+            "notes": list(self.notes),
+        }

@@ -1,0 +1,363 @@
+"""Search for the best design that closes a share of a season's days.
+
+The constraint "so many days of the record close" is a staircase that no gradient sees. It depends
+on a design by two numbers alone, or nearly so: income, what the modules collect over the load, and
+storage, what the battery holds over the load. Simulated batches of designs with other income and
+storage find its edge. On the other side, the program finds the best design for one repeated day
+with any factors on income and storage; its designs are the best ones of all places on that plane.
+The search walks along the edge to where the program's objective is best, and has every design that
+counts flown through the record. As in sequential optimisation and reliability assessment (Du, X.,
+Chen, W. (2004), J. Mech. Des. 126, 225-233) optimisation and assessment alternate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft, LimitedQuantity
+from sizing.design import Design, DesignVariables, FlightConditions, closed_design
+from sizing.limits import meets_requirements
+from sizing.optimisation.infeasibility import least_mission
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import SizingResult
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.solver import SolverReport
+from sizing.sunlight import SolarDay, SolarModel, solar_day
+from sizing.survival.contour import Count, fitted, least_income, least_step
+from sizing.survival.flights import Powers, SeasonFlights
+from solar.types import FloatArray, IntArray
+
+# The program's day: one with a night of about twelve hours at any site. Which one does not matter,
+# as factors on income and storage are free.
+_EQUINOX, _HIGHEST_LATITUDE_DEG = 80, 45.0
+_DAY_STEP_H = 0.5
+# Logarithms of factors on income and storage.
+_FIRST = ((0.0, 0.0), (0.7, 0.4), (1.5, 0.8))  # easier from one to the next
+_STORAGES = np.linspace(-1.5, 1.5, 9)
+_INCOMES = (-2.0, 3.0)
+_WIDTHS = (0.8, 0.3, 0.1, 0.03)  # of the stretch of the edge that is looked at
+_EDGE_POINTS = 25
+_VALUES_AT_ONCE = 2_000_000  # of the solar power of designs that are flown together
+_SLOPE_STEP = 0.06
+_REPEATS, _GAIN = 3, 1e-3
+_ANGLES = np.radians([0.0, 22.5, 45.0, 67.5, 90.0])  # from more income to more storage
+_FURTHEST, _NEXT_TO_FURTHEST = 2.0, 0.01
+_BACK = 3
+_TUNED = 3e-4  # of income and storage that may be left unused
+_TUNINGS = 6
+_ALIKE = np.ones(2)
+_ROW_TOLERANCE = 1e-5  # of requirements, relative: the solver meets them to about 1e-8
+_SCALED_LIMITS: dict[LimitedQuantity, float] = {
+    "battery_energy_wh": 1.0,
+    "cruise_discharge_rate_per_h": -1.0,
+    "climb_discharge_rate_per_h": -1.0,
+}
+
+
+class Candidate(NamedTuple):
+    """A design that is the best one of its income and storage.
+
+    ``factors`` are the logarithms of what the program was given more of, ``place`` those of the
+    design's income and storage, ``cost`` the smaller the better.
+    """
+
+    result: SizingResult
+    design: Design
+    powers: Powers
+    factors: FloatArray
+    cost: float
+    days: int
+
+    @property
+    def place(self) -> FloatArray:
+        """Logarithms of income and storage, shape ``(2,)``."""
+        return np.asarray(self.powers.place[:, 0])
+
+    @property
+    def variables(self) -> DesignVariables:
+        """Design variables."""
+        return self.design.variables
+
+
+class SurvivalSearch:
+    """Search of one aircraft, mission at a record's site, and objective.
+
+    Parameters
+    ----------
+    aircraft, mission, objective, solar
+        As for :func:`sizing.optimisation.search.size_aircraft`.
+    flights, coarse : SeasonFlights
+        Days of the record: what counts, and on wider nodes to find the edge.
+    problems : SizingProblems
+        Programs of this very aircraft.
+    """
+
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        objective: Objective,
+        solar: SolarModel,
+        flights: SeasonFlights,
+        coarse: SeasonFlights,
+        problems: SizingProblems,
+    ) -> None:
+        self.aircraft, self.mission, self.objective = aircraft, mission, objective
+        self.solar, self.flights, self.coarse = solar, flights, coarse
+        self.problems = problems
+        latitude = mission.latitudes()[0]
+        latitude = min(max(latitude, -_HIGHEST_LATITUDE_DEG), _HIGHEST_LATITUDE_DEG)
+        where = Scenarios(np.array([latitude]), np.array([_EQUINOX]))
+        self.day = solar_day(aircraft, mission, solar, scenarios=where, step_h=_DAY_STEP_H)
+        self.found: list[Candidate] = []
+        self.reports: list[SolverReport] = []
+        self.limited = [
+            name for name in _SCALED_LIMITS if name in aircraft.design_space.all_limits()
+        ]
+
+    # --- the program -------------------------------------------------------------------------
+
+    def candidate(
+        self,
+        factors: Iterable[float],
+        objective: Objective | None = None,
+        start: DesignVariables | None = None,
+    ) -> Candidate | None:
+        """Best design for the program's day with factors on income and storage; None without.
+
+        Parameters
+        ----------
+        factors : iterable of float
+            Logarithms of the factors on income and storage.
+        objective : Objective, optional
+            Another one than the search's.
+        start : DesignVariables, optional
+            First guess.
+
+        Returns
+        -------
+        Candidate or None
+        """
+        steps = np.asarray(list(factors), float)
+        wanted = self.objective if objective is None else objective
+        mission = self.mission if objective is None else least_mission(self.mission, self.objective)
+        mission, day = self.given(steps, mission)
+        aircraft = self.with_limits(steps)
+        result = size_aircraft(
+            *(aircraft, mission, wanted, self.solar),
+            required_excess_time_h=0.0,
+            day=day,
+            problems=self.problems if aircraft is self.aircraft else SizingProblems(aircraft),
+            start=start,
+            explain=False,
+        )
+        self.reports.append(result.solver)
+        return None if result.design is None else self._judged(result, steps)
+
+    def given(self, factors: FloatArray, mission: Mission) -> tuple[Mission, SolarDay]:
+        """Mission and day of the program with factors on storage and income.
+
+        Parameters
+        ----------
+        factors : ndarray, shape (2,)
+            Logarithms of the factors on income and storage.
+        mission : Mission
+            With its own margins.
+
+        Returns
+        -------
+        Mission
+        SolarDay
+        """
+        own = mission.uncertainty_margins
+        # Not a margin of a file: the factor may exceed 1.
+        capacity = own.battery_capacity * math.exp(factors[1])
+        margins = own.model_copy(update={"battery_capacity": capacity})
+        given = mission.model_copy(update={"uncertainty_margins": margins})
+        return given, self.day.scaled(math.exp(factors[0]))
+
+    def with_limits(self, factors: FloatArray) -> Aircraft:
+        """Aircraft whose limits on the battery hold without the factor on its storage."""
+        space, storage = self.aircraft.design_space, math.exp(factors[1])
+        for name in self.limited:
+            limit = self.aircraft.design_space.all_limits()[name]
+            factor = storage ** _SCALED_LIMITS[name]
+            if limit.minimum is not None:
+                space = space.with_limit(name, "minimum", limit.minimum * factor)
+            if limit.maximum is not None:
+                space = space.with_limit(name, "maximum", limit.maximum * factor)
+        if not self.limited:
+            return self.aircraft
+        return self.aircraft.model_copy(update={"design_space": space})
+
+    def powers_of(self, variables: DesignVariables) -> Powers:
+        """Powers of a design of this aircraft on this mission."""
+        return Powers.of(closed_design(self.aircraft, self.mission, variables))
+
+    def _judged(self, result: SizingResult, factors: FloatArray) -> Candidate:
+        """Candidate without the factors, flown through the season."""
+        assert result.design is not None
+        variables = result.design.variables
+        design = closed_design(self.aircraft, self.mission, variables)
+        powers = Powers.of(design)
+        days = int(self.flights.that_close(powers)[0])
+        one = Candidate(result, design, powers, factors, self._cost(design), days)
+        if self._sound(design):
+            self.found.append(one)
+        return one
+
+    def _sound(self, design: Design) -> bool:
+        conditions = FlightConditions.of(self.mission, self.aircraft)
+        return bool(
+            np.all(meets_requirements(self.aircraft, design, conditions, tolerance=_ROW_TOLERANCE))
+        )
+
+    def _cost(self, design: Design) -> float:
+        """Logarithm of what is to be small, or the negative of what is to be large."""
+        if self.objective is Objective.min_wingspan:
+            return math.log(float(np.asarray(design.variables.wingspan_m)))
+        if self.objective is Objective.min_mass:
+            return math.log(float(np.asarray(design.total_mass_kg)))
+        if self.objective is Objective.max_payload_mass:
+            return -float(np.asarray(design.masses.payload))
+        power_w = design.variables.payload_power_w
+        return -float(np.asarray(0.0 if power_w is None else power_w))
+
+    # --- along the edge ----------------------------------------------------------------------
+
+    def best(self, needed: int) -> Candidate | None:
+        """Best design with enough days that close; None where none is found.
+
+        Parameters
+        ----------
+        needed : int
+            Days that must close.
+
+        Returns
+        -------
+        Candidate or None
+        """
+        first = self.first()
+        if first is None:
+            return None
+        self._along_the_edge(first, needed)
+        if self._enough(needed) is None:
+            self.most_days(first, needed)
+        here = self._enough(needed)
+        if here is None:
+            return None
+        for width in _WIDTHS:
+            for _ in range(_REPEATS):
+                before = here
+                self._improve(before, needed, width)
+                here = self._enough(needed) or before
+                if before.cost - here.cost < _GAIN * max(abs(here.cost), 1.0):
+                    break
+        return here
+
+    def first(self) -> Candidate | None:
+        """Any design at all, on the program's day with more and more light."""
+        tries = (self.candidate(factors) for factors in _FIRST)
+        return next((one for one in tries if one is not None), None)
+
+    def _enough(self, needed: int) -> Candidate | None:
+        good = [one for one in self.found if one.days >= needed]
+        return min(good, key=lambda one: one.cost, default=None)
+
+    def counts(self, one: Candidate, flights: SeasonFlights | None = None) -> Count:
+        """Days that close with other income and storage than a candidate's.
+
+        On coarse nodes, less what these find otherwise of the candidate itself.
+        """
+
+        def count(income: FloatArray, storage: FloatArray) -> IntArray:
+            designs = one.powers.scaled(np.exp(income), np.exp(storage))
+            return (self.coarse if flights is None else flights).that_close(designs)
+
+        if flights is not None:
+            return count
+        otherwise = int(count(np.zeros(1), np.zeros(1))[0]) - one.days
+        return lambda income, storage: count(income, storage) - otherwise
+
+    def _edge(
+        self, here: Candidate, storages: FloatArray, ends: tuple[float, float], needed: int
+    ) -> FloatArray:
+        """Least incomes beside a candidate's storages, logarithms of its own."""
+        values = len(storages) * self.coarse.specific_w_per_m2.size
+        at_once = min(max(_VALUES_AT_ONCE // values, 1), 7)
+        return least_income(self.counts(here), storages, ends, needed, at_once=at_once)
+
+    def _along_the_edge(self, first: Candidate, needed: int) -> None:
+        """Try places all along the edge of what closes enough days."""
+        incomes = self._edge(first, _STORAGES, _INCOMES, needed)
+        start = first.variables
+        for step in np.stack([incomes, _STORAGES], axis=-1)[np.isfinite(incomes)]:
+            one = self.candidate(first.factors - step, start=start)
+            if one is not None:
+                self._tuned(one, needed)
+
+    def _improve(self, here: Candidate, needed: int, width: float) -> None:
+        """Go to the best place along a stretch of the edge."""
+        for step in min(width / 2.0, _SLOPE_STEP) * np.eye(2):
+            self.candidate(here.factors + step, start=here.variables)
+        near = [one for one in self.found if np.all(np.abs(one.place - here.place) < 1.0)]
+        cost = fitted(
+            np.array([one.place for one in near]),
+            np.array([one.cost for one in near]),
+            next(i for i, one in enumerate(near) if one is here),
+        )
+        storages = np.linspace(-width, width, _EDGE_POINTS)
+        incomes = self._edge(here, storages, (-3.0 * width, 3.0 * width), needed)
+        edge = np.stack([incomes, storages], axis=-1)[np.isfinite(incomes)]
+        if not len(edge):
+            return
+        step = edge[np.argmin(cost(here.place + edge))]
+        for _ in range(_BACK):
+            one = self.candidate(here.factors - step, start=here.variables)
+            if one is not None:
+                self._tuned(one, needed)
+                return
+            step = step / 2.0
+
+    def _tuned(self, one: Candidate, needed: int) -> None:
+        """Move a candidate onto the edge: income and storage alike."""
+        for _ in range(_TUNINGS):
+            step = least_step(self.counts(one, self.flights), _ALIKE, (-0.1, 0.1), needed)
+            step = 0.1 if math.isnan(step) else step
+            if one.days >= needed and step > -_TUNED:
+                return
+            other = self.candidate(one.factors - step * _ALIKE, start=one.variables)
+            if other is None or np.allclose(other.place, one.place, atol=1e-6):
+                return
+            one = other
+
+    def most_days(self, first: Candidate, needed: int) -> None:
+        """Try the designs of most income and storage that there are, until enough days close.
+
+        Parameters
+        ----------
+        first : Candidate
+            Where to begin.
+        needed : int
+            Days that must close.
+        """
+        for angle in _ANGLES:
+            direction = np.array([math.cos(angle), math.sin(angle)])
+            least, most, start = 0.0, _FURTHEST, first.variables
+            while most - least > _NEXT_TO_FURTHEST:
+                middle = (least + most) / 2.0
+                steps = first.factors - middle * direction
+                one = self.candidate(steps, Objective.max_excess_time, start)
+                if one is None:
+                    most = middle
+                    continue
+                least, start = middle, one.variables
+                if one.days >= needed:
+                    self._tuned(one, needed)
+                    return

@@ -1,0 +1,221 @@
+import functools
+import json
+
+import numpy as np
+import pytest
+
+import sizing
+from missions.files.errors import InputError
+from missions.library import load_mission
+from sizing.design import DesignVariables, FlightConditions, closed_design
+from sizing.library import load_aircraft
+from sizing.limits import meets_requirements
+from sizing.survival.flights import Powers, SeasonFlights
+from tests.support.weather_files import clear_record
+
+pytestmark = pytest.mark.slow
+
+DESIGN = load_aircraft("atlantiksolar-design")
+PLACE = {"latitude_deg": 46.8, "altitude_m": 491.0}
+MISSION = load_mission("rafz-july", PLACE | {"dates": {"from": "06-10", "to": "07-09"}})
+STEP_S = 1800.0
+
+
+def clouded(days=40, first="2001-06-05", seed=4, **changes):
+    """Record whose days have light of their own: half of them nearly clear, the others less so."""
+    record = clear_record(days=days, first=first, interval_s=STEP_S, **changes)
+    shares = 1.0 - 0.6 * np.random.default_rng(seed).random(days + 2) ** 2
+    day = ((record.start_s - record.start_s[0]) // 86400.0).astype(int)
+    light = {name: getattr(record, name) * shares[day] for name in ("ghi", "dni", "dhi")}
+    return functools.partial(clear_record, days=days, first=first, interval_s=STEP_S)(
+        **light, **changes
+    )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _wide_nodes():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sizing.survival.sizing.NODE_STEP_S", STEP_S)
+        patch.setattr("sizing.survival.sizing._COARSE_STEP_S", STEP_S)
+        yield
+
+
+RECORD = clouded()
+
+
+def sized(survive, objective="min_wingspan", mission=MISSION, weather=RECORD, aircraft=DESIGN):
+    return sizing.size_in_weather(aircraft, mission, weather, objective, survive=survive)
+
+
+@pytest.fixture(scope="module")
+def most():
+    return sized(0.9)
+
+
+def test_an_analysis_of_the_sized_aircraft_confirms_the_days(most, monkeypatch):
+    """The run of one design through all of the record is other code than batches of a season."""
+    found = most.survival
+    assert most.status.name == "optimal"
+    assert len(found.days) == 30
+    assert found.days.that_close == 27
+    assert found.achieved == 0.9
+    step = functools.partial(sizing.weather_run.weather_performance, step_s=STEP_S)
+    monkeypatch.setattr("sizing.results.weather.weather_performance", step)
+    frame = sizing.analyse_weather(most.sized_aircraft(), most.mission, RECORD).to_frame()
+    season = frame[frame["day_of_year"].between(161, 190)]
+    assert season["closes"].tolist() == found.days.closes.tolist()
+
+
+@pytest.mark.parametrize("objective", ["min_wingspan", "min_mass"])
+def test_no_design_of_a_grid_is_better(objective, most):
+    """Thousands of designs around the optimum, those that keep every limit, through the record."""
+    best = most if objective == "min_wingspan" else sized(0.9, objective)
+    mission, variables = best.mission, best.variables
+    flights = SeasonFlights.of(DESIGN, mission, RECORD, best.solar, step_s=STEP_S)
+    wide = np.linspace(0.9, 1.1, 13)
+    span, battery, area = (
+        values.reshape(-1)
+        for values in np.meshgrid(
+            variables.wingspan_m * wide,
+            variables.battery_mass_kg * np.linspace(0.75, 1.25, 25),
+            variables.module_area_m2 * wide,
+        )
+    )
+    tried = DesignVariables(span, np.full(len(span), 18.5), battery, area)
+    designs = closed_design(DESIGN, mission, tried)
+    sound = meets_requirements(
+        DESIGN, designs, FlightConditions.of(mission, DESIGN), tolerance=1e-5
+    )
+    cost = span if objective == "min_wingspan" else np.asarray(designs.total_mass_kg)
+    # The tolerance that the documentation states.
+    better = np.flatnonzero(sound & (cost < best.result.objective_value * (1.0 - 0.003)))
+    assert len(better) > 200
+    powers = Powers(*(values[better] for values in Powers.of(designs)))
+    assert flights.that_close(powers).max() < 27
+
+
+def test_a_larger_share_costs_more_and_is_reached(most):
+    less, all_of_them = sized(0.5), sized(1.0)
+    spans = [one.result.objective_value for one in (less, most, all_of_them)]
+    assert spans == sorted(spans)
+    assert 0.5 <= less.survival.achieved < 0.9
+    assert all_of_them.survival.achieved == 1.0
+
+
+@pytest.mark.parametrize("objective", ["min_wingspan", "min_mass"])
+def test_all_days_of_a_clear_record_are_the_ordinary_sizing(objective):
+    """Perpetual flight on the darkest clear day of the season is what all of its days ask for.
+
+    What differs: the days follow each other instead of one repeating itself, and their light comes
+    from means of half-hours. Both searches have tolerances of their own besides.
+    """
+    weather = clear_record(days=20, first="2001-06-20", interval_s=STEP_S)
+    mission = load_mission("rafz-july", PLACE | {"dates": {"from": "06-24", "to": "07-06"}})
+    found = sized(1.0, objective, mission, weather)
+    ordinary = sizing.size(DESIGN, found.mission, objective)
+    assert found.survival.achieved == 1.0
+    assert found.survival.days.longest_gap_days == 0
+    assert found.result.objective_value == pytest.approx(ordinary.result.objective_value, rel=2e-3)
+    assert found.survival.clear_sky_objective == pytest.approx(ordinary.result.objective_value)
+
+
+def test_payload_is_what_the_edge_leaves():
+    aircraft = load_aircraft(
+        "atlantiksolar-design", {"design_space.wingspan_m": {"minimum": 2.0, "maximum": 5.65}}
+    )
+    found = sized(0.9, "max_payload_mass", aircraft=aircraft)
+    assert found.survival.achieved >= 0.9
+    assert found.result.objective_value > 0.1
+    assert found.sized_mission().payload.mass_kg == pytest.approx(found.result.objective_value)
+    # With the payload of that optimum the smallest aircraft is as large as it was.
+    carrying = load_mission(
+        "rafz-july",
+        PLACE
+        | {"dates": {"from": "06-10", "to": "07-09"}}
+        | {"payload": {"mass_kg": found.result.objective_value}},
+    )
+    again = sized(0.9, "min_wingspan", carrying)
+    assert again.result.objective_value == pytest.approx(5.65, rel=3e-3)
+
+
+def test_record_and_text(most):
+    record = json.loads(json.dumps(most.to_dict(), allow_nan=False))["weather"]
+    assert (record["required"], record["achieved"]) == (0.9, 0.9)
+    assert (record["days"], record["days_that_close"]) == (30, 27)
+    assert record["season"] == {"from": "06-10", "to": "07-09"}
+    assert record["clear_sky"]["days_that_close"] < 27
+    assert record["clear_sky"]["objective"] < most.result.objective_value
+    assert record["by_year"] == []
+    text = " ".join(str(most).split())
+    assert "days that close, 10 Jun to 9 Jul: 27 of 30, 90.0 % (asked for 90 %)" in text
+    assert "excess time under a clear sky" in text
+    assert "days_that_close" in most.result.active_constraints
+
+
+def test_years_are_told_apart_and_a_season_may_cross_the_new_year():
+    weather = clear_record(days=800, first="2001-06-01", interval_s=3 * 3600.0, share=0.9)
+    mission = load_mission(
+        "rafz-july", PLACE | {"dates": {"from": "12-30", "to": "01-02"}, "latitude_deg": 46.0}
+    )
+    flights = SeasonFlights.of(
+        DESIGN, mission, weather, sizing.SolarModel("CAM", "none"), step_s=3 * 3600.0
+    )
+    assert len(flights) == 8
+    assert set(flights.days.axis.day_of_year[flights.counted]) == {364, 365, 1, 2}
+
+
+def test_out_of_reach_says_what_is_reached_and_what_would_help():
+    small = load_aircraft(
+        "atlantiksolar-design", {"design_space.wingspan_m": {"minimum": 2.0, "maximum": 4.4}}
+    )
+    found = sized(0.9, aircraft=small)
+    assert found.status.name == "infeasible"
+    (missed,) = found.result.violations
+    assert missed.requirement == "days_that_close"
+    assert "27 of the season's 30 days are out of reach" in missed.text
+    assert 0 < found.survival.days.that_close < 27
+    assert found.to_dict()["nearest"]["wingspan_m"] == pytest.approx(4.4, rel=1e-2)
+    relaxed = {one.parameter: one for one in found.relaxations}
+    wider = relaxed["design_space.wingspan_m.maximum"]
+    assert wider.value > 4.4
+    assert not {"mission.latitude_deg", "mission.required_excess_time_h"} & set(relaxed)
+    assert "feasible with one of these" in str(found)
+
+
+def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most):
+    values = PLACE | {
+        "dates": {"from": "06-10", "to": "07-09"},
+        "clearness": 0.8,
+        "required_excess_time_h": 3.0,
+    }
+    found = sized(0.9, mission=load_mission("rafz-july", values))
+    assert found.result.objective_value == pytest.approx(most.result.objective_value, rel=1e-9)
+    told = " ".join(found.survival.notes)
+    assert "required excess time of 3 h is not asked for" in told
+    assert "clearness of 0.8 plays no part" in told
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        ({"survive": 0.0}, ValueError, "above 0 and at most 1"),
+        ({"survive": 1.2}, ValueError, "above 0 and at most 1"),
+        ({"survive": float("nan")}, ValueError, "above 0 and at most 1"),
+        ({"objective": "max_excess_time"}, ValueError, "that of a repeated clear day"),
+        ({"objective": "longest_season"}, ValueError, "counts days or degrees"),
+        ({"aircraft": load_aircraft("atlantiksolar-as2")}, TypeError, "measured aircraft"),
+        (
+            {"mission": load_mission("rafz-july", PLACE | {"dates": {"on": "01-01"}})},
+            InputError,
+            "has no day of the season of the mission rafz-july, 1 Jan: the record covers",
+        ),
+        (
+            {"mission": load_mission("rafz-july", {"latitude_deg": 20.0})},
+            InputError,
+            "set the mission's latitude_deg",
+        ),
+    ],
+)
+def test_what_cannot_be_asked(call, error, message):
+    with pytest.raises(error, match=message):
+        sized(**({"survive": 0.9} | call))

@@ -1,0 +1,69 @@
+import json
+
+import pytest
+from weather_files import clear_record, write_plain
+
+DESIGN = "atlantiksolar-design"
+PLACE = ("--set", "mission.latitude_deg=46.8", "--set", "mission.altitude_m=491")
+JULY = ("-m", "rafz-july", *PLACE, "--set", "mission.dates={from: 07-15, to: 07-17}")
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    made = clear_record(7, first="2001-07-13", share=0.8)
+    return write_plain(tmp_path_factory.mktemp("weather") / "hazy.csv", made)
+
+
+@pytest.mark.slow
+def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
+    folder = tmp_path / "sized"
+    call = ("size", DESIGN, *JULY, "--weather", record, "--survive", "1", "--out", folder)
+    done = run(*call)
+    assert done.code == 0
+    assert "in the weather of Somewhere" in " ".join(done.out.split())
+    assert "15 Jul to 17 Jul: 3 of 3, 100.0 % (asked for 100 %)" in " ".join(done.out.split())
+    written = json.loads((folder / "results.json").read_text())
+    assert written["weather"]["days_that_close"] == 3
+    assert len(json.loads((folder / "run.json").read_text())["inputs"]["weather"]["sha256"]) == 64
+    # The folder stands for the design at the record's site.
+    again = run("analyse", str(folder), "--weather", record, "--json").json()
+    assert again["weather"]["days_that_close"] >= 3
+    assert again["total_mass_kg"] == pytest.approx(written["total_mass_kg"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--survive", "0.9"), "--survive needs --weather as well"),
+        (("--weather", "colorado-2023"), "--weather needs --survive as well"),
+        (("--weather", "colorado-2023", "--survive", "1.5"), "1.5 is not in the range 0.0<=x<=1.0"),
+        (("--weather", "colorado-2023", "--survive", "0"), "must be above 0 and at most 1"),
+        (("--weather", "none.epw", "--survive", "0.5"), "there is no such file"),
+        (
+            ("--weather", "colorado-2023", "--survive", "0.5", "--reliability", "0.9"),
+            "--reliability is of repeated clear days",
+        ),
+        (
+            ("--weather", "colorado-2023", "--survive", "0.5", "--required-excess-time", "2"),
+            "--required-excess-time is of repeated clear days",
+        ),
+        (
+            ("--weather", "colorado-2023", "--survive", "0.5", "--objective", "longest_season"),
+            "longest_season counts days or degrees",
+        ),
+        (("--weather", "colorado-2023", "--survive", "0.5"), "set the mission's latitude_deg"),
+    ],
+)
+def test_mistakes_end_with_two_and_one_line(run, options, message):
+    done = run("size", DESIGN, "-m", "rafz-july", *options)
+    assert done.code == 2
+    assert message in " ".join(done.err.split())
+    assert "Traceback" not in done.err
+
+
+def test_a_record_without_a_day_of_the_season(run, record):
+    dates = ("-m", "rafz-july", *PLACE, "--set", "mission.dates={from: 12-30, to: 01-02}")
+    done = run("size", DESIGN, *dates, "--weather", record, "--survive", "0.5")
+    assert done.code == 2
+    told = " ".join(done.err.split())
+    assert "has no day of the season of the mission rafz-july, 30 Dec to 2 Jan" in told
