@@ -37,7 +37,19 @@ class SeasonDays:
 
     @classmethod
     def of(cls, flights: SeasonFlights, designs: Powers) -> SeasonDays:
-        """Days of a season that a single design closes; all days of the record must be flown."""
+        """Days of a season that a single design closes.
+
+        Parameters
+        ----------
+        flights : SeasonFlights
+            Of all days of the record.
+        designs : Powers
+            Of one design.
+
+        Returns
+        -------
+        SeasonDays
+        """
         closes = flights.closes(designs)[0]
         axis, counted = flights.days.axis, flights.counted
         dates = axis.time_s.astype("datetime64[s]") + np.timedelta64(12, "h")

@@ -273,7 +273,17 @@ class SurvivalSearch:
     def counts(self, one: Candidate, flights: SeasonFlights | None = None) -> Count:
         """Days that close with other income and storage than a candidate's.
 
-        On coarse nodes, less what these find otherwise of the candidate itself.
+        Parameters
+        ----------
+        one : Candidate
+        flights : SeasonFlights, optional
+            By default those on coarse nodes, less what these find otherwise of the candidate
+            itself.
+
+        Returns
+        -------
+        callable
+            Days, of logarithms of factors on income and storage.
         """
 
         def count(income: FloatArray, storage: FloatArray) -> IntArray:
