@@ -11,13 +11,13 @@ JULY = ("-m", "rafz-july", *PLACE, "--set", "mission.dates={from: 07-15, to: 07-
 @pytest.fixture(scope="module")
 def record(tmp_path_factory):
     made = clear_record(7, first="2001-07-13", share=0.8)
-    return write_plain(tmp_path_factory.mktemp("weather") / "hazy.csv", made)
+    return str(write_plain(tmp_path_factory.mktemp("weather") / "hazy.csv", made))
 
 
 @pytest.mark.slow
 def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
     folder = tmp_path / "sized"
-    call = ("size", DESIGN, *JULY, "--weather", record, "--survive", "1", "--out", folder)
+    call = ("size", DESIGN, *JULY, "--weather", record, "--survive", "1", "--out", str(folder))
     done = run(*call)
     assert done.code == 0
     assert "in the weather of Somewhere" in " ".join(done.out.split())
