@@ -201,7 +201,7 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         )
     elif not objective.of_range:
         blocks.append(Text("The optimum was not cross-checked: size --cross-check.", "faint"))
-    return Section("sizing", "Sizing: limits, sensitivities, cross-check", blocks)
+    return Section("sizing", "Sizing", blocks)
 
 
 def _reliability(found: Mapping[str, Any]) -> Text:
