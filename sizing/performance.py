@@ -117,6 +117,7 @@ def performance(
     day: SolarDay | None = None,
     step_h: float = DEFAULT_STEP_H,
     keep_trajectory: bool = True,
+    design: Design | None = None,
 ) -> Performance:
     """Simulate an aircraft, as its file describes it, in every scenario of a mission.
 
@@ -132,6 +133,8 @@ def performance(
         Largest step of the time axis [h]; that of ``day`` if it is given.
     keep_trajectory : bool
         Keep the stored energy over time.
+    design : Design, optional
+        That of :func:`sizing.design.design_of`, where it is known already.
 
     Returns
     -------
@@ -146,8 +149,8 @@ def performance(
         As :func:`sizing.sunlight.solar_day`.
     """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    design = design_of(aircraft, mission)
-    return _simulate(aircraft, mission, solar, design, lit, keep_trajectory=keep_trajectory)
+    flown = design_of(aircraft, mission) if design is None else design
+    return _simulate(aircraft, mission, solar, flown, lit, keep_trajectory=keep_trajectory)
 
 
 def performance_after_days(

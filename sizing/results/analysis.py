@@ -12,6 +12,7 @@ from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
+from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
@@ -246,8 +247,10 @@ def analyse(
         return Analysis(aircraft, mission, *three, flight=None, climb=climbs)
     if days is None:
         day = solar_day(aircraft, mission, solar)
+        design = design_of(aircraft, mission)
         low, centre, high = (
-            performance(aircraft, mission, solar, day=day.scaled(factor)) for factor in factors
+            performance(aircraft, mission, solar, day=day.scaled(factor), design=design)
+            for factor in factors
         )
     else:
         dates = consecutive_days(aircraft, mission, solar, days=days)

@@ -44,6 +44,7 @@ _DESIGN_SPACE = {
 _MEASURED = "fixed: mass and power of this airframe are measured"
 _SLIDER_FROM, _SLIDER_TO = 0.3, 2.5  # of a design variable's first value, for a sensitive slider
 _PAYLOAD_OF_MASS, _PAYLOAD_OF_LOAD = 0.5, 1.0  # of total mass and load: far ends of the sliders
+_PAYLOAD_BEYOND = 20.0  # times the slider's end: what a sizing may find
 
 
 @dataclass(frozen=True)
@@ -196,7 +197,9 @@ def _number(
         low, high = _round(_SLIDER_FROM * value, math.floor), _round(_SLIDER_TO * value, math.ceil)
         slider = (max(low, minimum), min(high, maximum))
     elif key in ends:
-        slider = (minimum, min(max(_round(ends[key], math.ceil), value), maximum))
+        high = _round(ends[key], math.ceil)
+        maximum = max(maximum, _PAYLOAD_BEYOND * high)  # of a large aircraft
+        slider = (minimum, min(max(high, value), maximum))
     unit = "" if known.unit == "1" else known.unit.replace("m2", "m²").replace("deg", "°")
     fixed = ""
     if isinstance(aircraft.airframe, MeasuredAirframe) and key in (

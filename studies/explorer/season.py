@@ -18,6 +18,7 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.design import Design
 from sizing.performance import performance
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from solar.names import ATTITUDE_MODELS
@@ -80,7 +81,13 @@ class SeasonMaps:
         self._kept: OrderedDict[_Key, _Light] = OrderedDict()
 
     def excess_time(
-        self, aircraft: Aircraft, mission: Mission, solar: SolarModel, *, coarse: bool
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        solar: SolarModel,
+        *,
+        coarse: bool,
+        design: Design | None = None,
     ) -> dict[str, Any]:
         """Excess time in every cell that is known.
 
@@ -92,6 +99,8 @@ class SeasonMaps:
             Model and correction.
         coarse : bool
             Use steps of a quarter of an hour; slow models always do.
+        design : Design, optional
+            Of the aircraft on the mission, where it is known already.
 
         Returns
         -------
@@ -115,7 +124,9 @@ class SeasonMaps:
         elif light.day is None:
             light.rows, light.day = list(range(len(LATITUDES_DEG))), lit(LATITUDES_DEG)
         rows: list[list[float | None] | None] = [None] * len(LATITUDES_DEG)
-        found = performance(aircraft, mission, solar, day=light.day, keep_trajectory=False)
+        found = performance(
+            *(aircraft, mission, solar), day=light.day, keep_trajectory=False, design=design
+        )
         hours = found.cycle.excess_time_h.reshape(len(light.rows), len(days))
         for row, values in zip(light.rows, hours, strict=True):
             rows[row] = [round(v, 3) if isfinite(v) else None for v in values.tolist()]

@@ -22,7 +22,7 @@ from missions.files.writing import to_yaml
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import ImpossibleDesignError
+from sizing.design import Design, ImpossibleDesignError
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX
 from sizing.results.analysis import Analysis, analyse
@@ -94,7 +94,7 @@ class Session:
         names = [document.source.removesuffix(" (shipped)") for document in self._files]
         self.command = [names[0], "-m", names[1]] if command is None else list(command)
         self._maps = SeasonMaps()
-        self._last_day: tuple[Settings, dict[str, Any]] | None = None
+        self._last_day: tuple[Settings, dict[str, Any], Design] | None = None
         # The scenario that is hardest to fly is where the page begins.
         start = analyse(
             self.aircraft,
@@ -277,7 +277,7 @@ class Session:
             "headline": found.headline(),
             "notes": notes if slow is None else [slow, *notes],
         }
-        self._last_day = settings, view
+        self._last_day = settings, view, perf.design
         return view.copy()
 
     def season(self, settings: Settings, *, coarse: bool = False) -> dict[str, Any]:
@@ -299,9 +299,12 @@ class Session:
         RefusedError
             As :meth:`analysis`.
         """
-        made = self.inputs(settings)
+        made, known = self.inputs(settings), self._last_day
+        design = known[2] if known is not None and known[0] == settings else None
         try:
-            return self._maps.excess_time(made.aircraft, made.mission, made.solar, coarse=coarse)
+            return self._maps.excess_time(
+                *(made.aircraft, made.mission, made.solar), coarse=coarse, design=design
+            )
         except ImpossibleDesignError as error:
             raise RefusedError([Refusal("design", None, str(error))], "impossible") from None
         except ValueError as error:
