@@ -62,3 +62,15 @@ def test_every_heading_is_printed(open_page: Any, reports: dict[str, Path]) -> N
     headings = page.locator("h2").all_inner_texts()
     text = " ".join(" ".join(sheet.text.split()) for sheet in sheets(page.pdf(format="A4")))
     assert [h for h in headings if h not in text] == []
+
+
+def test_pdf_of_the_command_is_full_too(reports: dict[str, Path]) -> None:
+    """By WeasyPrint, which knows no script and other rules of breaking pages."""
+    pytest.importorskip("weasyprint", exc_type=OSError, reason="WeasyPrint lacks Pango")
+    from studies.report.pdf import to_pdf
+
+    printed = sheets(to_pdf(reports["sized"].read_text(encoding="utf-8")))
+    assert 3 <= len(printed) <= 20
+    for number, sheet in enumerate(printed, 1):
+        assert len(sheet.text.split()) > 20, f"sheet {number} is nearly empty"
+        assert 0.005 < sheet.ink < 0.5, f"sheet {number}"
