@@ -47,6 +47,15 @@ _TOO_WIDE = """() => {
         .map(e => `${e.tagName.toLowerCase()}${e.id ? '#' + e.id : ''}.` +
                   `${e.className.baseVal ?? e.className} to ${Math.round(edge(e))} px`);
 }"""
+# Children of boxes that reach beyond the box they stand in, below or to the right.
+_SPILLED = """selector => [...document.querySelectorAll(selector)].flatMap(box => {
+    const edge = box.getBoundingClientRect();
+    return [...box.children].filter(child => {
+        const own = child.getBoundingClientRect();
+        const placed = getComputedStyle(child).position === 'absolute' || own.height === 0;
+        return !placed && (own.bottom > edge.bottom + 0.5 || own.right > edge.right + 0.5);
+    }).map(child => `${box.className}: ${child.id || child.className || child.tagName}`);
+})"""
 _SETTLE = "() => new Promise(done => setTimeout(done, 30))"
 
 
@@ -160,6 +169,12 @@ def open_page(chromium: Browser) -> Iterator[OpenPage]:
 def too_wide(page: Page) -> list[str]:
     """Elements for which the whole page scrolls sideways."""
     found: list[str] = page.evaluate(_TOO_WIDE)
+    return found
+
+
+def spilled(page: Page, boxes: str) -> list[str]:
+    """Parts that hang out of their box, for boxes that a CSS selector names and nothing scrolls."""
+    found: list[str] = page.evaluate(_SPILLED, boxes)
     return found
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_pages import DESKTOP, PHONE, accessibility_problems, headless, too_wide
+from browser_pages import DESKTOP, PHONE, accessibility_problems, headless, spilled, too_wide
 from command_line import Run
 from explorer_pages import DAY, LATITUDE, at_rest, number, shown, slider, typed
 
@@ -262,6 +262,14 @@ def test_any_window_in_light_and_dark(
     at_rest(page)
     assert too_wide(page) == []
     assert accessibility_problems(page) == []
+
+
+def test_nothing_hangs_out_of_its_panel(page: Any) -> None:
+    for width, height in ((1280, 760), (1366, 768), (1400, 860), (1920, 1080), (1024, 768), PHONE):
+        page.set_viewport_size({"width": width, "height": height})
+        page.evaluate("() => new Promise(done => setTimeout(done, 60))")
+        assert spilled(page, ".panel:not(.controls, .sizing), .verdict") == [], (width, height)
+        assert too_wide(page) == [], (width, height)
 
 
 def test_measured_aircraft_says_what_it_cannot(open_page: Any) -> None:
