@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import os
 import signal
 import sys
 import threading
@@ -92,6 +93,22 @@ class _LazyGroup(click.Group):
         command: click.Command = getattr(module, lazy.name)
         return command
 
+    def shell_complete(
+        self, ctx: click.Context, incomplete: str
+    ) -> list[click.shell_completion.CompletionItem[str]]:
+        """Commands with their summaries, and options; no command is imported.
+
+        Parameters
+        ----------
+        ctx, incomplete
+            As click gives them.
+        """
+        from click.shell_completion import CompletionItem
+
+        some = {name: one for name, one in _COMMANDS.items() if name.startswith(incomplete)}
+        items = [CompletionItem(name, help=one.summary) for name, one in some.items()]
+        return [*items, *click.Command.shell_complete(self, ctx, incomplete)]
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands by what they are for."""
         longest = max(map(len, _COMMANDS))
@@ -117,6 +134,10 @@ def main() -> None:
         # A terminal that cannot show a character shows a stand-in; it is no reason to fail.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    if "_SOLAR_UAV_COMPLETE" in os.environ:
+        from studies.cli.completion import prepare
+
+        prepare()
     with _interruptible() as signals:
         try:
             code = cli.main(prog_name="solar-uav", standalone_mode=False)

@@ -192,11 +192,49 @@ class RealRange(click.FloatRange):
         return number
 
 
+def completes(name: str) -> Callable[[click.Context, click.Parameter, str], Any]:
+    """What completes an argument or option on the command line, imported when a shell asks.
+
+    Parameters
+    ----------
+    name : str
+        What it is, see :func:`studies.cli.completion.values_for`.
+
+    Returns
+    -------
+    callable
+    """
+
+    def values(ctx: click.Context, param: click.Parameter, incomplete: str) -> Any:
+        from studies.cli.completion import values_for
+
+        return values_for(name, incomplete)
+
+    return values
+
+
+def aircraft_argument(default: str | None = None) -> Callable[[Command], Command]:
+    """Argument ``AIRCRAFT``: name, file or folder; required without a default."""
+    return click.argument(
+        "aircraft",
+        default=default,
+        required=default is None,
+        shell_complete=completes("aircraft"),
+    )
+
+
 def mission_option(default: str | None = "rafz-july") -> Callable[[Command], Command]:
     """Option ``--mission``; without a default only a folder of results may stand in for it."""
     needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
     help_text = f"Name or file.{needed}"
-    return click.option("--mission", "-m", default=default, show_default=True, help=help_text)
+    return click.option(
+        "--mission",
+        "-m",
+        default=default,
+        show_default=True,
+        shell_complete=completes("mission"),
+        help=help_text,
+    )
 
 
 set_option = click.option(
@@ -204,6 +242,7 @@ set_option = click.option(
     "overrides",
     metavar="KEY=VALUE",
     multiple=True,
+    shell_complete=completes("overrides"),
     help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
     "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
 )

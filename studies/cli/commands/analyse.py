@@ -13,7 +13,9 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     ParamType,
     Parsed,
+    aircraft_argument,
     check_image,
+    completes,
     figure_options,
     mission_option,
     solar_options,
@@ -62,7 +64,7 @@ class Latitude(ParamType[float]):
 
 
 @command("solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--latitude", type=Latitude(), help="Latitude, -90 to 90 (north), instead of the mission's."
@@ -81,6 +83,7 @@ class Latitude(ParamType[float]):
 @click.option(
     "--weather",
     "weather_file",
+    shell_complete=completes("weather_file"),
     type=click.Path(),
     metavar="FILE",
     help="Fly through a weather record: EPW, TMY2, TMY3, PVGIS, NSRDB PSM, BSRN or plain CSV.",

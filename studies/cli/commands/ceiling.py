@@ -8,6 +8,7 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     RealRange,
+    aircraft_argument,
     check_image,
     figure_options,
     mission_option,
@@ -19,7 +20,7 @@ _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
 
 @command("solar-uav ceiling atlantiksolar-as2 --plot ceiling.png")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--highest",

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from solar.names import (
     ATTITUDE_MODELS,
@@ -20,6 +21,7 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     ParamType,
+    aircraft_argument,
     check_image,
     figure_options,
     json_option,
@@ -40,6 +42,20 @@ class Names(ParamType["tuple[str, ...]"]):
 
     def __init__(self, allowed: tuple[str, ...]) -> None:
         self.allowed = allowed
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem[str]]:
+        """Names that may follow the last comma.
+
+        Parameters
+        ----------
+        ctx, param, incomplete
+            As click gives them.
+        """
+        head, comma, tail = incomplete.rpartition(",")
+        some = (name for name in self.allowed if name.lower().startswith(tail.lower()))
+        return [CompletionItem(f"{head}{comma}{name}") for name in some]
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -77,7 +93,7 @@ class Names(ParamType["tuple[str, ...]"]):
 
 
 @command("solar-uav compare atlantiksolar-design --objective min_mass --csv models.csv")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--models",

@@ -5,13 +5,13 @@ from __future__ import annotations
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import EXIT_FAILED, mission_option, model_options
+from studies.cli.options import EXIT_FAILED, aircraft_argument, mission_option, model_options
 
 _NEEDS = "explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
 
 
 @command("solar-uav explore atlantiksolar-design -m central-europe-summer")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--port",

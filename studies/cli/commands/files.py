@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import EXIT_BAD_INPUT, print_json
+from studies.cli.options import EXIT_BAD_INPUT, completes, print_json
 
 
 @command("solar-uav list", name="list")
@@ -41,7 +41,7 @@ def list_(as_json: bool) -> None:
 
 
 @command("solar-uav show atlantiksolar-as2 > mine.yaml")
-@click.argument("name")
+@click.argument("name", shell_complete=completes("shipped"))
 def show(name: str) -> None:
     """Print the file of the shipped aircraft or mission NAME, comments included.
 
@@ -64,7 +64,7 @@ def init(name: str) -> None:
 
 
 @command("solar-uav validate albatross.yaml albatross-mission.yaml")
-@click.argument("files", nargs=-1, required=True)
+@click.argument("files", nargs=-1, required=True, shell_complete=completes("files"))
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""
     from missions.files.errors import InputError

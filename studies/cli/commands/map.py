@@ -10,6 +10,7 @@ from solar.names import RESIZE_NAMES
 from studies.cli.help_texts import command
 from studies.cli.options import (
     Grid,
+    aircraft_argument,
     check_image,
     figure_options,
     mission_option,
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @command("solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png", name="map")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--latitudes",

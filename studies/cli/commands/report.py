@@ -7,11 +7,11 @@ from typing import Any
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import mission_option, solar_options
+from studies.cli.options import aircraft_argument, completes, mission_option, solar_options
 
 
 @command("solar-uav report atlantiksolar-as2 -m rafz-july --out report.html")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--out",
@@ -25,6 +25,7 @@ from studies.cli.options import mission_option, solar_options
 @click.option(
     "--weather",
     "weather_file",
+    shell_complete=completes("weather_file"),
     type=click.Path(),
     metavar="FILE",
     help="Also fly through a weather record, as analyse does.",

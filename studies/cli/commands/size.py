@@ -14,6 +14,8 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     RealRange,
+    aircraft_argument,
+    completes,
     figure_options,
     mission_option,
     out_option,
@@ -51,7 +53,7 @@ def _check_weather(objective: Objective, survive: float, others: Mapping[str, bo
     "solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2",
     "solar-uav size atlantiksolar-design -m mission.yaml --weather FILE --survive 0.9",
 )
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option(None)
 @click.option(
     "--objective",
@@ -88,6 +90,7 @@ def _check_weather(objective: Objective, survive: float, others: Mapping[str, bo
 @click.option(
     "--weather",
     "weather_file",
+    shell_complete=completes("weather_file"),
     type=click.Path(),
     metavar="FILE",
     help="Size for the days of a weather record on the mission's dates, instead of clear ones; "

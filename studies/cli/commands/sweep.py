@@ -16,7 +16,9 @@ from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
     Parsed,
+    aircraft_argument,
     check_image,
+    completes,
     figure_options,
     mission_option,
     solar_options,
@@ -33,7 +35,7 @@ _TOP = 40
 
 
 @command("solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--vary",
@@ -41,6 +43,7 @@ _TOP = 40
     type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=True),
     multiple=True,
     required=True,
+    shell_complete=completes("axes"),
     help="KEY=first:last:step (last is met where the steps lead to it) or KEY=v1,v2,...; a key as "
     "of --set, or wingspan_m, aspect_ratio, battery_mass_kg, module_area_m2. May be repeated.",
 )
@@ -77,12 +80,14 @@ _TOP = 40
     "--pareto",
     nargs=2,
     metavar="X Y",
+    shell_complete=completes("pareto"),
     help="Only the front of two results or varied keys, e.g. wingspan payload_mass: the points "
     "that no other beats in both.",
 )
 @click.option(
     "--sort",
     metavar="KEY",
+    shell_complete=completes("sort"),
     help="Sort the table by a result or varied key, the least first; by -KEY the largest first.  "
     "[default: the best first]",
 )

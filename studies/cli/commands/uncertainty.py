@@ -5,12 +5,18 @@ from __future__ import annotations
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import check_image, figure_options, mission_option, solar_options
+from studies.cli.options import (
+    aircraft_argument,
+    check_image,
+    figure_options,
+    mission_option,
+    solar_options,
+)
 from studies.output.figures.options import FigureOptions
 
 
 @command("solar-uav uncertainty atlantiksolar-as2 --samples 1024")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option()
 @click.option(
     "--samples",

@@ -14,6 +14,7 @@ import click
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
+    aircraft_argument,
     check_image,
     figure_options,
     mission_option,
@@ -73,7 +74,7 @@ def published(
 
 
 @command("solar-uav loiter-correction --markdown errors.md", name="loiter-correction")
-@click.argument("aircraft", default="atlantiksolar-as2")
+@aircraft_argument("atlantiksolar-as2")
 @mission_option("rafz-loiter")
 @set_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -106,7 +107,7 @@ def loiter_correction(
 
 
 @command("solar-uav efficiencies atlantiksolar-as2 --plot efficiencies.png")
-@click.argument("aircraft")
+@aircraft_argument()
 @mission_option("rafz-loiter")
 @set_option
 @click.option("--csv", "csv_file", type=click.Path(), help="Write the table over time as CSV.")

@@ -10,6 +10,8 @@ import click
 from studies.cli.help_texts import command
 from studies.cli.options import (
     Parsed,
+    aircraft_argument,
+    completes,
     figure_options,
     json_option,
     mission_option,
@@ -26,8 +28,8 @@ _LONGEST_FILTER = 1_000_000
 
 
 @command("solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified")
-@click.argument("aircraft")
-@click.argument("log_file", metavar="LOG")
+@aircraft_argument()
+@click.argument("log_file", metavar="LOG", shell_complete=completes("log_file"))
 @mission_option("rafz-28h")
 @click.option(
     "--window",

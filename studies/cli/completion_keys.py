@@ -1,0 +1,96 @@
+"""Keys of aircraft and mission files for shell completion, written down so that it is quick.
+
+Reading them from the classes takes half a second; ``python -m studies.cli.completion_keys`` writes
+``completion_keys.csv`` anew, and a test compares it with the classes.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import types
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+
+FILE = "completion_keys.csv"
+MISSION_PREFIX = "mission."
+_SWITCH = ("false", "true")
+
+
+class Key(NamedTuple):
+    """A key as ``--set`` takes it, the values it allows if those are few, and what it is."""
+
+    key: str
+    values: tuple[str, ...]
+    number: bool
+    label: str
+
+
+def known_keys() -> list[Key]:
+    """All keys, as they are written down."""
+    text = resources.files("studies.cli").joinpath(FILE).read_text(encoding="utf-8")
+    rows = csv.reader(io.StringIO(text))
+    return [Key(k, tuple(v.split("|")) if v else (), n == "number", la) for k, v, n, la in rows]
+
+
+def keys_of_classes() -> list[Key]:
+    """All keys, as the classes of the files have them."""
+    from missions.mission import Mission
+    from sizing.aircraft import Aircraft
+    from sizing.parameters import catalogue
+
+    labels = {key: one.label for key, one in catalogue().items()}
+    found: dict[str, tuple[set[str], bool]] = {}
+    for prefix, owner in (("", Aircraft), (MISSION_PREFIX, Mission)):
+        for key, values, number in _fields(owner, prefix):
+            before = found.get(key, (set(), False))
+            found[key] = (before[0] | set(values), before[1] or number)
+    return [
+        Key(key, tuple(sorted(values)), number, labels.get(key, ""))
+        for key, (values, number) in sorted(found.items())
+    ]
+
+
+def _fields(owner: Any, prefix: str) -> Iterator[tuple[str, tuple[str, ...], bool]]:
+    for name, field in owner.model_fields.items():
+        if name != "uncertainty":  # its keys are those of the file, not names of its own
+            yield from _leaves(field.annotation, f"{prefix}{field.alias or name}")
+
+
+def _leaves(annotation: Any, key: str) -> Iterator[tuple[str, tuple[str, ...], bool]]:
+    """Keys below a key, each with its values and whether it is a number."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        yield from _leaves(arguments[0], key)
+    elif origin in (Union, types.UnionType):
+        for one in arguments:
+            yield from _leaves(one, key)
+    elif origin is Literal:
+        yield key, tuple(map(str, arguments)), False
+    elif isinstance(origin, type) and issubclass(origin, Mapping):
+        of, value = arguments
+        if get_origin(of) is Literal:
+            for name in get_args(of):
+                yield from _leaves(value, f"{key}.{name}")
+    elif hasattr(annotation, "model_fields"):
+        yield from _fields(annotation, f"{key}.")
+    elif annotation is bool:
+        yield key, _SWITCH, False
+    elif annotation is not type(None):
+        yield key, (), annotation in (int, float)
+
+
+def to_text(keys: list[Key]) -> str:
+    """Keys as the file has them."""
+    out = io.StringIO()
+    rows = [
+        (one.key, "|".join(one.values), "number" if one.number else "", one.label) for one in keys
+    ]
+    csv.writer(out, lineterminator="\n").writerows(rows)
+    return out.getvalue()
+
+
+if __name__ == "__main__":
+    Path(__file__).with_name(FILE).write_text(to_text(keys_of_classes()), encoding="utf-8")
