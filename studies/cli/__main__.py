@@ -102,6 +102,10 @@ class _LazyGroup(click.Group):
         ----------
         ctx, incomplete
             As click gives them.
+
+        Returns
+        -------
+        list of CompletionItem
         """
         from click.shell_completion import CompletionItem
 

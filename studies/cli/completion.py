@@ -141,6 +141,10 @@ class Bash(BashComplete):
         Parameters
         ----------
         item : CompletionItem
+
+        Returns
+        -------
+        str
         """
         return f"{item.type},{item.value[self._kept :]}"
 

@@ -52,6 +52,10 @@ class Names(ParamType["tuple[str, ...]"]):
         ----------
         ctx, param, incomplete
             As click gives them.
+
+        Returns
+        -------
+        list of CompletionItem
         """
         head, comma, tail = incomplete.rpartition(",")
         some = (name for name in self.allowed if name.lower().startswith(tail.lower()))
