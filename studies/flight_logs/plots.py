@@ -198,7 +198,7 @@ def _figure(
         named = draw is _draw_power
         shade(axes, patches, "window" if named else None)
         shade(axes, excluded, "excluded" if named else None, color=LIMITED, alpha=0.3)
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     every[-1].set_xlabel("solar time [h]")
     every[-1].set_xlim(float(view.hours.min()), float(np.nextafter(view.hours.max(), np.inf)))
     return figure

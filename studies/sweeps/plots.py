@@ -159,7 +159,7 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
                     transform=axes.get_xaxis_transform(),
                     label=reason.replace("_", " "),
                 )
-                axes.legend(fontsize="small")
+                axes.legend()
     panels[-1].set(xlabel=_label(data, name))
     return figure
 
@@ -326,7 +326,7 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     axes.set_yticks(range(len(bars)), labels, fontsize="small")
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
     entries = [Patch(color=SUN, label="less than in the file"), Patch(color=LOAD, label="more")]
-    figure.legend(handles=entries, loc="outside lower right", ncols=2, fontsize="small")
+    figure.legend(handles=entries, loc="outside lower right", ncols=2)
     axes.use_sticky_edges = False
     axes.margins(x=0.12)
     return figure

@@ -81,7 +81,7 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     low, high = axes.get_xlim()
     if low < 0.0 < high:
         axes.axvspan(low, 0.0, color=VERMILLION, alpha=0.12, linewidth=0, label="not perpetual")
-        axes.legend(fontsize="small")
+        axes.legend()
     axes.set_xlim(low, high)
 
 

@@ -256,7 +256,7 @@ def power_curve_figure(
         flight[:, 0], flight[:, 1], "o", color=ink(), markersize=4, label="flight, means over 200 s"
     )
     axes.set(ylabel="electric power [W]", ylim=(0, None))
-    axes.legend(loc="upper left", fontsize="small")
+    axes.legend(loc="upper left")
     residual_axes.axhline(0.0, color=ink(), linewidth=1)
     residual_axes.set(xlabel="airspeed [m/s]", ylabel="model − flight [W]")
     return drawn

@@ -98,7 +98,7 @@ def structure_figure(*, figure: Canvas = DEFAULT) -> Figure:
     axes.set_xticks(ticks, [str(t) for t in ticks])
     axes.set_xticks([], minor=True)
     axes.set_ylim(0.05, 2000.0)
-    axes.legend(loc="upper left", fontsize="small")
+    axes.legend(loc="upper left")
     return drawn
 
 

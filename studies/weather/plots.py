@@ -110,7 +110,7 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
     handles, labels = axes.get_legend_handles_labels()
     if handles and failed.any():
         legend = axes.legend(
-            handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small",
+            handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0),
             facecolor="#404040", labelcolor="white",
         )  # fmt: skip
         legend.set_in_layout(True)
@@ -138,7 +138,7 @@ def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     axes.set_xticklabels(["0.5", "1", "2", "5", "10", "20", "50", "100", "200"])
     axes.minorticks_off()
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
+    axes.legend()
 
 
 def _draw_share(axes: Axes, run: WeatherRun, some: BoolArray, **style: Any) -> None:
@@ -165,4 +165,4 @@ def _draw_season(axes: Axes, analysis: WeatherAnalysis) -> None:
     axes.set_xticks(range(len(present)), [MONTH_NAMES[number - 1][:1] for number in present])
     axes.set(ylim=(0.0, 102.0), xlabel="month", ylabel="days that close [%]")
     axes.grid(alpha=0.3, axis="y")
-    axes.legend(fontsize="small", loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)

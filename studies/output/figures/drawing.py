@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import io
+import math
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -48,7 +49,9 @@ MODEL_LINES: dict[ModelName, str] = {"CDM": ":", "CAM": "-.", "VM": "--", "FM": 
 DOTS_PER_INCH = 150
 _DARK_NIGHT = "#404040"
 # Settings of matplotlib are those of the process: one figure at a time.
-_SETTINGS = threading.RLock()
+SETTINGS = threading.RLock()
+_USUAL_TYPE = 10.0  # [pt], for which the sizes of figures are meant
+_SHORT_NOTE = 40  # characters
 
 
 @contextmanager
@@ -62,7 +65,7 @@ def in_style(options: FigureOptions) -> Iterator[None]:
     """
     from matplotlib import style
 
-    with _SETTINGS, style.context(["default", options.settings()]):
+    with SETTINGS, style.context(["default", options.settings()]):
         yield
 
 
@@ -81,36 +84,6 @@ def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
             return draw(*args, **kwargs)
 
     return drawn
-
-
-@functools.cache
-def _styled_figure() -> type[Figure]:
-    """Class of figures; matplotlib takes half a second, for those who draw only."""
-    from matplotlib.figure import Figure
-
-    class StyledFigure(Figure):
-        """Figure that is saved as it was drawn: fonts and lines of its style, its resolution."""
-
-        options: FigureOptions = DEFAULT
-
-        def savefig(self, fname: Any, **kwargs: Any) -> None:
-            """Write the figure as :meth:`matplotlib.figure.Figure.savefig` does.
-
-            Parameters
-            ----------
-            fname : str, path or file
-                Where to.
-            **kwargs
-                As there.
-            """
-            import matplotlib as mpl
-
-            settings: Any = self.options.settings()
-            with _SETTINGS, mpl.rc_context(settings):
-                kwargs.setdefault("dpi", self.options.dots_per_inch or DOTS_PER_INCH)
-                super().savefig(fname, **kwargs)
-
-    return StyledFigure
 
 
 def new_figure(
@@ -162,20 +135,35 @@ def new_figure(
 
 
 def _begun(options: FigureOptions, size_in: tuple[float, float]) -> Figure:
-    """Canvas of the size that was asked for; of a width alone with the height that is usual."""
-    width, height = options.size_in or size_in
+    """Canvas of the size that was asked for.
+
+    A figure without a size grows with its type, by half as much. One of a given width has the
+    height between that of its proportions and that of its lines of text, their geometric mean.
+    """
+    import matplotlib as mpl
+
+    from studies.output.figures.canvas import StyledFigure  # half a second, for those who draw
+
+    type_size = mpl.rcParams["font.size"] / _USUAL_TYPE
+    usual = (size_in[0] * math.sqrt(type_size), None)
+    width, height = options.size_in or usual
     if height is None:
-        height = min(size_in[1], max(size_in[1] * width / size_in[0], 2.6))
-    figure = _styled_figure()(figsize=(width, height), layout="constrained")
-    figure.options = options  # type: ignore[attr-defined]  # of the class above
-    return figure
+        height = size_in[1] * math.sqrt(type_size * width / size_in[0])
+    return StyledFigure(options, (width, height))
 
 
 def _write_heading(figure: Figure, title: str, notes: Sequence[str]) -> None:
-    """Title, and below it the notes."""
-    text = "\n".join([title, " · ".join(notes)]) if notes else title
-    # Wrapping looks for formulas whatever parse_math says; an escaped dollar begins none.
-    figure.suptitle(text.replace("$", r"\$"), wrap=True)
+    """Title, and below it the notes, which break between each other rather than within."""
+    # An escaped dollar begins no formula.
+    title = title.replace("$", r"\$")
+    told = [note.replace("$", r"\$") for note in notes]
+    told = [n.replace(" ", "\u00a0") if len(n) <= _SHORT_NOTE else n for n in told]
+    line = " · ".join(told)
+    write = getattr(figure, "set_heading", None)
+    if write is not None:
+        write(title, line)
+    else:
+        figure.suptitle("\n".join(filter(None, (title, line))), wrap=True)
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
@@ -194,8 +182,7 @@ def to_bytes(figure: Figure, image_format: str) -> bytes:
     """
     buffer = io.BytesIO()
     options = getattr(figure, "options", DEFAULT)
-    dots = options.dots_per_inch or DOTS_PER_INCH
-    figure.savefig(buffer, format=image_format, dpi=dots)
+    figure.savefig(buffer, format=image_format, dpi=options.dots_per_inch or DOTS_PER_INCH)
     return buffer.getvalue()
 
 

@@ -1,0 +1,60 @@
+"""The figure itself: saved as it was drawn, in the fonts, lines and resolution of its style."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from studies.output.figures import drawing
+from studies.output.figures.layout import FittedLayout
+from studies.output.figures.options import FigureOptions
+
+__all__ = ["StyledFigure"]
+
+
+class StyledFigure(Figure):
+    """Figure in a style.
+
+    Parameters
+    ----------
+    options : FigureOptions
+        How it looks.
+    size_in : (float, float)
+        Width and height [in].
+    """
+
+    def __init__(self, options: FigureOptions, size_in: tuple[float, float]) -> None:
+        super().__init__(figsize=size_in, layout=FittedLayout())
+        self.options = options
+        self.notes = ""
+
+    def set_heading(self, title: str, notes: str) -> None:
+        """Write a title, and notes below it in smaller type.
+
+        Parameters
+        ----------
+        title, notes : str
+            In the language of matplotlib's texts.
+        """
+        self.suptitle(title)
+        self.notes = notes
+        engine = self.get_layout_engine()
+        assert isinstance(engine, FittedLayout)
+        engine.notes = notes
+
+    def savefig(self, fname: Any, **kwargs: Any) -> None:
+        """Write the figure as :meth:`matplotlib.figure.Figure.savefig` does, in its style.
+
+        Parameters
+        ----------
+        fname : str, path or file
+            Where to.
+        **kwargs
+            As there; the resolution is by default that of the options.
+        """
+        settings: Any = self.options.settings()
+        kwargs.setdefault("dpi", self.options.dots_per_inch or drawing.DOTS_PER_INCH)
+        with drawing.SETTINGS, mpl.rc_context(settings):
+            super().savefig(fname, **kwargs)

@@ -1,0 +1,333 @@
+"""Layout in which every text has its place, whatever the size of the figure and of its type.
+
+Matplotlib's constrained layout makes room for axes; it leaves labels that are longer than their
+axis, ticks that run into each other, legends wider than the page. Those are wrapped, thinned and
+reflowed here, each time anew, so that a figure may be resized.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.legend import Legend
+from matplotlib.offsetbox import VPacker
+from matplotlib.text import Annotation, Text
+from matplotlib.transforms import Bbox
+
+__all__ = ["NAMES", "FittedLayout"]
+
+# Group id of an axis whose ticks are names: none may be left out.
+NAMES = "names"
+_ROUNDS = 3
+_LEAST_TYPE = 0.5  # of the size that a style asks for
+_GAP = 0.25  # between texts, in sizes of type
+_WIDEST_NAMES = 0.42  # of the figure
+_STEPS = (0.0, 0.7, -0.7, 1.4, -1.4, 2.1, -2.1, 2.8, -2.8)  # heights of a text that it is moved by
+
+
+class FittedLayout(ConstrainedLayoutEngine):
+    """Constrained layout, with a heading in two sizes and texts that fit.
+
+    Attributes
+    ----------
+    notes : str
+        Line below the title, in smaller type; left out where the title is taken away.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.notes = ""
+        self._below: Text | None = None
+        self._undo: list[Callable[[], None]] = []
+
+    def execute(self, fig: Figure) -> Any:
+        """Lay a figure out.
+
+        Parameters
+        ----------
+        fig : Figure
+        """
+        for restore in reversed(self._undo):
+            restore()
+        self._undo.clear()
+        self.set(rect=(0.0, 0.0, 1.0, 1.0 - self._heading(fig)))  # type: ignore[call-arg]
+        done = super().execute(fig)
+        for _ in range(_ROUNDS):
+            changed = [self._fit_legends(fig), *(self._fit_axes(axes) for axes in fig.axes)]
+            if not any(changed):
+                break
+            done = super().execute(fig)
+        self._place_notes(fig)
+        return done
+
+    def _set(self, artist: Text, /, **looks: Any) -> None:
+        """Change a text until the next layout."""
+        before = {name: getattr(artist, f"get_{name}")() for name in looks}
+        self._undo.append(lambda: _restore(artist, before))
+        artist.set(**looks)
+
+    # ---- Title and the notes below it
+
+    def _heading(self, fig: Figure) -> float:
+        """Write title and notes; their share of the figure's height."""
+        title = fig._suptitle
+        if self._below is not None:
+            self._below.set_visible(False)
+        if title is None or not title.get_text():
+            return 0.0
+        title.set_in_layout(False)
+        pad = 0.3 * title.get_fontsize() * fig.dpi / 72.0
+        room = fig.bbox.width - 2.0 * pad
+        self._set(title, text=_wrapped(title, title.get_text(), room))
+        high = title.get_window_extent().height + 2.0 * pad
+        title.set(y=1.0 - pad / fig.bbox.height, va="top")
+        if self.notes:
+            if self._below is None:
+                size = title.get_fontsize() * 0.8
+                self._below = fig.text(0.5, 0.0, "", ha="center", va="top", fontsize=size)
+                self._below.set_in_layout(False)
+            self._below.set(visible=True, text="")
+            self._below.set_text(_wrapped(self._below, self.notes, room))
+            self._below.set_y(1.0 - high / fig.bbox.height)
+            high += self._below.get_window_extent().height + pad
+        return float(high / fig.bbox.height)
+
+    # ---- Legends
+
+    def _fit_legends(self, fig: Figure) -> bool:
+        changed = False
+        for legend, room in _legends(fig):
+            if legend.get_window_extent().width <= room:
+                continue
+            changed |= self._reflow(legend, room)
+        return changed
+
+    def _reflow(self, legend: Legend, room: float) -> bool:
+        """Fewer columns, then broken labels, then smaller type."""
+        columns = _columns(legend)
+        items = [item for column in columns for item in column.get_children()]
+        before = list(columns)
+        for count in range(len(columns) - 1, 0, -1):
+            _arrange(legend, items, count)
+            if legend.get_window_extent().width <= room:
+                break
+        changed = len(before) > 1
+        if changed:
+            self._undo.append(lambda: _restore_columns(legend, before))
+        wide = legend.get_window_extent().width
+        if wide <= room:
+            return changed
+        for text in legend.get_texts():
+            own = text.get_window_extent().width
+            wrapped = _wrapped(text, text.get_text(), own - (wide - room))
+            if wrapped != text.get_text():
+                self._set(text, text=wrapped)
+                changed = True
+        wide = legend.get_window_extent().width
+        size = float(legend.get_texts()[0].get_fontsize()) if legend.get_texts() else 0.0
+        if wide > room and size > _LEAST_TYPE * 10.0:
+            for text in legend.get_texts():
+                self._set(text, fontsize=max(size * room / wide, _LEAST_TYPE * 10.0))
+            changed = True
+        return changed
+
+    # ---- Axes
+
+    def _fit_axes(self, axes: Axes) -> bool:
+        box = axes.get_window_extent()
+        changed = False
+        for axis, room in ((axes.xaxis, box.width), (axes.yaxis, box.height)):
+            changed |= self._fit_text(axis.label, room)
+            changed |= self._fit_ticks(axis)
+        for title in (axes.title, axes._left_title, axes._right_title):  # type: ignore[attr-defined]
+            changed |= self._fit_text(title, box.width)
+        self._fit_notes(axes)
+        return changed
+
+    def _fit_text(self, text: Text, room: float) -> bool:
+        if not text.get_visible() or not text.get_text():
+            return False
+        extent = text.get_window_extent()
+        if max(extent.width, extent.height) <= room:
+            return False
+        wrapped = _wrapped(text, text.get_text(), room)
+        if wrapped == text.get_text():
+            return False
+        self._set(text, text=wrapped)
+        return True
+
+    def _fit_ticks(self, axis: Axis) -> bool:
+        labels = _drawn_ticks(axis)
+        if axis.get_gid() == NAMES:
+            return self._fit_names(axis, labels)
+        along = 0 if axis.axis_name == "x" else 1  # type: ignore[attr-defined]
+        labels = [label for label in labels if label.get_visible()]
+        boxes = [label.get_window_extent() for label in labels]
+        order = sorted(range(len(labels)), key=lambda i: boxes[i].min[along])
+        for stride in range(1, len(order)):
+            kept = order[::stride]
+            if all(
+                boxes[b].min[along] - boxes[a].max[along] > _GAP * float(labels[a].get_fontsize())
+                for a, b in itertools.pairwise(kept)
+            ):
+                break
+        else:
+            kept = order[:1]
+        for index in set(order) - set(kept):
+            self._set(labels[index], visible=False)
+        return len(kept) < len(order)
+
+    def _fit_names(self, axis: Axis, labels: list[Text]) -> bool:
+        """Names along an axis: broken into lines, then in smaller type; none is left out."""
+        figure = axis.get_figure()
+        assert figure is not None
+        changed = False
+        if axis.axis_name == "y":  # type: ignore[attr-defined]
+            room = _WIDEST_NAMES * figure.bbox.width
+            for label in labels:
+                if label.get_window_extent().width > room:
+                    wrapped = _wrapped(label, label.get_text(), room)
+                    changed |= wrapped != label.get_text()
+                    self._set(label, text=wrapped)
+        along = 0 if axis.axis_name == "x" else 1  # type: ignore[attr-defined]
+        size = float(labels[0].get_fontsize()) if labels else 0.0
+        while size > _LEAST_TYPE * 10.0:
+            boxes = sorted((t.get_window_extent() for t in labels), key=lambda b: b.min[along])
+            if all(b.min[along] >= a.max[along] for a, b in itertools.pairwise(boxes)):
+                break
+            size *= 0.9
+            for label in labels:
+                self._set(label, fontsize=size)
+            changed = True
+        return changed
+
+    def _fit_notes(self, axes: Axes) -> None:
+        """Move what is written at points of the axes where it meets something else."""
+        legend = axes.get_legend()
+        taken = [] if legend is None else [legend.get_window_extent()]
+        notes = [note for note in axes.texts if note.get_visible() and note.get_text()]
+        frame = axes.get_window_extent()
+        for note in notes:
+            if not (isinstance(note, Annotation) and note.anncoords == "offset points"):
+                taken.append(note.get_window_extent())
+        for note in notes:
+            if isinstance(note, Annotation) and note.anncoords == "offset points":
+                taken.append(self._moved(note, frame, taken))
+
+    def _moved(self, note: Annotation, frame: Bbox, taken: Sequence[Bbox]) -> Bbox:
+        """Place of a note, near where it was, within the frame and off all others."""
+        box = Text.get_window_extent(note)  # without an arrow
+        shifts = itertools.product(_STEPS, (0.0, 0.5, -0.5, 1.0, -1.0))
+        best = None
+        for up, right in sorted(shifts, key=lambda s: abs(s[0]) + 2.0 * abs(s[1])):
+            place = box.translated(right * box.width, up * box.height)
+            place = place.translated(*_inwards(place, frame))
+            if not any(place.overlaps(other) for other in taken):
+                best = place
+                break
+        if best is None:
+            best = box.translated(*_inwards(box, frame))
+        figure = note.get_figure()
+        assert figure is not None
+        per_dot = 72.0 / figure.dpi
+        shift = ((best.x0 - box.x0) * per_dot, (best.y0 - box.y0) * per_dot)
+        if shift != (0.0, 0.0):
+            before = note.xyann
+            self._undo.append(lambda: setattr(note, "xyann", before))
+            note.xyann = (before[0] + shift[0], before[1] + shift[1])
+        return best
+
+    def _place_notes(self, fig: Figure) -> None:
+        for axes in fig.axes:
+            self._fit_notes(axes)
+
+
+def _restore(text: Text, before: dict[str, Any]) -> None:
+    text.set(**before)
+
+
+def _inwards(box: Bbox, frame: Bbox) -> tuple[float, float]:
+    """Shift that brings a box into a frame; none where it is larger, or lies outside of it."""
+    found = []
+    for low, high, first, last in (
+        (box.x0, box.x1, frame.x0, frame.x1),
+        (box.y0, box.y1, frame.y0, frame.y1),
+    ):
+        outside = high <= first or low >= last or high - low > last - first
+        found.append(0.0 if outside else max(first + 1.0 - low, 0.0) - max(high - last + 1.0, 0.0))
+    return found[0], found[1]
+
+
+def _wrapped(text: Text, words: str, room: float) -> str:
+    """Words in lines that are no longer than the room, as this text is drawn; at spaces only."""
+    before, rotation = text.get_text(), text.get_rotation()
+    text.set_rotation(0.0)
+
+    def width(line: str) -> float:
+        text.set_text(line)
+        return float(text.get_window_extent().width)
+
+    lines: list[str] = []
+    for paragraph in words.split("\n"):
+        line = ""
+        for word in paragraph.split(" "):
+            longer = f"{line} {word}" if line else word
+            if line and width(longer) > room:
+                lines.append(line)
+                line = word
+            else:
+                line = longer
+        lines.append(line)
+    text.set_text(before)
+    text.set_rotation(rotation)
+    return "\n".join(line.removesuffix(" ·").removeprefix("· ") for line in lines)
+
+
+def _drawn_ticks(axis: Axis) -> list[Text]:
+    """Labels of the ticks that are within the axis."""
+    ticks = axis._update_ticks()  # type: ignore[attr-defined]  # no public way to those drawn
+    labels = [label for tick in ticks for label in (tick.label1, tick.label2)]
+    return [label for label in labels if label.get_visible() and label.get_text()]
+
+
+def _legends(fig: Figure) -> Iterator[tuple[Legend, float]]:
+    for legend in fig.legends:
+        yield legend, 0.99 * fig.bbox.width
+    for axes in fig.axes:
+        own = axes.get_legend()
+        if own is None:
+            continue
+        within = own.get_bbox_to_anchor().width > 1.0
+        yield own, axes.bbox.width if within else 0.4 * fig.bbox.width
+
+
+def _columns(legend: Legend) -> list[Any]:
+    """Columns of a legend, the list that it draws."""
+    box: Any = legend.get_children()[0]  # above it the title
+    columns: list[Any] = box.get_children()[1].get_children()
+    return columns
+
+
+def _arrange(legend: Legend, items: Sequence[Any], count: int) -> None:
+    """Put the entries of a legend into so many columns, as even as they go."""
+    old = _columns(legend)
+    sizes = [len(items) // count + (index < len(items) % count) for index in range(count)]
+    ends = list(itertools.accumulate(sizes))
+    spacing = legend.labelspacing * legend._fontsize  # type: ignore[attr-defined]
+    packed = [
+        VPacker(pad=0, sep=spacing, align="baseline", children=list(items[end - size : end]))
+        for size, end in zip(sizes, ends, strict=True)
+    ]
+    for column in packed:
+        column.set_figure(legend.get_figure())  # type: ignore[arg-type]
+    old[:] = packed
+
+
+def _restore_columns(legend: Legend, before: list[Any]) -> None:
+    _columns(legend)[:] = before

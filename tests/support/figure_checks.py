@@ -1,0 +1,367 @@
+"""Every figure, made once, and what may be wrong with one: texts cut off, on each other, alike lines.
+
+The figures are those of the shipped aircraft, on grids as coarse as a figure bears.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from weather_files import clear_record
+
+import missions
+import sizing
+import studies
+from studies.output.figures.drawing import Canvas
+
+# A little of what a glyph's box has around the glyph may meet another, or the edge [px].
+_BLEED_PX = 1.0
+
+Draw = Callable[..., Figure]
+
+
+# ---- Every figure
+
+
+def drawings() -> dict[str, Draw]:
+    """What draws each figure, by a name; it takes the keyword ``figure``."""
+    return {
+        "cycle": lambda **kw: studies.plot_cycle(_flown(), **kw),
+        "cycle-climbing": lambda **kw: studies.plot_cycle(_climbing(), **kw),
+        "cycle-short": lambda **kw: studies.plot_cycle(_comes_down(), **kw),
+        "flight": lambda **kw: studies.plot_flight(_on_calendar(), _on_calendar().flight, **kw),
+        "sensitivities": _sensitivities,
+        "masses": lambda **kw: studies.plot_masses(
+            _design().to_dict()["masses_kg"], "atlantiksolar-design: mass budget", **kw
+        ),
+        "map": lambda **kw: studies.plot_map(_map(), **kw),
+        "resized-map": lambda **kw: studies.plot_resized_map(_resized_map(), **kw),
+        "sweep-line": lambda **kw: studies.plot_sweep(_sweep(battery_mass_kg=_BATTERIES), **kw),
+        "sweep-grid": lambda **kw: studies.plot_sweep(
+            _sweep(wingspan_m=_SPANS, battery_mass_kg=_BATTERIES, aspect_ratio=(14.0, 18.5)), **kw
+        ),
+        "sweep-sample": lambda **kw: studies.plot_sweep(_sampled(), **kw),
+        "sweep-one-at-a-time": lambda **kw: studies.plot_sweep(_one_at_a_time(), **kw),
+        "pareto": lambda **kw: studies.plot_pareto(
+            _sweep(wingspan_m=_SPANS, battery_mass_kg=_BATTERIES), "wingspan", "excess_time", **kw
+        ),
+        "uncertainty": lambda **kw: studies.plot_uncertainty(_uncertain(), **kw),
+        "weather": lambda **kw: studies.plot_weather(_weather(40), **kw),
+        "weather-years": lambda **kw: studies.plot_weather(_weather(800), **kw),
+        "compare": lambda **kw: studies.plot_comparison(_compared(), **kw),
+        "efficiencies": lambda **kw: studies.plot_efficiencies(_efficiencies(), **kw),
+        "ceiling": lambda **kw: studies.plot_ceiling(_ceiling(), **kw),
+        "verify-window": _window,
+        "verify-day": _day,
+        "structure": _structure,
+        "power-curve": _power_curve,
+        "report": _report,
+    }
+
+
+_SPANS = tuple(np.arange(3.0, 7.1, 0.5))
+_BATTERIES = tuple(np.arange(1.0, 10.1, 1.0))
+
+
+@cache
+def _aircraft(name: str = "atlantiksolar-design") -> sizing.Aircraft:
+    return sizing.load_aircraft(name)
+
+
+@cache
+def _mission(name: str = "rafz-july") -> missions.Mission:
+    return missions.load_mission(name)
+
+
+@cache
+def _flown() -> sizing.Analysis:
+    return sizing.analyse(_aircraft("atlantiksolar-as2"), _mission())
+
+
+@cache
+def _comes_down() -> sizing.Analysis:
+    heavy = sizing.load_aircraft("atlantiksolar-as2", ["power.avionics_w=60"])
+    return sizing.analyse(heavy, _mission())
+
+
+@cache
+def _on_calendar() -> sizing.Analysis:
+    return sizing.analyse(_aircraft("atlantiksolar-as2"), _mission("rafz-28h"))
+
+
+@cache
+def _climbing() -> sizing.Analysis:
+    climb = ["climb.ceiling_m=3000"]
+    where = missions.load_mission("rafz-july", climb)
+    return sizing.analyse(_aircraft("atlantiksolar-as2"), where)
+
+
+@cache
+def _design() -> sizing.Analysis:
+    return sizing.analyse(_aircraft(), _mission())
+
+
+@cache
+def _sized() -> Any:
+    return sizing.size(
+        _aircraft(), _mission(), "min_wingspan", required_excess_time_h=2.0, with_sensitivities=True
+    )
+
+
+def _sensitivities(figure: Canvas) -> Figure:
+    from studies.output.plots import plot_sensitivities
+
+    study = _sized()
+    return plot_sensitivities(
+        study.sensitivities,
+        study.result.objective,
+        study.aircraft.name,
+        study.solar,
+        extrapolations=study.extrapolations,
+        figure=figure,
+    )
+
+
+@cache
+def _map() -> Any:
+    days = list(range(1, 366, 14))
+    return studies.feasibility_map(
+        _aircraft("atlantiksolar-as2"), _mission(), latitudes=np.arange(-70.0, 71.0, 10.0), days=days
+    )
+
+
+@cache
+def _resized_map() -> Any:
+    return studies.resized_map(
+        _aircraft(),
+        _mission(),
+        "min_wingspan",
+        latitudes=np.arange(-70.0, 71.0, 14.0),
+        days=list(range(1, 366, 28)),
+        correction="report",
+    )
+
+
+@cache
+def _sweep(**axes: tuple[float, ...]) -> Any:
+    where = _mission("central-europe-summer")
+    return studies.sweep(_aircraft(), where, {key: list(values) for key, values in axes.items()})
+
+
+@cache
+def _sampled() -> Any:
+    ranges = {"wingspan_m": (3.0, 7.0), "battery_mass_kg": (1.0, 9.0), "power.avionics_w": (4, 9)}
+    return studies.sweep(_aircraft(), _mission(), ranges, sample="lhs", samples=12)
+
+
+@cache
+def _one_at_a_time() -> Any:
+    values = {
+        "battery.specific_energy_wh_per_kg": [230, 300],
+        "wingspan_m": [4.0, 7.0],
+        "modules.efficiency_stc": [0.2, 0.26],
+    }
+    return studies.sweep(_aircraft(), _mission(), values, sample="one-at-a-time")
+
+
+@cache
+def _uncertain() -> Any:
+    return sizing.analyse_uncertainty(_aircraft(), _mission(), samples=256)
+
+
+@cache
+def _weather(days: int) -> Any:
+    record = clear_record(days, first="2001-07-14", share=0.9 if days > 400 else 0.3)
+    return sizing.analyse_weather(_aircraft("atlantiksolar-as2"), _mission(), record)
+
+
+@cache
+def _compared() -> Any:
+    return studies.compare(_aircraft(), _mission(), required_excess_time_h=3.0)
+
+
+@cache
+def _efficiencies() -> Any:
+    return studies.component_efficiencies(_aircraft("atlantiksolar-as2"), _mission("rafz-loiter"))
+
+
+@cache
+def _ceiling() -> Any:
+    aircraft = _aircraft("atlantiksolar-as2")
+    return studies.perpetual_ceiling(aircraft, _mission(), highest_m=9000.0, step_m=1000.0)
+
+
+@cache
+def _verified() -> studies.Verification:
+    from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, synthetic_log
+
+    settings = Settings(
+        start_utc_s=START_UTC_S + 18.3 * 3600.0,
+        duration_h=8.0,
+        rate_hz=0.1,
+        faults=Faults(battery_full=(5.0, 6.0)),
+    )
+    aircraft = _aircraft("atlantiksolar-as2")
+    log = synthetic_log(aircraft, _mission("rafz-28h"), settings)
+    table = log.table[(log.table.index < 700) | (log.table.index > 900)]
+    table.attrs |= log.table.attrs
+    return studies.verify(aircraft, table, _mission("rafz-28h"), windows=["5.0:7.0"])
+
+
+def _window(figure: Canvas) -> Figure:
+    from studies.flight_logs.plots import window_figure
+
+    return window_figure(_verified(), 0, figure=figure)
+
+
+def _day(figure: Canvas) -> Figure:
+    from studies.flight_logs.errors import day_masks
+    from studies.flight_logs.plots import day_figure
+
+    result = _verified()
+    ((_, mask),) = day_masks(result.samples)
+    return day_figure(result, result.days[0], mask, figure=figure)
+
+
+def _structure(figure: Canvas) -> Figure:
+    from studies.validation.structure_comparison import structure_figure
+
+    return structure_figure(figure=figure)
+
+
+def _power_curve(figure: Canvas) -> Figure:
+    from studies.validation import power_curve
+
+    checks = power_curve.check_level_flight()[:3]
+    polars = [
+        power_curve.wing_polar(c.airfoil, power_curve.AS1, calibration=c.calibration)
+        for c in checks
+    ]
+    return power_curve.power_curve_figure(polars, figure=figure)
+
+
+def _report(figure: Canvas) -> Figure:
+    from studies.validation import report_reproduction as study
+
+    return study.reproduction_figure(_reproduced(), figure=figure)
+
+
+@cache
+def _reproduced() -> Any:
+    from studies.validation import report_reproduction as study
+
+    return study.reproduce(_aircraft("atlantiksolar-as2"), _mission("rafz-loiter"), vary=False)
+
+
+# ---- What may be wrong
+
+
+def text_faults(figure: Figure) -> list[str]:
+    """Texts of a drawn figure that leave it, cross the frame of axes, or meet each other."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    texts = list(_drawn_texts(figure))
+    corners = {text: _corners(text) for text in texts}
+    faults = []
+    width, height = figure.bbox.width, figure.bbox.height
+    for text, at in corners.items():
+        low, high = at.min(axis=0), at.max(axis=0)
+        if low.min() < -_BLEED_PX or high[0] > width + _BLEED_PX or high[1] > height + _BLEED_PX:
+            faults.append(f"{text.get_text()!r} leaves the figure")
+    for one, other in itertools.combinations(texts, 2):
+        if _overlap(corners[one], corners[other]):
+            faults.append(f"{one.get_text()!r} meets {other.get_text()!r}")
+    for axes in figure.axes:
+        for text in axes.texts:
+            if text in corners and _crosses_frame(axes, corners[text]):
+                faults.append(f"{text.get_text()!r} crosses the frame of its axes")
+    return faults
+
+
+def _drawn_texts(figure: Figure) -> Iterator[Text]:
+    ticks: set[Text] = set()
+    drawn: list[Text] = []
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            for tick in (*axis.majorTicks, *axis.minorTicks):
+                ticks.update((tick.label1, tick.label2))
+            if axes.axison and axes.get_visible():
+                shown = axis._update_ticks()  # type: ignore[attr-defined]  # those within view
+                drawn += [label for tick in shown for label in (tick.label1, tick.label2)]
+    found = [text for text in figure.findobj(Text) if text not in ticks]
+    for text in dict.fromkeys([*found, *drawn]):
+        assert isinstance(text, Text)
+        if text.get_visible() and text.get_text().strip():
+            yield text
+
+
+def _corners(text: Text) -> np.ndarray[Any, Any]:
+    """Corners of the box around a text, turned as the text is."""
+    angle = text.get_rotation()
+    outer = Text.get_window_extent(text)
+    centre = np.array([(outer.x0 + outer.x1) / 2.0, (outer.y0 + outer.y1) / 2.0])
+    text.set_rotation(0.0)
+    box = Text.get_window_extent(text)
+    text.set_rotation(angle)
+    half = np.array([box.width, box.height]) / 2.0 - _BLEED_PX
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
+    turn = np.radians(angle)
+    turned = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    return np.asarray(square @ turned + centre)
+
+
+def _overlap(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> bool:
+    """Whether two convex shapes meet: no line parts them."""
+    for shape in (one, other):
+        for start, end in zip(shape, np.roll(shape, -1, axis=0), strict=True):
+            normal = np.array([start[1] - end[1], end[0] - start[0]])
+            first, second = one @ normal, other @ normal
+            if first.max() <= second.min() or second.max() <= first.min():
+                return False
+    return True
+
+
+def _crosses_frame(axes: Axes, corners: np.ndarray[Any, Any]) -> bool:
+    frame = axes.get_window_extent()
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    apart = (
+        high[0] <= frame.x0 or low[0] >= frame.x1 or high[1] <= frame.y0 or low[1] >= frame.y1
+    )
+    within = (
+        low[0] >= frame.x0 - 1
+        and high[0] <= frame.x1 + 1
+        and low[1] >= frame.y0 - 1
+        and high[1] <= frame.y1 + 1
+    )
+    return not apart and not within
+
+
+def alike_lines(figure: Figure) -> list[str]:
+    """Pairs of named lines of one axes that only their colour tells apart."""
+    found = []
+    for axes in figure.axes:
+        looks: dict[Any, str] = {}
+        for line in axes.lines:
+            label = str(line.get_label())
+            if label.startswith("_") or not len(line.get_xdata()):  # type: ignore[arg-type]
+                continue
+            look = (line._dash_pattern, line.get_marker(), line.get_linewidth())  # type: ignore[attr-defined]
+            look = repr((look, line.get_fillstyle()))
+            if look in looks:
+                found.append(f"{label!r} looks like {looks[look]!r}")
+            looks[look] = label
+    return found
+
+
+def colours(figure: Figure) -> set[str]:
+    """Colours of the lines of a figure."""
+    return {to_hex(line.get_color()).upper() for axes in figure.axes for line in axes.lines}
