@@ -16,18 +16,14 @@ from matplotlib.figure import Figure
 from missions.dates import MONTH_NAMES, date_label
 from studies.output.cells import (
     cell_edges,
+    diverging,
     draw_cells,
     draw_colour_bar,
     draw_level_lines,
     finite_range,
-    hatch_cells,
+    hatch_reasons,
 )
-from studies.output.columns import (
-    HATCHES,
-    SIZED,
-    extrapolations_of,
-    status_names,
-)
+from studies.output.columns import SIZED, extrapolations_of
 from studies.output.figures.drawing import (
     Canvas,
     dataset_caption,
@@ -80,7 +76,9 @@ def plot_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     shown = np.where(np.isposinf(excess), 2.0 * top, excess)
     levels = _levels(top)
     norm = BoundaryNorm(levels, ncolors=256, extend="both")
-    mesh = axes.pcolormesh(cell_edges(days), cell_edges(latitudes), shown, cmap="PuOr", norm=norm)
+    mesh = axes.pcolormesh(
+        cell_edges(days), cell_edges(latitudes), shown, cmap=diverging(), norm=norm
+    )
     bar = drawn.colorbar(mesh, ax=axes, ticks=levels)
     bar.set_label("excess time [h]; beyond the top: no night")
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
@@ -139,10 +137,8 @@ def _begun(canvas: Canvas, data: xr.Dataset, what: str) -> tuple[Figure, Axes]:
 
 def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
     """Hatches with their legend, and months."""
-    names = {value: name for value, name in status_names(data).items() if name in HATCHES}
-    hatches = {value: HATCHES[name] for value, name in names.items()}
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
-    entries = hatch_cells(axes, days, latitudes, data["status"].to_numpy(), hatches, names)
+    entries = hatch_reasons(axes, days, latitudes, data)
     if entries:
         figure.legend(handles=entries, loc="outside lower right", ncols=3)
     _season_axes(axes, days)

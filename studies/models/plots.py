@@ -15,9 +15,12 @@ from studies.models.solar_models import model_label
 from studies.output.figures.drawing import (
     BLUE,
     GREEN,
+    NAMES,
+    ROWS,
     VERMILLION,
     Canvas,
     ink,
+    is_narrow,
     new_figure,
     outside_ranges,
     styled,
@@ -53,16 +56,23 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     Figure
     """
     columns = 4 if comparison.has_designs else 3
+    size_in = (2.9 * columns, 1.9 + 0.27 * len(comparison.cases))
+    across = 2 if is_narrow(figure, size_in) and columns > 1 else columns
+    rows = -(-columns // across)
     drawn, panels = new_figure(
-        1,
-        columns,
+        rows,
+        across,
         canvas=figure,
         title=f"{comparison.aircraft.name} on {comparison.mission.name}",
         notes=("solar power models compared", outside_ranges(comparison.extrapolations)),
-        size_in=(2.9 * columns, 1.9 + 0.27 * len(comparison.cases)),
+        size_in=(2.9 * across, size_in[1] * rows),
+        lines=True,
         grid="x",
         sharey=True,
     )
+    for spare in panels[columns:]:
+        spare.remove()
+    panels = panels[:columns]
     heights = _heights(comparison.cases)
     for case, y in zip(comparison.cases, heights, strict=True):
         for axes, draw in zip(panels, _PANELS, strict=False):
@@ -89,6 +99,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
         panels[-1].margins(x=0.15)
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
     panels[0].set_yticks(heights, [c.solar.model for c in comparison.cases])
+    panels[0].yaxis.set_gid(NAMES)
     drawn.legend(
         handles=_legend(comparison),
         loc="outside lower center",
@@ -174,6 +185,7 @@ def _draw_season(axes: Axes, _: Comparison, case: Case, y: float) -> None:
         ha="center",
         va="center",
         fontsize="small",
+        gid=ROWS,
         color="white" if any(first <= middle <= last for first, last in parts) else "black",
     )
 

@@ -5,23 +5,56 @@ Cells are drawn as they were computed, between edges half-way to their neighbour
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
-from typing import Any
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection, QuadMesh
-from matplotlib.colors import Normalize
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from studies.output.figures.drawing import DARK_GREY, GREY, VERMILLION
+from sizing.limits import label
+from studies.output.columns import HATCHES, status_names
+from studies.output.figures.drawing import DARK_GREY, LEVELS, VERMILLION, night
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FloatArray = NDArray[np.float64]
+# Hatches that are told apart in small cells.
+_HATCHES = ("///", "\\\\\\", "xx", "..", "++", "oo", "--", "||", "**")
+# Why a cell has no result.
+_REASONS = {
+    "invalid": "no valid design",
+    "not_converged": "solver did not converge",
+    "failed": "could not be computed",
+    "never_lit": "polar night",
+}
+# Requirement that no design meets, in words.
+_REQUIREMENTS = {
+    "": "no design",
+    "sun": "polar night",
+    "energy_balance": "energy: the day gives less than the load takes",
+    "battery_capacity": "battery: does not last the night",
+    "excess_time": "excess time too short",
+    "mass_budget": "mass: cannot be lifted",
+    "module_coverage": "modules: larger than the wing",
+    "airspeed_above_wind": "wind: above the airspeed",
+}
+# Ends and middle of the colours on either side of zero: CIE L*, a*, b*.
+_BROWN_LAB, _WHITE_LAB, _PURPLE_LAB = (40.0, 28.0, 48.0), (96.0, 0.0, 0.0), (40.0, 28.0, -48.0)
+_D65 = np.array([0.95047, 1.0, 1.08883])
+_SRGB_OF_XYZ = np.array(
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
+)
 _UNLIMITED = VERMILLION  # a colour that the scale does not have
 
 
@@ -43,6 +76,29 @@ def finite_range(values: FloatArray) -> Normalize:
         return Normalize(0.0, 1.0)
     low, high = float(finite.min()), float(finite.max())
     return Normalize(low, high if high > low else low + 1.0)
+
+
+@cache
+def diverging() -> ListedColormap:
+    """Colours from brown over white to purple: equal steps on either side of zero look equal.
+
+    Straight lines in CIE 1976 L*a*b* (D65), where distance is what the eye tells apart, between
+    ends of the same lightness.
+    """
+    low, zero, high = np.array([_BROWN_LAB, _WHITE_LAB, _PURPLE_LAB])
+    share = np.linspace(0.0, 1.0, 128)[:, np.newaxis]
+    lab = np.concatenate([low + share * (zero - low), zero + share * (high - zero)])
+    return ListedColormap(_srgb_of_lab(lab), name="perpetual")
+
+
+def _srgb_of_lab(lab: FloatArray) -> FloatArray:
+    """Colours of a screen, IEC 61966-2-1, of CIE L*a*b* with the white point D65."""
+    f_y = (lab[:, 0] + 16.0) / 116.0
+    f = np.stack([f_y + lab[:, 1] / 500.0, f_y, f_y - lab[:, 2] / 200.0], axis=1)
+    edge = 6.0 / 29.0
+    xyz = np.where(f > edge, f**3, 3.0 * edge**2 * (f - 4.0 / 29.0)) * _D65
+    linear = np.clip(xyz @ _SRGB_OF_XYZ.T, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def draw_cells(
@@ -135,13 +191,66 @@ def hatch_cells(
         left, right, low, high = across[columns], across[columns + 1], up[rows], up[rows + 1]
         corners = np.stack([left, low, right, low, right, high, left, high], axis=-1)
         style: dict[str, Any] = {
-            "facecolor": "none" if hatch else GREY,
+            "facecolor": "none" if hatch else night(),
             "edgecolor": DARK_GREY,
             "hatch": hatch or None,
         }
         axes.add_collection(PolyCollection(list(corners.reshape(-1, 4, 2)), linewidth=0.0, **style))
         entries.append(Patch(label=names[value].replace("_", " "), linewidth=0.5, **style))
     return entries
+
+
+def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: xr.Dataset) -> list[Patch]:
+    """Hatch the cells that have no result by the reason why.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    x, y : ndarray
+        Centres of the columns and rows of cells, ascending.
+    data : xarray.Dataset
+        With the status of each cell, over y and x, and the requirement that no design meets where
+        aircraft are sized.
+
+    Returns
+    -------
+    list of Patch
+        Entries of a legend, for the reasons that occur.
+    """
+    names = status_names(data)
+    status = data["status"].to_numpy()
+    reasons = np.full(status.shape, "", dtype=object)
+    for value, name in names.items():
+        if name in HATCHES:
+            reasons[status == value] = _REASONS.get(name, name.replace("_", " "))
+    if "violated_requirement" in data:
+        infeasible = np.isin(status, [v for v, name in names.items() if name == "infeasible"])
+        missed = data["violated_requirement"].to_numpy()
+        reasons[infeasible] = [requirement_label(str(name)) for name in missed[infeasible]]
+    told = sorted(set(reasons[reasons != ""]))
+    hatches = dict(zip(told, itertools.cycle(_HATCHES), strict=False))
+    return hatch_cells(axes, x, y, reasons, hatches, {name: name for name in told})
+
+
+def requirement_label(name: str) -> str:
+    """Requirement that no design meets, in words.
+
+    Parameters
+    ----------
+    name : str
+        As a sizing calls it, for instance ``energy_balance`` or ``wing_loading_maximum``.
+
+    Returns
+    -------
+    str
+    """
+    if name in _REQUIREMENTS:
+        return _REQUIREMENTS[name]
+    quantity, _, end = name.rpartition("_")
+    if end in ("minimum", "maximum"):
+        return f"limit: {label(quantity)}"
+    return name.replace("_", " ") or "no design"
 
 
 def draw_level_lines(
@@ -175,5 +284,6 @@ def draw_level_lines(
     levels = levels[(levels > lowest) & (levels < highest)]
     lines = axes.contour(x, y, values, levels, colors="black", linewidths=0.7)
     halo = withStroke(linewidth=2.0, foreground="white")  # legible on dark cells too
-    for text in axes.clabel(lines, fontsize="small"):
+    for text in axes.clabel(lines, fontsize="small", inline=False):
         text.set_path_effects([halo])
+        text.set_gid(LEVELS)

@@ -62,7 +62,13 @@ __all__ = [
 SIZED = tuple(status for status in SizingStatus if status.sized)
 
 # Status without a result -> how figures hatch it.
-HATCHES = {"infeasible": "///", "invalid": "\\\\\\", "not_converged": "xx", "failed": ".."}
+HATCHES = {
+    "infeasible": "///",
+    "invalid": "\\\\\\",
+    "not_converged": "xx",
+    "failed": "..",
+    "never_lit": "++",
+}
 
 _NAN = np.float64("nan")
 

@@ -9,14 +9,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
+from sizing.energy.battery import Store
+from sizing.energy.march import march
+from sizing.energy.power_balance import PowerBalance
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import label
+from sizing.results.records import clock_label
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
+from solar.types import FloatArray
 from studies.output.figures.drawing import (
     CHARGE,
+    CHARGE_LINE,
     LOAD,
+    LOAD_LINE,
+    NAMES,
     SUN,
+    SUN_LINE,
     Canvas,
     caption,
     ink,
@@ -32,13 +41,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.energy.endurance import Endurance
     from sizing.optimisation.sensitivity import Sensitivity
     from sizing.performance import Performance
     from sizing.replay import CalendarRun
     from sizing.results.analysis import Analysis
-
-# Instants of the day around which a short text fits into the axes.
-_ROOM_FOR_TEXT_H = (2.4, 21.6)
 
 
 def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
@@ -53,7 +60,10 @@ def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -
 def plot_cycle(
     analysis: Analysis, scenario: int | None = None, *, figure: Canvas = DEFAULT
 ) -> Figure:
-    """State of charge and power over the cycle of one scenario.
+    """State of charge and power over the cycle of one scenario, or over its flight if that ends.
+
+    An aircraft that flies perpetually is drawn on its repeated day. One that does not has none: it
+    is drawn from the launch of its longest flight until the battery is empty.
 
     Parameters
     ----------
@@ -70,6 +80,10 @@ def plot_cycle(
     """
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
+    repeated = analysis.climb is None and analysis.days is None
+    longest = None if perf.cycle.perpetual[index] else analysis.endurances[index]
+    if repeated and longest is not None and np.isfinite(longest.endurance_h):
+        return _plot_own_flight(analysis, index, longest, figure)
     panels = 2 if analysis.climb is None else 3
     where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
     drawn, every = new_figure(
@@ -102,7 +116,7 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
     error = "RMS error of the model"
     if perf.solar.correction != "none":
         error = "RMS error after correction"
-    axes.plot(time_h, solar, color=SUN, label="solar power")
+    axes.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
     axes.fill_between(
         time_h,
         solar * (1 - rms),
@@ -112,7 +126,7 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
         linewidth=0,
         label=f"{error}, {100 * rms:.0f} %",
     )
-    axes.plot(time_h, load, color=LOAD, label="load")
+    axes.plot(time_h, load, LOAD_LINE, color=LOAD, label="load")
     for name, hour, side in (
         (r"$t_\mathrm{eq}$", perf.cycle.equal_power_morning_h[index], "right"),
         (r"$t_\mathrm{eq,2}$", perf.cycle.equal_power_evening_h[index], "left"),
@@ -148,20 +162,26 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
         axes.axvline(full, color=ink(), linestyle=":", linewidth=1)
         _beside(axes, "full", (full, 50))
         _draw_margin(axes, float(full), float(perf.cycle.charge_margin_h[index]))
-    excess = perf.cycle.excess_time_h[index]
-    if np.isfinite(excess):
-        dawn = perf.cycle.equal_power_morning_h[index]
-        at = dawn if np.isfinite(dawn) else 12.0
-        lowest = 100 * perf.cycle.minimum_state_of_charge[index]
-        axes.annotate(
-            f"excess time {excess:.1f} h".replace("-", "−"),
-            (np.clip(at, *_ROOM_FOR_TEXT_H), lowest),
-            (0, -14),
-            textcoords="offset points",
-            ha="center",
-            bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 1.0},
-        )
-    axes.set(ylabel="state of charge [%]", ylim=(-16, 105), yticks=range(0, 101, 20))
+    _draw_excess(axes, perf, index)
+    axes.set(ylabel="state of charge [%]", ylim=(-26, 105), yticks=range(0, 101, 20))
+
+
+def _draw_excess(axes: Axes, perf: Performance, index: int) -> None:
+    """Interval of the excess time: what is left at equal power would carry the load that long."""
+    excess = float(perf.cycle.excess_time_h[index])
+    if not np.isfinite(excess):
+        return
+    dawn = float(perf.cycle.equal_power_morning_h[index])
+    text = f"excess time {excess:.1f} h".replace("-", "−")
+    if not np.isfinite(dawn):
+        _beside(axes, text, (12.0, -18), ha="center")
+        return
+    end = min(max(dawn + excess, 0.0), 24.0)
+    if excess > 0.0:
+        lowest = 100.0 * float(perf.cycle.minimum_state_of_charge[index])
+        at_end = lowest * (1.0 - (end - dawn) / excess)
+        axes.plot([dawn, end], [lowest, at_end], ":", color=CHARGE, linewidth=1.0)
+    _draw_interval(axes, dawn, end, -5.0, text, below=True)
 
 
 def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
@@ -171,9 +191,12 @@ def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
     at = int(np.argmax(altitude_m))
     gain = float(climbs.gain_h[index])
     axes.annotate(
-        f"highest {altitude_m[at]:.0f} m\nexcess time {gain:+.1f} h by climbing",
-        (0.02, 0.8),
+        f"highest {altitude_m[at]:.0f} m\nexcess time\n{gain:+.1f} h by climbing",
+        (0.0, 1.0),
+        (4, -4),
         xycoords="axes fraction",
+        textcoords="offset points",
+        va="top",
     )
     top = float(altitude_m[at])
     margin = max(0.1 * (top - float(altitude_m.min())), 50.0)
@@ -181,14 +204,89 @@ def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
 
 
 def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
-    """Arrow over the charge margin; a short one has no room for it and gets a text alone."""
+    """Interval of the charge margin; a short one has no room for an arrow and gets a text alone."""
     text = f"charge margin {margin_h:.1f} h"
     if margin_h < 2.0:
         _beside(axes, text, (full_h, 62))
         return
+    _draw_interval(axes, full_h, full_h + margin_h, 60.0, text)
+
+
+def _draw_interval(
+    axes: Axes, start_h: float, end_h: float, level: float, text: str, *, below: bool = False
+) -> None:
+    """Arrow over an interval of time, and what it is."""
     arrow = {"arrowstyle": "<->", "color": ink(), "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (full_h + margin_h, 60), (full_h, 60), arrowprops=arrow)
-    axes.annotate(text, (full_h + margin_h / 2, 63), ha="center")
+    axes.annotate("", (end_h, level), (start_h, level), arrowprops=arrow)
+    middle = (start_h + end_h) / 2.0
+    shift, side = (-3, "top") if below else (3, "bottom")
+    axes.annotate(
+        text, (middle, level), (0, shift), textcoords="offset points", ha="center", va=side
+    )
+
+
+# ---- A flight that ends
+
+
+def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas: Canvas) -> Figure:
+    """Power and state of charge from the launch of the longest flight to the empty battery."""
+    perf = analysis.performance
+    hours, launch = float(longest.endurance_h), float(longest.launch_h)
+    where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
+    drawn, (power, charge) = new_figure(
+        2,
+        canvas=canvas,
+        title=f"{analysis.aircraft.name} on {where}: flies {hours:.1f} h, not perpetually",
+        notes=(caption(perf.solar), outside_ranges(analysis.extrapolations)),
+        size_in=(8.0, 5.6),
+        sharex=True,
+    )
+    time_h, solar, load, stored = _own_flight(analysis, index, hours, launch)
+    power.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
+    power.plot(time_h, load, LOAD_LINE, color=LOAD, label="load")
+    power.set(ylabel="power [W]", ylim=(0, None))
+    charge.plot(time_h, stored, CHARGE_LINE, color=CHARGE, label="state of charge")
+    sunrise, sunset = (float(v[index]) - launch for v in (perf.day.sunrise_h, perf.day.sunset_h))
+    if sunset > sunrise:
+        nights = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in range(-2, 367)]
+    else:
+        nights = [(0.0, hours)]
+    shown = [(max(a, 0.0), min(b, hours)) for a, b in nights if a < hours and b > 0.0]
+    for axes in (power, charge):
+        shade(axes, shown)
+    charge.annotate(
+        "empty", (hours, 0.0), (-4, 4), textcoords="offset points", ha="right", va="bottom"
+    )
+    charge.plot([hours], [0.0], "o", color=ink(), markersize=4, clip_on=False)
+    charge.set(
+        ylabel="state of charge [%]",
+        ylim=(0, 105),
+        xlim=(0.0, hours),
+        xlabel=f"time since the launch at {clock_label(launch)} solar time, battery full [h]",
+    )
+    handles = [*power.get_legend_handles_labels()[0], *charge.get_legend_handles_labels()[0]]
+    drawn.legend(handles=handles, loc="outside lower center", ncols=3)
+    return drawn
+
+
+def _own_flight(
+    analysis: Analysis, index: int, hours: float, launch: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Time since launch [h], solar power and load [W], and state of charge [%] of a flight."""
+    perf = analysis.performance
+    day_h = perf.day.time_h
+    end = launch + hours
+    days = [day_h + 24.0 * day for day in range(math.ceil(end / 24.0))]
+    nodes = np.unique(np.concatenate([[launch, end], *days]))
+    nodes = nodes[(nodes >= launch) & (nodes <= end)]
+    solar, load = (
+        np.interp(nodes % 24.0, day_h, power[index]) for power in (perf.solar_power_w, perf.load_w)
+    )
+    store = Store.of(analysis.aircraft.battery, perf.design.battery_energy_wh)
+    energy = [np.asarray(store.battery_energy_wh, float)]
+    energy += [step.end_wh for step in march(PowerBalance.of(nodes, solar, load), store, energy[0])]
+    share = np.array([float(e) for e in energy]) / float(perf.design.battery_energy_wh)
+    return nodes - launch, solar, load, 100.0 * share
 
 
 # ---- A flight on the calendar
@@ -219,8 +317,8 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
         size_in=(9.0, 5.6),
         sharex=True,
     )
-    power_axes.plot(flight.clock_h, flight.solar_power_w, color=SUN, label="solar power")
-    power_axes.plot(flight.clock_h, flight.load_w, color=LOAD, label="load")
+    power_axes.plot(flight.clock_h, flight.solar_power_w, SUN_LINE, color=SUN, label="solar power")
+    power_axes.plot(flight.clock_h, flight.load_w, LOAD_LINE, color=LOAD, label="load")
     power_axes.set(ylabel="power [W]", ylim=(0, None))
     drawn.legend(*power_axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     charge_axes.plot(flight.clock_h, 100 * flight.state_of_charge, color=CHARGE)
@@ -298,7 +396,8 @@ def plot_sensitivities(
         canvas=figure,
         title=f"{name}: what one per cent more changes",
         notes=(caption(solar), outside_ranges(extrapolations)),
-        size_in=(9.0, 0.9 + 0.32 * len(shown)),
+        size_in=(9.0, 1.2 + 0.32 * len(shown)),
+        lines=True,
         grid="x",
     )
     labels = [_with_value(s) for s in shown]
@@ -315,6 +414,7 @@ def plot_sensitivities(
             lw=0.0,
         )
     axes.set_yticks(range(len(shown)), labels)
+    axes.yaxis.set_gid(NAMES)
     axes.axvline(0.0, color=ink(), linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{objective.unit}]")
     drawn.legend(loc="outside lower right", ncols=2)
@@ -354,9 +454,10 @@ def plot_masses(
     """
     items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
     drawn, (axes,) = new_figure(
-        canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), grid=""
+        canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), lines=True, grid=""
     )
-    names = ["MPPT" if k == "mppt" else k for k, _ in items]
+    names = ["MPPT" if k == "mppt" else k.replace("_", " ") for k, _ in items]
+    axes.yaxis.set_gid(NAMES)
     bars = axes.barh(names, [v for _, v in items], color=LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
     axes.set(xlabel="mass [kg]")

@@ -21,6 +21,7 @@ from studies.output.cells import (
     draw_level_lines,
     finite_range,
     hatch_cells,
+    hatch_reasons,
 )
 from studies.output.columns import (
     HATCHES,
@@ -34,6 +35,7 @@ from studies.output.figures.drawing import (
     DARK_GREY,
     GREY,
     LOAD,
+    NAMES,
     SUN,
     Canvas,
     dataset_caption,
@@ -41,6 +43,7 @@ from studies.output.figures.drawing import (
     new_figure,
     objective_caption,
     outside_ranges,
+    paper,
     styled,
 )
 from studies.output.figures.options import DEFAULT
@@ -220,17 +223,14 @@ def _draw_contours(
 ) -> tuple[Any, list[Any]]:
     flat = data.transpose(*names[::-1])
     x, y = (data[name].to_numpy() for name in names)
-    status = flat["status"].to_numpy()
     values = _shown_values(flat, variable)
     mesh = draw_cells(axes, x, y, values, norm)
     good = feasible(flat).to_numpy()
-    reasons = _reasons(data)
     entries = []
     if (~good & _drawable(flat).to_numpy()).any():
         grey = hatch_cells(axes, x, y, ~good & _drawable(flat).to_numpy(), {True: ""}, _LIMITED)
         entries += grey
-    hatches = {value: HATCHES[name] for value, name in reasons.items()}
-    entries += hatch_cells(axes, x, y, status, hatches, reasons)
+    entries += hatch_reasons(axes, x, y, flat)
     draw_level_lines(axes, x, y, values, norm)
     return mesh, entries
 
@@ -278,7 +278,8 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         for height, value in ((-0.04, low[name]), (1.04, high[name])):
             axes.annotate(f"{value:.4g}", (place, height), ha="center", va="center")
     axes.set_xticks(range(len(columns)), [_label(data, n).replace(" [", "\n[") for n in columns])
-    axes.set(yticks=[], ylim=(-0.08, 1.08))
+    axes.set(yticks=[], ylim=(-0.1, 1.1), xlim=(-0.5, len(columns) - 0.5))
+    axes.xaxis.set_gid(NAMES)
     for side in ("left", "right", "top", "bottom"):
         axes.spines[side].set_visible(False)
     if len(good):
@@ -308,7 +309,8 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     figure, (axes,) = new_figure(
         canvas=canvas,
         **_heading(data),
-        size_in=(9.0, 1.4 + 0.55 * len(bars)),
+        size_in=(9.0, 1.8 + 0.6 * len(bars)),
+        lines=True,
         grid="x",
     )
     for place, (name, rows, lost) in enumerate(bars):
@@ -323,9 +325,13 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             )
     axes.axvline(base[variable], color=ink(), linewidth=0.8)
     labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
-    axes.set_yticks(range(len(bars)), labels, fontsize="small")
+    axes.set_yticks(range(len(bars)), labels)
+    axes.yaxis.set_gid(NAMES)
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
-    entries = [Patch(color=SUN, label="less than in the file"), Patch(color=LOAD, label="more")]
+    entries = [
+        Patch(label=name, linewidth=0.0, **_bar_style(low=low))
+        for name, low in (("less than in the file", True), ("more", False))
+    ]
     figure.legend(handles=entries, loc="outside lower right", ncols=2)
     axes.use_sticky_edges = False
     axes.margins(x=0.12)
@@ -336,20 +342,26 @@ def _spread(values: pd.Series[Any], base: float) -> float:
     return float(max(values.max(), base) - min(values.min(), base)) if len(values) else 0.0
 
 
+def _bar_style(*, low: bool) -> dict[str, Any]:
+    colour, hatch = (SUN, "") if low else (LOAD, "//")
+    return {"facecolor": colour, "edgecolor": paper(), "hatch": hatch}
+
+
 def _draw_bar(
     axes: Axes, place: int, rows: pd.DataFrame, name: str, variable: str, base: pd.Series[Any]
 ) -> None:
     """Bar from the least to the largest result, with the values of the key at its ends."""
     if rows.empty:
         return
-    for low, colour in ((True, SUN), (False, LOAD)):
+    for low in (True, False):
         side = rows[rows[name] < base[name]] if low else rows[rows[name] > base[name]]
         if side.empty:
             continue
         least, most = side[variable].min(), side[variable].max()
         start, end = min(least, base[variable]), max(most, base[variable])
         height = 0.25 if low else -0.25
-        axes.barh(place + height / 2, end - start, 0.25, left=start, color=colour)
+        style = _bar_style(low=low)
+        axes.barh(place + height / 2, end - start, 0.25, left=start, linewidth=0.0, **style)
         extreme = side.loc[(side[variable] - base[variable]).abs().idxmax()]
         right = extreme[variable] >= base[variable]
         axes.annotate(
@@ -396,7 +408,7 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
     note = f"{count} points without a design left out" if count else ""
     drawn, (axes,) = new_figure(canvas=figure, **_heading(data, note), size_in=(7.0, 5.0))
     axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
-    axes.plot(front[x], front[y], "o", color=LOAD, markersize=6, label="not beaten by any other")
+    axes.plot(front[x], front[y], "s", color=LOAD, markersize=6, label="not beaten by any other")
     for label, over, up in zip(front["point"], front[x], front[y], strict=True):
         axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")
     better = {name: "more" if name in MORE_IS_BETTER else "less" for name in (x, y)}

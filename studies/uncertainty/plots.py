@@ -11,11 +11,15 @@ from sizing.uncertainty.inputs import UncertainInput
 from studies.output.figures.drawing import (
     BLUE,
     DARK_GREY,
+    NAMES,
     ORANGE,
     VERMILLION,
     Canvas,
     caption,
+    ink,
+    is_narrow,
     new_figure,
+    paper,
     styled,
 )
 from studies.output.figures.options import DEFAULT
@@ -25,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MOST_BARS = 12
+_LINES = {"p10": ":", "p50": "-", "p90": "--"}
 
 
 @styled
@@ -46,15 +51,17 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     Figure
     """
     count = min(len(analysis.inputs), _MOST_BARS)
+    size_in = (10.0, max(3.6, 1.8 + 0.42 * count))
+    narrow = is_narrow(figure, size_in)
     drawn, (spread, causes) = new_figure(
-        1,
-        2,
+        *((2, 1) if narrow else (1, 2)),
         canvas=figure,
         title=analysis.headline(),
         notes=(caption(analysis.solar),),
-        size_in=(10.0, max(3.6, 1.8 + 0.42 * count)),
+        size_in=(size_in[0], (1.9 if narrow else 1.0) * size_in[1]),
+        lines=True,
         grid="x",
-        width_ratios=(1.0, 1.15),
+        width_ratios=(1.0,) if narrow else (1.0, 1.15),
     )
     _draw_spread(spread, analysis)
     _draw_causes(causes, analysis)
@@ -73,16 +80,18 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     for name, at in PERCENTILES.items():
         value = float(np.percentile(excess, at, method="inverted_cdf"))
         if np.isfinite(value):
-            axes.axvline(value, color=DARK_GREY, linestyle="-" if at == 50.0 else "--")
-            axes.text(
-                value, 1.01, name.upper(), transform=axes.get_xaxis_transform(), ha="center",
-                fontsize="small",
-            )  # fmt: skip
+            axes.axvline(
+                value,
+                color=ink(),
+                linestyle=_LINES[name],
+                linewidth=1.2,
+                label=f"{name.upper()} {value:.1f} h".replace("-", "−"),
+            )
     low, high = axes.get_xlim()
     if low < 0.0 < high:
         axes.axvspan(low, 0.0, color=VERMILLION, alpha=0.12, linewidth=0, label="not perpetual")
-        axes.legend()
     axes.set_xlim(low, high)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
 
 
 def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
@@ -103,19 +112,30 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     rows.sort(key=lambda row: np.nan_to_num(abs(row[2] - row[1])))
     rows = rows[-_MOST_BARS:]
     centre = float(np.mean(excess[finite])) if np.any(finite) else 0.0
-    for y, (one, low, high) in enumerate(rows):
-        axes.barh(y, low - centre, left=centre, color=ORANGE, height=0.6)
-        axes.barh(y, high - centre, left=centre, color=BLUE, height=0.6, hatch="//")
-        index = analysis.sobol.get(one.key)
-        if index is not None:
-            axes.text(
-                1.01, y, f"{100 * index.total:.0f} %", transform=axes.get_yaxis_transform(),
-                va="center", fontsize="small",
-            )  # fmt: skip
+    for y, (_, low, high) in enumerate(rows):
+        for end, name, colour, hatch in (
+            (low, "lowest fifth of the input", ORANGE, ""),
+            (high, "highest fifth", BLUE, "//"),
+        ):
+            axes.barh(
+                y,
+                end - centre,
+                left=centre,
+                facecolor=colour,
+                edgecolor=paper(),
+                linewidth=0.0,
+                height=0.6,
+                hatch=hatch,
+                label=name if y == 0 else None,
+            )
     axes.axvline(centre, color=DARK_GREY)
-    axes.set_yticks(range(len(rows)), [row[0].label for row in rows])
-    axes.set_xlabel(
-        "mean excess time [h] of an input's lowest fifth (plain)\nand of its highest (hatched)"
-    )
-    if analysis.sobol:
-        axes.text(1.01, 1.01, "variance", transform=axes.transAxes, fontsize="small", va="bottom")
+    axes.set_yticks(range(len(rows)), [_named(analysis, row[0]) for row in rows])
+    axes.yaxis.set_gid(NAMES)
+    axes.set_xlabel("mean excess time [h]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+
+
+def _named(analysis: UncertaintyAnalysis, one: UncertainInput) -> str:
+    """Input in words, with the share of the variance that it explains with all others."""
+    index = analysis.sobol.get(one.key)
+    return one.label if index is None else f"{one.label}, {100 * index.total:.0f} % of variance"

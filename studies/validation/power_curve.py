@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _COLOURS = (BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION)
+# Told apart without their colours too.
+_LINES = ("-", "--", "-.", ":", (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)))
+_MARKERS = "osD^v*"
 
 
 @dataclass(frozen=True)
@@ -248,9 +251,17 @@ def power_curve_figure(
         check = check_curve(polar, case)
         speed = np.linspace(_stall_speed(polar, case), 15.0, 200)
         label = f"{polar.airfoil}, calibration {polar.calibration:.2f} (RMS {check.rms_w:.1f} W)"
-        axes.plot(speed, case.electric_power_w(polar, speed), color=colour, label=label)
+        dashes, marker = _LINES[index % len(_LINES)], _MARKERS[index % len(_MARKERS)]
+        power = case.electric_power_w(polar, speed)
+        axes.plot(speed, power, color=colour, linestyle=dashes, label=label)
         residual_axes.plot(
-            check.airspeed_m_per_s, check.residual_w, "o-", color=colour, markersize=3, linewidth=1
+            check.airspeed_m_per_s,
+            check.residual_w,
+            marker=marker,
+            linestyle=dashes,
+            color=colour,
+            markersize=3.5,
+            linewidth=1,
         )
     axes.plot(
         flight[:, 0], flight[:, 1], "o", color=ink(), markersize=4, label="flight, means over 200 s"

@@ -78,7 +78,7 @@ def structure_figure(*, figure: Canvas = DEFAULT) -> Figure:
     cases = family(span_m)
     styles = ((LOAD, "-"), (LOAD, ":"), (CHARGE, "--"), (SUN, "-."), (PURPLE, (0, (8, 2))))
     for (name, model), (colour, line) in zip(models().items(), styles, strict=True):
-        axes.plot(span_m, cases.mass_kg(model), color=colour, linestyle=line, label=name)
+        axes.plot(span_m, cases.mass_kg(model), color=colour, linestyle=line, label=_in_words(name))
     axes.plot(
         span_m, cases.total_mass_kg, color="0.5", linewidth=1, label="total mass, for comparison"
     )
@@ -90,8 +90,8 @@ def structure_figure(*, figure: Canvas = DEFAULT) -> Figure:
         [SKY_SAILOR.mass_kg(calibrated_rib_wing())],
         "s",
         color=LOAD,
-        markerfacecolor="white",
-        label=f"rib_wing for {SKY_SAILOR.name}, not recalibrated",
+        fillstyle="none",
+        label=f"rib wing for {SKY_SAILOR.name}, not recalibrated",
     )
     ticks = (2, 3, 4, 5, 7, 10, 15, 20, 30)
     axes.set(xscale="log", yscale="log", xlabel="wingspan [m]", ylabel="structural mass [kg]")
@@ -100,6 +100,11 @@ def structure_figure(*, figure: Canvas = DEFAULT) -> Figure:
     axes.set_ylim(0.05, 2000.0)
     axes.legend(loc="upper left")
     return drawn
+
+
+def _in_words(name: str) -> str:
+    """Model without the key that chooses it in an aircraft file."""
+    return name.rpartition(": ")[2].replace("_", " ")
 
 
 def structure_image(drawn_as: str = "png", figure: FigureOptions = DEFAULT) -> bytes:

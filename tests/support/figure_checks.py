@@ -1,4 +1,4 @@
-"""Every figure, made once, and what may be wrong with one: texts cut off, on each other, alike lines.
+"""Every figure, made once, and what may be wrong with one: cut off texts, alike lines.
 
 The figures are those of the shipped aircraft, on grids as coarse as a figure bears.
 """
@@ -21,6 +21,7 @@ from weather_files import clear_record
 import missions
 import sizing
 import studies
+from missions.logs.table import log_from_table
 from studies.output.figures.drawing import Canvas
 
 # A little of what a glyph's box has around the glyph may meet another, or the edge [px].
@@ -41,7 +42,7 @@ def drawings() -> dict[str, Draw]:
         "flight": lambda **kw: studies.plot_flight(_on_calendar(), _on_calendar().flight, **kw),
         "sensitivities": _sensitivities,
         "masses": lambda **kw: studies.plot_masses(
-            _design().to_dict()["masses_kg"], "atlantiksolar-design: mass budget", **kw
+            _sized().result.design.masses._asdict(), "atlantiksolar-design: mass budget", **kw
         ),
         "map": lambda **kw: studies.plot_map(_map(), **kw),
         "resized-map": lambda **kw: studies.plot_resized_map(_resized_map(), **kw),
@@ -106,11 +107,6 @@ def _climbing() -> sizing.Analysis:
 
 
 @cache
-def _design() -> sizing.Analysis:
-    return sizing.analyse(_aircraft(), _mission())
-
-
-@cache
 def _sized() -> Any:
     return sizing.size(
         _aircraft(), _mission(), "min_wingspan", required_excess_time_h=2.0, with_sensitivities=True
@@ -133,10 +129,9 @@ def _sensitivities(figure: Canvas) -> Figure:
 
 @cache
 def _map() -> Any:
-    days = list(range(1, 366, 14))
-    return studies.feasibility_map(
-        _aircraft("atlantiksolar-as2"), _mission(), latitudes=np.arange(-70.0, 71.0, 10.0), days=days
-    )
+    latitudes, days = np.arange(-70.0, 71.0, 10.0), list(range(1, 366, 14))
+    aircraft = _aircraft("atlantiksolar-as2")
+    return studies.feasibility_map(aircraft, _mission(), latitudes=latitudes, days=days)
 
 
 @cache
@@ -212,9 +207,9 @@ def _verified() -> studies.Verification:
     )
     aircraft = _aircraft("atlantiksolar-as2")
     log = synthetic_log(aircraft, _mission("rafz-28h"), settings)
-    table = log.table[(log.table.index < 700) | (log.table.index > 900)]
-    table.attrs |= log.table.attrs
-    return studies.verify(aircraft, table, _mission("rafz-28h"), windows=["5.0:7.0"])
+    rows = log.table.index
+    with_gap = log_from_table(log.table[(rows < 700) | (rows > 900)], "synthetic.csv")
+    return studies.verify(aircraft, with_gap, _mission("rafz-28h"), windows=["5.0:7.0"])
 
 
 def _window(figure: Canvas) -> Figure:
@@ -333,9 +328,7 @@ def _overlap(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> bool:
 def _crosses_frame(axes: Axes, corners: np.ndarray[Any, Any]) -> bool:
     frame = axes.get_window_extent()
     low, high = corners.min(axis=0), corners.max(axis=0)
-    apart = (
-        high[0] <= frame.x0 or low[0] >= frame.x1 or high[1] <= frame.y0 or low[1] >= frame.y1
-    )
+    apart = high[0] <= frame.x0 or low[0] >= frame.x1 or high[1] <= frame.y0 or low[1] >= frame.y1
     within = (
         low[0] >= frame.x0 - 1
         and high[0] <= frame.x1 + 1
@@ -354,7 +347,7 @@ def alike_lines(figure: Figure) -> list[str]:
             label = str(line.get_label())
             if label.startswith("_") or not len(line.get_xdata()):  # type: ignore[arg-type]
                 continue
-            look = (line._dash_pattern, line.get_marker(), line.get_linewidth())  # type: ignore[attr-defined]
+            look: Any = (line._dash_pattern, line.get_marker(), line.get_linewidth())  # type: ignore[attr-defined]
             look = repr((look, line.get_fillstyle()))
             if look in looks:
                 found.append(f"{label!r} looks like {looks[look]!r}")

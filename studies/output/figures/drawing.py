@@ -47,11 +47,16 @@ MODEL_COLOURS: dict[ModelName, str] = {
 }
 MODEL_LINES: dict[ModelName, str] = {"CDM": ":", "CAM": "-.", "VM": "--", "FM": "-"}
 DOTS_PER_INCH = 150
+# Group id of an axis whose ticks are names: none may be left out.
+NAMES = "names"
+# And of texts: what stands in rows, and labels of contour lines.
+ROWS, LEVELS = "rows", "levels"
 _DARK_NIGHT = "#404040"
 # Settings of matplotlib are those of the process: one figure at a time.
 SETTINGS = threading.RLock()
 _USUAL_TYPE = 10.0  # [pt], for which the sizes of figures are meant
 _SHORT_NOTE = 40  # characters
+_NARROW_IN = 6.5  # in the usual type
 
 
 @contextmanager
@@ -95,6 +100,7 @@ def new_figure(
     notes: Sequence[str] = (),
     size_in: tuple[float, float] = (8.0, 4.8),
     grid: str = "both",
+    lines: bool = False,
     **options: Any,
 ) -> tuple[Figure, list[Axes]]:
     """Figure with panels.
@@ -113,6 +119,8 @@ def new_figure(
         Width and height [in] where the options have none.
     grid : str
         Lines of the grid: ``x``, ``y``, ``both``, or none if empty.
+    lines : bool
+        Whether the figure is lines of text, such as named bars: its height goes with the type.
     **options
         What :meth:`matplotlib.figure.Figure.subplots` takes besides, such as ``sharex``.
 
@@ -123,7 +131,7 @@ def new_figure(
     panels : list of Axes
         Row by row.
     """
-    figure = _begun(canvas, size_in) if isinstance(canvas, FigureOptions) else canvas
+    figure = _begun(canvas, size_in, lines=lines) if isinstance(canvas, FigureOptions) else canvas
     panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
     for axes in panels:
         axes.set_axisbelow(True)
@@ -134,7 +142,7 @@ def new_figure(
     return figure, panels
 
 
-def _begun(options: FigureOptions, size_in: tuple[float, float]) -> Figure:
+def _begun(options: FigureOptions, size_in: tuple[float, float], *, lines: bool) -> Figure:
     """Canvas of the size that was asked for.
 
     A figure without a size grows with its type, by half as much. One of a given width has the
@@ -148,7 +156,8 @@ def _begun(options: FigureOptions, size_in: tuple[float, float]) -> Figure:
     usual = (size_in[0] * math.sqrt(type_size), None)
     width, height = options.size_in or usual
     if height is None:
-        height = size_in[1] * math.sqrt(type_size * width / size_in[0])
+        stretch = 1.0 if lines else min(width / size_in[0] / type_size, 1.0)
+        height = size_in[1] * type_size * math.sqrt(stretch)
     return StyledFigure(options, (width, height))
 
 
@@ -235,6 +244,29 @@ def objective_caption(objective: str | Objective) -> str:
 
 
 # ---- Colours of the style, and what is drawn with them
+
+
+def is_narrow(canvas: Canvas, size_in: tuple[float, float]) -> bool:
+    """Whether panels should stand below each other: there is room for few words in a line.
+
+    Parameters
+    ----------
+    canvas : FigureOptions or Figure
+        How the figure looks, or the figure.
+    size_in : (float, float)
+        Its usual size.
+
+    Returns
+    -------
+    bool
+    """
+    import matplotlib as mpl
+
+    if isinstance(canvas, FigureOptions):
+        width = size_in[0] if canvas.size_in is None else canvas.size_in[0]
+    else:
+        width = canvas.get_figwidth()
+    return bool(width * _USUAL_TYPE / mpl.rcParams["font.size"] < _NARROW_IN)
 
 
 def ink() -> str:

@@ -20,10 +20,10 @@ from matplotlib.offsetbox import VPacker
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
-__all__ = ["NAMES", "FittedLayout"]
+from studies.output.figures.drawing import LEVELS, NAMES, ROWS
 
-# Group id of an axis whose ticks are names: none may be left out.
-NAMES = "names"
+__all__ = ["FittedLayout"]
+
 _ROUNDS = 3
 _LEAST_TYPE = 0.5  # of the size that a style asks for
 _GAP = 0.25  # between texts, in sizes of type
@@ -45,6 +45,7 @@ class FittedLayout(ConstrainedLayoutEngine):
         self.notes = ""
         self._below: Text | None = None
         self._undo: list[Callable[[], None]] = []
+        self._thinned: dict[Axis, list[Text]] = {}
 
     def execute(self, fig: Figure) -> Any:
         """Lay a figure out.
@@ -56,14 +57,18 @@ class FittedLayout(ConstrainedLayoutEngine):
         for restore in reversed(self._undo):
             restore()
         self._undo.clear()
-        self.set(rect=(0.0, 0.0, 1.0, 1.0 - self._heading(fig)))  # type: ignore[call-arg]
+        self.set(rect=(0.0, 0.0, 1.0, 1.0 - self._heading(fig)))
         done = super().execute(fig)
         for _ in range(_ROUNDS):
             changed = [self._fit_legends(fig), *(self._fit_axes(axes) for axes in fig.axes)]
             if not any(changed):
                 break
             done = super().execute(fig)
-        self._place_notes(fig)
+        for axes in fig.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                self._fit_ticks(axis)
+            self._clear_corner(axes)
+            self._fit_notes(axes)
         return done
 
     def _set(self, artist: Text, /, **looks: Any) -> None:
@@ -76,7 +81,7 @@ class FittedLayout(ConstrainedLayoutEngine):
 
     def _heading(self, fig: Figure) -> float:
         """Write title and notes; their share of the figure's height."""
-        title = fig._suptitle
+        title = fig._suptitle  # type: ignore[attr-defined]  # as constrained layout does
         if self._below is not None:
             self._below.set_visible(False)
         if title is None or not title.get_text():
@@ -147,8 +152,16 @@ class FittedLayout(ConstrainedLayoutEngine):
             changed |= self._fit_ticks(axis)
         for title in (axes.title, axes._left_title, axes._right_title):  # type: ignore[attr-defined]
             changed |= self._fit_text(title, box.width)
-        self._fit_notes(axes)
         return changed
+
+    def _clear_corner(self, axes: Axes) -> None:
+        """Leave out the lowest label of the vertical axis where the first of the other meets it."""
+        across = [t.get_window_extent() for t in _drawn_ticks(axes.xaxis)]
+        for label in _drawn_ticks(axes.yaxis):
+            box = label.get_window_extent()
+            if axes.yaxis.get_gid() != NAMES and any(box.overlaps(other) for other in across):
+                label.set_visible(False)
+                self._thinned.setdefault(axes.yaxis, []).append(label)
 
     def _fit_text(self, text: Text, room: float) -> bool:
         if not text.get_visible() or not text.get_text():
@@ -163,6 +176,10 @@ class FittedLayout(ConstrainedLayoutEngine):
         return True
 
     def _fit_ticks(self, axis: Axis) -> bool:
+        thinned = self._thinned.pop(axis, [])
+        before = len(thinned)
+        for label in thinned:
+            label.set_visible(True)
         labels = _drawn_ticks(axis)
         if axis.get_gid() == NAMES:
             return self._fit_names(axis, labels)
@@ -179,9 +196,11 @@ class FittedLayout(ConstrainedLayoutEngine):
                 break
         else:
             kept = order[:1]
-        for index in set(order) - set(kept):
-            self._set(labels[index], visible=False)
-        return len(kept) < len(order)
+        hidden = [labels[index] for index in set(order) - set(kept)]
+        for label in hidden:
+            label.set_visible(False)
+        self._thinned[axis] = hidden
+        return len(hidden) != before
 
     def _fit_names(self, axis: Axis, labels: list[Text]) -> bool:
         """Names along an axis: broken into lines, then in smaller type; none is left out."""
@@ -213,12 +232,35 @@ class FittedLayout(ConstrainedLayoutEngine):
         taken = [] if legend is None else [legend.get_window_extent()]
         notes = [note for note in axes.texts if note.get_visible() and note.get_text()]
         frame = axes.get_window_extent()
+        self._fit_rows([note for note in notes if note.get_gid() == ROWS])
         for note in notes:
-            if not (isinstance(note, Annotation) and note.anncoords == "offset points"):
-                taken.append(note.get_window_extent())
+            if note.get_gid() == LEVELS:
+                self._keep_free(note, frame, taken)
+            elif not (isinstance(note, Annotation) and note.anncoords == "offset points"):
+                taken.append(Text.get_window_extent(note))
         for note in notes:
             if isinstance(note, Annotation) and note.anncoords == "offset points":
                 taken.append(self._moved(note, frame, taken))
+
+    def _keep_free(self, label: Text, frame: Bbox, taken: list[Bbox]) -> None:
+        """Leave out the label of a level that meets another, or the frame."""
+        box = label.get_window_extent()
+        within = frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 < box.y1 < frame.y1
+        if not within or any(box.padded(0.5 * box.height).overlaps(other) for other in taken):
+            self._set(label, visible=False)
+        else:
+            taken.append(box)
+
+    def _fit_rows(self, rows: list[Text]) -> None:
+        """Write what stands in rows so small that the rows do not meet."""
+        size = float(rows[0].get_fontsize()) if rows else 0.0
+        while size > _LEAST_TYPE * 10.0:
+            boxes = [Text.get_window_extent(row) for row in rows]
+            if not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2)):
+                break
+            size *= 0.9
+            for row in rows:
+                self._set(row, fontsize=size)
 
     def _moved(self, note: Annotation, frame: Bbox, taken: Sequence[Bbox]) -> Bbox:
         """Place of a note, near where it was, within the frame and off all others."""
@@ -242,10 +284,6 @@ class FittedLayout(ConstrainedLayoutEngine):
             self._undo.append(lambda: setattr(note, "xyann", before))
             note.xyann = (before[0] + shift[0], before[1] + shift[1])
         return best
-
-    def _place_notes(self, fig: Figure) -> None:
-        for axes in fig.axes:
-            self._fit_notes(axes)
 
 
 def _restore(text: Text, before: dict[str, Any]) -> None:
