@@ -6,6 +6,7 @@ hatched, by the reason.
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -76,9 +77,8 @@ def plot_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     shown = np.where(np.isposinf(excess), 2.0 * top, excess)
     levels = _levels(top)
     norm = BoundaryNorm(levels, ncolors=256, extend="both")
-    mesh = axes.pcolormesh(
-        cell_edges(days), cell_edges(latitudes), shown, cmap=diverging(), norm=norm
-    )
+    mesh = axes.pcolormesh(cell_edges(days), cell_edges(latitudes), shown, norm=norm)
+    mesh.set_cmap(diverging())
     bar = drawn.colorbar(mesh, ax=axes, ticks=levels)
     bar.set_label("excess time [h]; beyond the top: no night")
     if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
@@ -127,7 +127,7 @@ def _begun(canvas: Canvas, data: xr.Dataset, what: str) -> tuple[Figure, Axes]:
     """Figure with its heading."""
     drawn, (axes,) = new_figure(
         canvas=canvas,
-        title=str(data.attrs["title"]),
+        title=f"{data.attrs['title']} on {json.loads(data.attrs['mission'])['name']}",
         notes=(what, dataset_caption(data), outside_ranges(extrapolations_of(data))),
         size_in=(8.5, 5.2),
         grid="",

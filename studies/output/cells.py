@@ -21,7 +21,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from sizing.limits import label
+from sizing.parameters import label
 from studies.output.columns import HATCHES, status_names
 from studies.output.figures.drawing import DARK_GREY, LEVELS, VERMILLION, night
 
@@ -98,7 +98,10 @@ def _srgb_of_lab(lab: FloatArray) -> FloatArray:
     edge = 6.0 / 29.0
     xyz = np.where(f > edge, f**3, 3.0 * edge**2 * (f - 4.0 / 29.0)) * _D65
     linear = np.clip(xyz @ _SRGB_OF_XYZ.T, 0.0, 1.0)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    srgb: FloatArray = np.where(
+        linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
+    )
+    return srgb
 
 
 def draw_cells(

@@ -160,7 +160,7 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
         axes.axvline(full, color=ink(), linestyle=":", linewidth=1)
-        _beside(axes, "full", (full, 50))
+        _beside(axes, "full", (full, 30))
         _draw_margin(axes, float(full), float(perf.cycle.charge_margin_h[index]))
     _draw_excess(axes, perf, index)
     axes.set(ylabel="state of charge [%]", ylim=(-26, 105), yticks=range(0, 101, 20))
@@ -424,7 +424,8 @@ def plot_sensitivities(
 def _with_value(sensitivity: Sensitivity) -> str:
     """Parameter in words, with its value and unit."""
     unit = "" if sensitivity.unit == "1" else sensitivity.unit.replace("m2", "m²")
-    return f"{label(sensitivity.parameter)} = {sensitivity.value:.4g} {unit}".rstrip()
+    value = f"= {sensitivity.value:.4g} {unit}".rstrip().replace(" ", "\u00a0")
+    return f"{label(sensitivity.parameter)} {value}"
 
 
 @styled

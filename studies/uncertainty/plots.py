@@ -65,6 +65,8 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     )
     _draw_spread(spread, analysis)
     _draw_causes(causes, analysis)
+    handles = [h for axes in (spread, causes) for h in axes.get_legend_handles_labels()[0]]
+    drawn.legend(handles=handles, loc="outside lower center", ncols=6)
     return drawn
 
 
@@ -91,7 +93,6 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     if low < 0.0 < high:
         axes.axvspan(low, 0.0, color=VERMILLION, alpha=0.12, linewidth=0, label="not perpetual")
     axes.set_xlim(low, high)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
 
 
 def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
@@ -132,10 +133,11 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     axes.set_yticks(range(len(rows)), [_named(analysis, row[0]) for row in rows])
     axes.yaxis.set_gid(NAMES)
     axes.set_xlabel("mean excess time [h]")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
 
 
 def _named(analysis: UncertaintyAnalysis, one: UncertainInput) -> str:
     """Input in words, with the share of the variance that it explains with all others."""
     index = analysis.sobol.get(one.key)
-    return one.label if index is None else f"{one.label}, {100 * index.total:.0f} % of variance"
+    if index is None:
+        return one.label
+    return f"{one.label}, {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"

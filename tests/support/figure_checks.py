@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
@@ -285,13 +286,13 @@ def text_faults(figure: Figure) -> list[str]:
 def _drawn_texts(figure: Figure) -> Iterator[Text]:
     ticks: set[Text] = set()
     drawn: list[Text] = []
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            for tick in (*axis.majorTicks, *axis.minorTicks):
-                ticks.update((tick.label1, tick.label2))
-            if axes.axison and axes.get_visible():
-                shown = axis._update_ticks()  # type: ignore[attr-defined]  # those within view
-                drawn += [label for tick in shown for label in (tick.label1, tick.label2)]
+    for axis in figure.findobj(Axis):
+        assert isinstance(axis, Axis)
+        for tick in (*axis.majorTicks, *axis.minorTicks):
+            ticks.update((tick.label1, tick.label2))
+        if axis.get_visible() and axis.axes.axison and axis.axes in figure.axes:
+            shown = axis._update_ticks()  # type: ignore[attr-defined]  # those within view
+            drawn += [label for tick in shown for label in (tick.label1, tick.label2)]
     found = [text for text in figure.findobj(Text) if text not in ticks]
     for text in dict.fromkeys([*found, *drawn]):
         assert isinstance(text, Text)

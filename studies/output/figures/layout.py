@@ -18,6 +18,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.offsetbox import VPacker
 from matplotlib.text import Annotation, Text
+from matplotlib.ticker import FuncFormatter
 from matplotlib.transforms import Bbox
 
 from studies.output.figures.drawing import LEVELS, NAMES, ROWS
@@ -58,6 +59,10 @@ class FittedLayout(ConstrainedLayoutEngine):
             restore()
         self._undo.clear()
         self.set(rect=(0.0, 0.0, 1.0, 1.0 - self._heading(fig)))
+        # What leaves no room for axes at all, before they are asked how large they are.
+        self._fit_legends(fig)
+        for axes in fig.axes:
+            self._break_names(axes.yaxis)
         done = super().execute(fig)
         for _ in range(_ROUNDS):
             changed = [self._fit_legends(fig), *(self._fit_axes(axes) for axes in fig.axes)]
@@ -74,7 +79,7 @@ class FittedLayout(ConstrainedLayoutEngine):
     def _set(self, artist: Text, /, **looks: Any) -> None:
         """Change a text until the next layout."""
         before = {name: getattr(artist, f"get_{name}")() for name in looks}
-        self._undo.append(lambda: _restore(artist, before))
+        self._undo.append(lambda: _restore(artist, before, looks))
         artist.set(**looks)
 
     # ---- Title and the notes below it
@@ -202,18 +207,26 @@ class FittedLayout(ConstrainedLayoutEngine):
         self._thinned[axis] = hidden
         return len(hidden) != before
 
+    def _break_names(self, axis: Axis) -> None:
+        """Break names beside an axis into lines, so that they leave room for the axes."""
+        figure, spec = axis.get_figure(), axis.axes.get_subplotspec()
+        if axis.get_gid() != NAMES or figure is None:
+            return
+        panels = 1 if spec is None else spec.get_gridspec().ncols
+        room = _WIDEST_NAMES * figure.bbox.width / panels**0.6
+        before, labels = axis.get_major_formatter(), _drawn_ticks(axis)
+        if labels:
+            # The names are the formatter's, which writes them whenever ticks are drawn.
+            places = list(axis.get_majorticklocs())
+            names = before.format_ticks(places)
+            broken = [_wrapped(labels[0], str(name), room) for name in names]
+            by_place = dict(zip(places, broken, strict=True))
+            axis.set_major_formatter(FuncFormatter(lambda place, _: by_place.get(place, "")))
+            self._undo.append(lambda: axis.set_major_formatter(before))
+
     def _fit_names(self, axis: Axis, labels: list[Text]) -> bool:
-        """Names along an axis: broken into lines, then in smaller type; none is left out."""
-        figure = axis.get_figure()
-        assert figure is not None
+        """Names along an axis in smaller type where they meet; none is left out."""
         changed = False
-        if axis.axis_name == "y":  # type: ignore[attr-defined]
-            room = _WIDEST_NAMES * figure.bbox.width
-            for label in labels:
-                if label.get_window_extent().width > room:
-                    wrapped = _wrapped(label, label.get_text(), room)
-                    changed |= wrapped != label.get_text()
-                    self._set(label, text=wrapped)
         along = 0 if axis.axis_name == "x" else 1  # type: ignore[attr-defined]
         size = float(labels[0].get_fontsize()) if labels else 0.0
         while size > _LEAST_TYPE * 10.0:
@@ -286,8 +299,11 @@ class FittedLayout(ConstrainedLayoutEngine):
         return best
 
 
-def _restore(text: Text, before: dict[str, Any]) -> None:
-    text.set(**before)
+def _restore(artist: Text, before: dict[str, Any], looks: dict[str, Any]) -> None:
+    """Undo changes of a text; what its owner has changed since is left."""
+    for name, value in looks.items():
+        if getattr(artist, f"get_{name}")() == value:
+            artist.set(**{name: before[name]})
 
 
 def _inwards(box: Bbox, frame: Bbox) -> tuple[float, float]:

@@ -460,7 +460,7 @@ def test_figures_show_shade_and_exclusion(log_file: Path) -> None:
     day = plots.day_figure(result, result.days[0], mask)
     labels = [axes.get_ylabel() for axes in day.axes]
     assert labels[0] == "solar power [W]"
-    assert "shaded [cm$^2$]" in labels
+    assert "shaded [cm²]" in labels
     legend = day.axes[0].get_legend()
     assert legend is not None
     assert [t.get_text() for t in legend.get_texts()][-3:] == ["measured", "window", "excluded"]

@@ -1,0 +1,61 @@
+"""What the figures of a cycle and of a flight that ends show."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+import studies
+from studies.output.figures.options import FigureOptions
+
+JULY = missions.load_mission("rafz-july")
+
+
+def flown(*overrides: str) -> sizing.Analysis:
+    return sizing.analyse(sizing.load_aircraft("atlantiksolar-as2", overrides), JULY)
+
+
+def test_excess_time_is_an_interval_that_begins_at_equal_power() -> None:
+    analysis = flown()
+    charge = studies.plot_cycle(analysis).axes[1]
+    dawn_h = float(analysis.performance.cycle.equal_power_morning_h[0])
+    (reserve,) = (
+        line for line in charge.lines if line.get_linestyle() == ":" and line.get_ydata()[1] < 1
+    )
+    times, left = reserve.get_data()
+    assert list(times) == pytest.approx([dawn_h, dawn_h + analysis.excess_time_h])
+    assert left[1] == pytest.approx(0.0, abs=1e-9)
+    texts = [text.get_text() for text in charge.texts]
+    assert f"excess time {analysis.excess_time_h:.1f} h" in texts
+
+
+def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty() -> None:
+    analysis = flown("power.avionics_w=60")
+    (longest,) = analysis.endurances
+    assert longest is not None
+    hours = float(longest.endurance_h)
+    figure = studies.plot_cycle(analysis)
+    assert figure.get_suptitle().endswith(f"flies {hours:.1f} h, not perpetually")
+    power, charge = figure.axes
+    time_h, percent = charge.lines[0].get_data()
+    assert (time_h[0], percent[0]) == (0.0, 100.0)
+    assert time_h[-1] == pytest.approx(hours)
+    assert percent[-1] == pytest.approx(0.0, abs=0.05)  # the search ends within seconds
+    assert np.min(percent[:-1]) >= 0.0
+    assert power.get_ylabel() == "power [W]"
+
+
+def test_notes_stand_below_the_title_and_go_with_it() -> None:
+    analysis = flown()
+    figure = studies.plot_cycle(analysis)
+    assert figure.notes.replace("\u00a0", " ") == "CAM, uncorrected"  # type: ignore[attr-defined]
+    figure.draw_without_rendering()
+    title, notes = figure.texts
+    assert notes.get_fontsize() < title.get_fontsize()
+    figure.suptitle("")
+    figure.draw_without_rendering()
+    assert not notes.get_visible()
+    bare = studies.plot_cycle(analysis, figure=FigureOptions(title=False))
+    assert bare.get_suptitle() == ""
