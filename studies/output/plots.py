@@ -424,7 +424,7 @@ def plot_sensitivities(
 def _with_value(sensitivity: Sensitivity) -> str:
     """Parameter in words, with its value and unit."""
     unit = "" if sensitivity.unit == "1" else sensitivity.unit.replace("m2", "m²")
-    value = f"= {sensitivity.value:.4g} {unit}".rstrip().replace(" ", "\u00a0")
+    value = f"= {sensitivity.value:.4g} {unit}".rstrip()
     return f"{label(sensitivity.parameter)} {value}"
 
 

@@ -78,7 +78,7 @@ def structure_figure(*, figure: Canvas = DEFAULT) -> Figure:
     cases = family(span_m)
     styles = ((LOAD, "-"), (LOAD, ":"), (CHARGE, "--"), (SUN, "-."), (PURPLE, (0, (8, 2))))
     for (name, model), (colour, line) in zip(models().items(), styles, strict=True):
-        axes.plot(span_m, cases.mass_kg(model), color=colour, linestyle=line, label=_in_words(name))
+        axes.plot(span_m, cases.mass_kg(model), color=colour, linestyle=line, label=in_words(name))
     axes.plot(
         span_m, cases.total_mass_kg, color="0.5", linewidth=1, label="total mass, for comparison"
     )
@@ -102,7 +102,7 @@ def structure_figure(*, figure: Canvas = DEFAULT) -> Figure:
     return drawn
 
 
-def _in_words(name: str) -> str:
+def in_words(name: str) -> str:
     """Model without the key that chooses it in an aircraft file."""
     return name.rpartition(": ")[2].replace("_", " ")
 

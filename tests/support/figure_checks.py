@@ -359,3 +359,9 @@ def alike_lines(figure: Figure) -> list[str]:
 def colours(figure: Figure) -> set[str]:
     """Colours of the lines of a figure."""
     return {to_hex(line.get_color()).upper() for axes in figure.axes for line in axes.lines}
+
+
+def heading(figure: Figure) -> str:
+    """Title of a figure, and the notes below it in a line of their own."""
+    notes = str(getattr(figure, "notes", ""))
+    return f"{figure.get_suptitle()}\n{notes}".replace("\u00a0", " ")

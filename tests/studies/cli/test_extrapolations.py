@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from builders import AS2, SKY_SAILOR, aircraft, mission
 from command_line import Run
+from figure_checks import heading
 
 import studies
 from sizing.altitude.ceiling import highest_perpetual_altitude
@@ -124,8 +125,8 @@ def test_figures_name_what_is_outside_in_a_line_of_their_title() -> None:
         plot_ceiling(ceiling),
     ]
     for figure in figures:
-        assert figure.get_suptitle().splitlines()[-1].endswith(f" · {line}")
-    assert line not in plot_cycle(analyse(AS2, mission())).get_suptitle()
+        assert heading(figure).splitlines()[-1].endswith(f" · {line}")
+    assert line not in heading(plot_cycle(analyse(AS2, mission())))
 
 
 def test_a_replayed_flight_tells_of_its_own_days() -> None:

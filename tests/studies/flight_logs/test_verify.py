@@ -463,7 +463,18 @@ def test_figures_show_shade_and_exclusion(log_file: Path) -> None:
     assert "shaded [cm²]" in labels
     legend = day.axes[0].get_legend()
     assert legend is not None
-    assert [t.get_text() for t in legend.get_texts()][-3:] == ["measured", "window", "excluded"]
+    assert [t.get_text() for t in legend.get_texts()][-4:] == [
+        "measured",
+        "window",
+        "excluded",
+        "battery full",
+    ]
+    assert day.axes[-1].get_xlabel() == "time of 2015-07-01 [h UTC]"
+    power, residuals = day.axes[:2]
+    measured = power.lines[-1].get_ydata()
+    for line, error in zip(power.lines, residuals.lines, strict=False):
+        if line.get_label() != "measured":
+            assert error.get_ydata() == pytest.approx(line.get_ydata() - measured, nan_ok=True)
     assert len(plots.window_figure(result, 0).axes) == len(day.axes) + 1  # the yaw
 
 
@@ -473,7 +484,24 @@ def test_figures_without_attitude() -> None:
     log = made(start_utc_s=MORNING_S, duration_h=2.0, rate_hz=0.2)
     result = without(log, *ATTITUDE, "mppt_voltage_v")
     ((_, mask),) = day_masks(result.samples)
-    assert len(plots.day_figure(result, result.days[0], mask).axes) == 1
+    assert len(plots.day_figure(result, result.days[0], mask).axes) == 2  # power and residuals
+
+
+def test_gaps_of_a_log_are_hatched_and_nights_are_not() -> None:
+    from studies.flight_logs import plots
+
+    log = made(start_utc_s=MORNING_S, duration_h=6.0, rate_hz=0.2)
+    rows = log.table.index
+    cut = log_from_table(log.table[(rows < 2000) | (rows > 2720)], "synthetic.csv")
+    result = verify(aircraft(), cut, mission())
+    ((_, mask),) = day_masks(result.samples)
+    axes = plots.day_figure(result, result.days[0], mask).axes[0]
+    (gap,) = (patch for patch in axes.patches if patch.get_label() == "no data")
+    assert gap.get_width() == pytest.approx(721 / 0.2 / 3600.0, abs=0.01)
+    whole = verified(log)
+    ((_, mask),) = day_masks(whole.samples)
+    names = [p.get_label() for p in plots.day_figure(whole, whole.days[0], mask).axes[0].patches]
+    assert "no data" not in names
 
 
 def test_result_prints_itself_and_reads_its_own_log(log_file: Path) -> None:

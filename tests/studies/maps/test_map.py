@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from figure_checks import heading
 
 from missions.library import load_mission
 from missions.mission import Scenarios
@@ -151,7 +152,7 @@ def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
     axes, bar = figure.axes
     assert axes.get_ylabel() == "latitude [deg]"
     assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
-    assert "CAM, uncorrected" in figure.get_suptitle()
+    assert "CAM, uncorrected" in heading(figure)
     assert "[h]" in bar.get_ylabel()
 
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
+from figure_checks import heading
 
 from missions.files.errors import InputError
 from missions.library import load_mission
@@ -139,7 +140,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
     assert np.isnan(data["excess_time"].values[2, 2])
     assert data.attrs["failed_cells"] == "latitude 44, day 81: FloatingPointError: not today"
     (legend,) = plot_map(data).legends
-    assert [text.get_text() for text in legend.get_texts()] == ["failed"]
+    assert [text.get_text() for text in legend.get_texts()] == ["could not be computed"]
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
     assert invoke(*SMALL, "--out", "map.nc").exit_code == 0
@@ -301,10 +302,13 @@ def test_table_counts_the_cross_checked_designs(invoke: Any) -> None:
 def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None:
     figure = plot_resized_map(sized)
     assert "wingspan [m]" in figure.axes[1].get_ylabel()
-    title = "Best designs of atlantiksolar-design: smallest wingspan ("
-    assert figure.get_suptitle().startswith(title)
+    title = "Best designs of atlantiksolar-design on rafz-july\nsmallest wingspan · CAM"
+    assert heading(figure).startswith(title)
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["infeasible"]
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "energy: the day gives less than the load takes",
+        "polar night",
+    ]
     assert any(c.get_hatch() for c in figure.axes[0].collections)
 
 

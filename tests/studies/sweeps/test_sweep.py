@@ -15,6 +15,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
+from figure_checks import heading
 
 from missions.files.errors import InputError
 from missions.flight_path import Circle
@@ -343,7 +344,7 @@ def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str,
     words = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())]
     assert any("[h]" in text for text in words)
     words += [text.get_text() for axes in figure.axes for text in axes.get_xticklabels()]
-    words.append(figure.get_suptitle())
+    words.append(heading(figure))
     assert not any("_" in text for text in words)  # labels, never keys
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png")
@@ -491,7 +492,7 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     assert data.attrs["failed_cells"] == "battery_mass_kg 3: FloatingPointError: not today"
     assert "not today" in str(data["message"].values[1])
     figure = sweep_plots.plot_sweep(data)
-    assert "1 of 3 points failed" in figure.get_suptitle()
+    assert "1 of 3 points failed" in heading(figure)
     assert [t.get_text() for t in figure.axes[0].get_legend().get_texts()] == ["failed"]
     table = invoke("atlantiksolar-design", *vary)
     assert table.exit_code == 1

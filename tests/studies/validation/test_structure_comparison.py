@@ -22,6 +22,7 @@ from studies.validation.built_aircraft import (
     family,
 )
 from studies.validation.structure_comparison import (
+    in_words,
     main,
     models,
     structure_figure,
@@ -119,7 +120,7 @@ def test_climb_rate_weighs_what_the_climb_takes() -> None:
 def test_figure_shows_every_model_and_both_aircraft() -> None:
     (axes,) = structure_figure().axes
     labels = [text.get_text() for text in axes.get_legend().get_texts()]  # type: ignore[union-attr]
-    assert set(models()) <= set(labels)
+    assert {in_words(name) for name in models()} <= set(labels)
     for case in BUILT:
         (point,) = [
             line for line in axes.lines if str(line.get_label()).startswith(f"{case.name},")
@@ -129,7 +130,7 @@ def test_figure_shows_every_model_and_both_aircraft() -> None:
     assert "[m]" in axes.get_xlabel()
     assert "[kg]" in axes.get_ylabel()
     for name, model in models().items():
-        (line,) = [each for each in axes.lines if each.get_label() == name]
+        (line,) = [each for each in axes.lines if each.get_label() == in_words(name)]
         span_m, mass_kg = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
         assert span_m[0] == pytest.approx(2.0)
         assert span_m[-1] == pytest.approx(30.0)
