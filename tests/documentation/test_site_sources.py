@@ -73,6 +73,14 @@ def test_notebook_is_kept_without_output(path: Path) -> None:
     assert not any(cell["outputs"] or cell["execution_count"] for cell in code)
 
 
+def test_messages_that_the_answers_quote_are_those_of_the_code() -> None:
+    text = (DOCS / "faq.md").read_text(encoding="utf-8")
+    quoted = re.findall(r"^\| `([^`]+)` \|", text, re.M)
+    assert quoted
+    code = "".join(path.read_text("utf-8") for path in (ROOT / "missions").rglob("*.py"))
+    assert [message for message in quoted if message not in code] == []
+
+
 def test_vendored_script_has_its_licence() -> None:
     folder = DOCS / "_static" / "mathjax"
     assert "Apache License" in (folder / "LICENSE").read_text(encoding="utf-8")
