@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from missions.files.writing import write_files_atomically
-from studies.cli.checks import check_outputs
+from studies.cli.checks import check_outputs, uncertain_inputs_of
 from studies.cli.files import Case
 from studies.output.run_folder import RESULTS, RunFolder
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "check_report",
+    "check_uncertainty",
     "report_on_log",
     "report_on_sizing",
     "sizing_of_folder",
@@ -126,6 +127,26 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     return dict(record) if same else None
 
 
+def check_uncertainty(case: Case, subject: Subject) -> None:
+    """Fly the draws of uncertain inputs, if the report has them; what is wrong names its line.
+
+    Parameters
+    ----------
+    case : Case
+        Whose files say how inputs scatter.
+    subject : Subject
+
+    Raises
+    ------
+    InputError
+        With file and line.
+    click.UsageError
+        For what no line is to blame for.
+    """
+    with uncertain_inputs_of(case):
+        _ = subject.uncertainty
+
+
 def report_on_sizing(
     case: Case,
     study: SizingStudy,
@@ -159,7 +180,9 @@ def report_on_sizing(
         craft=dataclasses.replace(case.craft, aircraft=study.sized_aircraft()),
         where=dataclasses.replace(case.where, mission=mission),
     )
-    write_report(subject_of(flown, inputs=inputs, sizing=record, overrides=overrides), path)
+    subject = subject_of(flown, inputs=inputs, sizing=record, overrides=overrides)
+    check_uncertainty(case, subject)
+    write_report(subject, path)
 
 
 def report_on_log(

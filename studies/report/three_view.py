@@ -11,12 +11,13 @@ from studies.report.svg import Canvas, Point
 
 __all__ = ["three_view"]
 
-_MARGIN, _TOP, _GAP, _LABEL = 14.0, 40.0, 30.0, 20.0
+_MARGIN, _TOP, _GAP, _LABEL = 14.0, 40.0, 30.0, 24.0
 _ROOM_RIGHT = 74.0  # for the dimension of the chord
 # Thickness of a symmetrical four-digit section over its chord, at full thickness ratio one
 # (Abbott & von Doenhoff, Theory of Wing Sections, section 6.4).
 _SECTION = (1.4845, -0.63, -1.758, 1.4215, -0.5075)
 _STATIONS = 24
+_ROOM_FOR_LEGEND = 150.0  # beside the view from the left, else it stands below [px]
 _ROOM_FOR_HALF = 80.0  # of the scale bar, for a number at its middle [px]
 
 
@@ -59,9 +60,10 @@ def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str
     str
     """
     canvas = Canvas(width)
-    scale = (width - _MARGIN - _ROOM_RIGHT) / drawing.wingspan_m
-    middle = _MARGIN + 0.5 * scale * drawing.wingspan_m
     ahead = max(drawing.nose_m, 0.0)
+    room = width - _MARGIN - _ROOM_RIGHT
+    scale = room / max(drawing.wingspan_m, ahead + drawing.tail_end_m)
+    middle = _MARGIN + 0.5 * room
     above = _View(middle, _TOP + _LABEL + scale * ahead, scale)
     _draw_above(canvas, drawing, above)
     bottom = above.y + scale * drawing.tail_end_m
@@ -82,10 +84,12 @@ def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str
         ("From ahead", front.y - scale * highest),
         ("From the left", bottom + _GAP + _LABEL),
     ):
-        canvas.text((_MARGIN, y - 8.0), text, "view", anchor="start")
-    end = side.y + scale * lowest
-    legend_x = side.x + scale * drawing.tail_end_m + 96.0
-    end = max(end + 34.0, _draw_legend(canvas, drawing, (legend_x, bottom + _GAP + _LABEL), scale))
+        canvas.text((_MARGIN, y - 12.0), text, "view", anchor="start")
+    end = side.y + scale * lowest + 34.0
+    legend = (side.x + scale * drawing.tail_end_m + 96.0, bottom + _GAP + _LABEL)
+    if width - legend[0] < _ROOM_FOR_LEGEND:
+        legend = (_MARGIN, end + 8.0)
+    end = max(end, _draw_legend(canvas, drawing, legend, scale))
     canvas.height = math.ceil(end + 6.0)
     return canvas.markup(
         title=f"Three views of {name}",

@@ -49,10 +49,16 @@ def report(
     as_json: bool,
 ) -> None:
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
-    from studies.cli.checks import require_climber, require_path, uncertain_inputs_of
+    from studies.cli.checks import require_climber, require_path
     from studies.cli.files import load
     from studies.cli.options import print_json
-    from studies.cli.reports import check_report, sizing_of_folder, subject_of, write_report
+    from studies.cli.reports import (
+        check_report,
+        check_uncertainty,
+        sizing_of_folder,
+        subject_of,
+        write_report,
+    )
 
     check_report(out_file, with_pdf=with_pdf)
     case = load(aircraft, mission, overrides, model=model, correction=correction)
@@ -64,8 +70,8 @@ def report(
 
         options["weather_record"] = load_weather(weather_file)
     subject = subject_of(case, sizing=sizing_of_folder(aircraft, case), **options)
-    with uncertain_inputs_of(case):
-        written = write_report(subject, out_file, with_pdf=with_pdf)
+    check_uncertainty(case, subject)
+    written = write_report(subject, out_file, with_pdf=with_pdf)
     if as_json:
         print_json(subject.results())
         return

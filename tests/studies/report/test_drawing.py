@@ -44,7 +44,13 @@ def test_wing_modules_and_tail_have_one_scale(width: float) -> None:
 
 
 def test_everything_lies_within_the_drawing() -> None:
-    for craft in (AS2, SKY_SAILOR, DESIGN):
+    slender, stout, tiny = (
+        aircraft("sky-sailor", f"airframe.wingspan_m={span}", f"airframe.aspect_ratio={ratio}",
+                 f"modules.area_m2={0.5 * span**2 / ratio}")
+        for span, ratio in ((70.0, 35.0), (3.0, 5.0), (0.7, 8.0))
+    )  # fmt: skip
+    hanging = aircraft("atlantiksolar-as2", "modules.tail.vertical_height_m=-0.4")
+    for craft in (AS2, SKY_SAILOR, DESIGN, slender, stout, tiny, hanging):
         svg = three_view(aircraft_drawing(craft), name="a", key="a", width=940.0, kind="wide")
         height = float(ElementTree.fromstring(svg).attrib["height"])
         for kind in ("wing", "tail", "body", "module", "dimension", "scale"):
