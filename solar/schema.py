@@ -10,6 +10,7 @@ __all__ = [
     "Flag",
     "Fraction",
     "Integer",
+    "LiftCoefficient",
     "Name",
     "NonNegativeInteger",
     "NonNegativeReal",
@@ -86,6 +87,9 @@ Real = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 PositiveReal = Annotated[
     float, Strict(), Field(gt=0, le=1e12, allow_inf_nan=False), _at_least(1e-9)
 ]
+# Without power no section lifts more than 4 pi: Smith, A. M. O. (1975), High-lift aerodynamics,
+# Journal of Aircraft 12(6), 501-530.
+LiftCoefficient = Annotated[PositiveReal, Field(le=12.57)]
 NonNegativeReal = Annotated[float, Strict(), Field(ge=0, le=1e12, allow_inf_nan=False)]
 Fraction = Annotated[float, Strict(), Field(gt=0, le=1, allow_inf_nan=False), _at_least(1e-3)]
 UnitInterval = Annotated[float, Strict(), Field(ge=0, le=1, allow_inf_nan=False)]

@@ -12,7 +12,7 @@ from pydantic import model_validator
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record
+from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record
 
 
 class Polar(Protocol):
@@ -72,8 +72,8 @@ class DragPolar(Record):
     """
 
     model: Literal["parabolic"] = "parabolic"
-    lift_coefficient: PositiveReal
-    maximum_lift_coefficient: PositiveReal
+    lift_coefficient: LiftCoefficient
+    maximum_lift_coefficient: LiftCoefficient
     profile_drag_coefficient: PositiveReal
     reference_reynolds: PositiveReal
     reynolds_exponent: NonNegativeReal = 0.35

@@ -22,7 +22,7 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.polar_table import is_table_path, parse_polar_table, read_table_text
 from sizing.smooth import Value
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, Text
+from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
 
 
 class DragBuildUp(NamedTuple):
@@ -67,7 +67,7 @@ class WingPolar(Record):
     airfoil: Text
     design_aspect_ratio: PositiveReal
     design_reynolds: PositiveReal
-    lift_coefficient: PositiveReal | None = None
+    lift_coefficient: LiftCoefficient | None = None
     stall_margin: Annotated[float, Strict(), Field(ge=1.0, allow_inf_nan=False)] = 1.1
     section_lift_ratio: PositiveReal = 1.05
     span_efficiency: Fraction = 0.92

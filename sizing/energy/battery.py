@@ -157,6 +157,12 @@ class ChargeClock:
         )
 
 
+# No two elements give more energy per mass of what they make than beryllium and oxygen: Gibbs
+# energy of formation of BeO 580.1 kJ/mol (CRC Handbook of Chemistry and Physics) over
+# 25.012 g/mol. Lithium and fluorine, the elements of batteries, give 6293 Wh/kg.
+_HIGHEST_WH_PER_KG = 6443.0
+
+
 class Battery(Record):
     """A battery pack described by its mass.
 
@@ -165,7 +171,7 @@ class Battery(Record):
     """
 
     mass_kg: PositiveReal
-    specific_energy_wh_per_kg: PositiveReal
+    specific_energy_wh_per_kg: Annotated[PositiveReal, Field(le=_HIGHEST_WH_PER_KG)]
     charge_efficiency: Fraction = 0.95
     discharge_efficiency: Fraction = 0.97
     charge_limit: ChargeLimit = NoChargeLimit()

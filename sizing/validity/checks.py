@@ -15,10 +15,11 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, FlightConditions, structure_parts
 from sizing.energy.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.parameters import catalogue, parameter_value
 from sizing.performance import Performance
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.sunlight import SolarModel
-from sizing.validity.ranges import Check, ranges
+from sizing.validity.ranges import Check, experience, ranges
 from solar.clearsky import THIN_AIR_FROM_M
 from solar.names import ATTITUDE_MODELS
 from solar.sun import declination
@@ -48,6 +49,7 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
     yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
     load_w = design.nominal_load_w(mission)
     yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
+    yield from technology_checks(aircraft)
     yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
     yield from altitude_check(mission, mission.altitude_m)
     if design.airspeed_m_per_s is not None:
@@ -58,6 +60,29 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
         yield from _measured_checks(airframe, conditions, design)
     else:
         yield from _parametric_checks(DesignInFlight(aircraft, design, conditions), mission)
+
+
+def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
+    """Technology of an aircraft beside what has been built or is in sight.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+
+    Yields
+    ------
+    Check
+        Of the parameters of the catalogue that the aircraft has.
+    """
+    for key, one in catalogue().items():
+        value = parameter_value(aircraft, None, key) if one.kind == "technology" else None
+        if value is not None:
+            yield Check(
+                experience(key, one.label, one.unit, one.minimum, one.maximum),
+                np.asarray(value),
+                np.asarray(one.minimum),
+                np.asarray(one.maximum),
+            )
 
 
 def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:

@@ -18,6 +18,7 @@ from solar.types import BoolArray, FloatArray
 # Limits that an optimiser keeps are kept to its tolerance.
 _TOLERANCE = 1e-6
 _MOST_DIGITS = 8
+_EXPERIENCE = "experience"
 
 
 @dataclass(frozen=True)
@@ -149,6 +150,25 @@ def _from_row(row: Mapping[str, str]) -> Range:
         maximum=high,
         source=row["source"],
     )
+
+
+def experience(key: str, label: str, unit: str, minimum: float, maximum: float) -> Range:
+    """Range of a technology parameter in which there is experience.
+
+    Parameters
+    ----------
+    key, label, unit : str
+        Of the parameter.
+    minimum, maximum : float
+        Sensible range of the catalogue of parameters.
+
+    Returns
+    -------
+    Range
+        No model ends there, but who goes beyond should mean it.
+    """
+    source = "sensible range of the catalogue of parameters: built or in sight; assumption"
+    return Range(key, _EXPERIENCE, label, unit, _EXPERIENCE, minimum, maximum, source)
 
 
 class Check(NamedTuple):

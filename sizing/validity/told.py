@@ -96,8 +96,9 @@ def worst_of(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
 
 
 def _in_order(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
-    order = list(ranges())
-    return tuple(sorted(found, key=lambda one: order.index((one.quantity, one.model))))
+    order = {place: number for number, place in enumerate(ranges())}
+    last = len(order)  # parameters outside of experience, in the order in which they are checked
+    return tuple(sorted(found, key=lambda one: order.get((one.quantity, one.model), last)))
 
 
 def together(several: Sequence[Sequence[Extrapolation]], what: str) -> tuple[Extrapolation, ...]:

@@ -14,8 +14,8 @@ TIME_H = np.linspace(0.0, 24.0, 49)
 
 def store(energy_wh, days, *, taper=False):
     battery = Battery(
-        mass_kg=1.0,
-        specific_energy_wh_per_kg=energy_wh,
+        mass_kg=energy_wh / 250.0,
+        specific_energy_wh_per_kg=250.0,
         charge_efficiency=0.95,
         discharge_efficiency=0.97,
         charge_limit=RuleChargeLimit() if taper else NoChargeLimit(),

@@ -31,8 +31,8 @@ def sun(latitude: float, day: int, time: FloatArray = TIME) -> FloatArray:
 
 def battery(energy_wh: float, limit: ChargeLimit | None = None) -> Battery:
     return Battery(
-        mass_kg=1.0,
-        specific_energy_wh_per_kg=energy_wh,
+        mass_kg=energy_wh / 250.0,
+        specific_energy_wh_per_kg=250.0,
         charge_limit=NoChargeLimit() if limit is None else limit,
     )
 
