@@ -8,6 +8,7 @@ when it started: in the cookie that the first page sets, or as ``Authorization: 
 
 from __future__ import annotations
 
+import html
 import json
 import secrets
 from collections.abc import Callable
@@ -104,7 +105,8 @@ class Guard:
             await send(message)
 
         if refused is not None:
-            await _answer(guarded_send, *refused)
+            reads_html = b"text/html" in b",".join(headers.get(b"accept", []))
+            await _answer(guarded_send, *refused, as_page=reads_html)
             return
         await self._app(scope, _limited(receive), guarded_send)
 
@@ -184,8 +186,27 @@ class BodyTooLongError(ValueError):
     """A body is longer than its header said, or than is allowed."""
 
 
-async def _answer(send: Callable[[Message], Any], status: int, kind: str, words: str) -> None:
-    body = error_body(kind, words)
-    headers = [(b"content-type", b"application/json"), (b"content-length", b"%d" % len(body))]
+async def _answer(
+    send: Callable[[Message], Any], status: int, kind: str, words: str, *, as_page: bool
+) -> None:
+    """Refuse in words: as JSON, or to somebody who opened an address as a page."""
+    body, media = error_body(kind, words), b"application/json"
+    if as_page:
+        body, media = _PAGE.format(words=html.escape(words)).encode(), b"text/html; charset=utf-8"
+    headers = [(b"content-type", media), (b"content-length", b"%d" % len(body))]
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})
+
+
+_PAGE = """\
+<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>solar-uav explore: refused</title>
+</head>
+<body><h1>Refused</h1><p>{words}</p></body>
+</html>
+"""

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -164,6 +164,13 @@ def test_without_the_token_there_is_nothing(server: Server, path: str, token: st
     assert answer.status == 403
     assert "token" in answer.error()["message"]
     assert "set-cookie" not in answer.headers
+
+
+def test_somebody_who_opens_the_address_alone_reads_why(server: Server) -> None:
+    answer = server.get("/", token=None, accept="text/html,*/*")
+    assert answer.status == 403
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    assert "open the address that solar-uav explore printed" in answer.body.decode()
 
 
 @pytest.mark.parametrize("path", POSTS)
@@ -389,6 +396,28 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server: Server) -> No
     quick = Worker(longest_s=0.01)
     with pytest.raises(WorkerEndedError, match="no answer within"):
         quick.run(sizing_record, task)
+
+
+def test_leaving_the_page_ends_what_it_waited_for(server: Server) -> None:
+    body = b"{}"
+    head = (
+        f"POST /api/report HTTP/1.1\r\nHost: {server.host}\r\nOrigin: http://{server.host}\r\n"
+        f"Authorization: Bearer {server.token}\r\nContent-Type: application/json\r\n"
+        f"Content-Length: {len(body)}\r\n\r\n"
+    )
+    with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
+        raw.sendall(head.encode() + body)
+        until(lambda: server.post("/api/size", {}).status == 409)
+        assert server.get("/api/alive").json() == {"alive": True}
+        assert server.post("/api/view", {}).status == 200
+    until(lambda: server.post("/api/size", {}).status == 200)
+
+
+def until(true: Callable[[], bool]) -> None:
+    end = time.monotonic() + 20.0
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 def test_command_prints_its_address_first_and_ends_by_a_signal() -> None:
