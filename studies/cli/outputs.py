@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import os
+import shlex
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
 
 from missions.files.writing import write_files_atomically
 from sizing.results.tables import Line, Result, Summary, Table
@@ -26,6 +31,7 @@ def tell(
     as_json: bool = False,
     out_dir: str | None = None,
     files: Iterable[str | None] = (),
+    next_step: str | None = None,
 ) -> None:
     """Print a result: aircraft and mission first, which JSON has among its keys.
 
@@ -43,6 +49,8 @@ def tell(
         Folder that was written, to be named.
     files : iterable of str or None
         Files that were written, to be named; None where one was not asked for.
+    next_step : str, optional
+        What to do next, for somebody at a terminal.
     """
     if as_json:
         print_json(record)
@@ -52,6 +60,36 @@ def tell(
     for place in (*files, out_dir):
         if place is not None:
             tell_line(f"written to {place}")
+    suggest(next_step)
+
+
+def suggest(step: str | None) -> None:
+    """Say on standard error what to do next, where somebody reads along: on a terminal alone."""
+    if step is not None and sys.stdout.isatty() and sys.stderr.isatty():
+        click.secho(f"next: {step}", err=True, dim="NO_COLOR" not in os.environ)
+
+
+def call(verb: str, *others: str) -> str:
+    """Call of another command on the aircraft and mission of this one, as it is typed.
+
+    Parameters
+    ----------
+    verb : str
+        Name of the other command.
+    *others : str
+        What follows.
+
+    Returns
+    -------
+    str
+    """
+    context = click.get_current_context()
+    words = ["solar-uav", verb, context.params["aircraft"]]
+    mission = context.params["mission"]
+    chosen = context.get_parameter_source("mission") is ParameterSource.COMMANDLINE
+    if mission is not None and (chosen or verb == "size"):  # size has no mission by default
+        words += ["-m", mission]
+    return shlex.join([*words, *others])
 
 
 def _headed(shown: Summary | Table, case: Case) -> Summary:

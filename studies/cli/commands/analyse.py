@@ -176,7 +176,23 @@ def analyse(
             else plot_flight(result, flight, figure=figure)
         ),
     )
-    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
+    tell(
+        *(case, case.named(result.to_dict()), result),
+        as_json=as_json,
+        files=(csv_file, plot_file),
+        next_step=_next_step(case, perpetual=bool(result.performance.cycle.perpetual.all())),
+    )
+
+
+def _next_step(case: Case, *, perpetual: bool) -> str:
+    """What to do after an analysis."""
+    from studies.cli.outputs import call
+
+    if perpetual:
+        return f"{call('map')} (where and when else)"
+    if case.aircraft.airframe.kind == "parametric":
+        return f"{call('size')} (a design that flies perpetually)"
+    return f"{call('map')} (where and when it flies perpetually)"
 
 
 def _in_weather(

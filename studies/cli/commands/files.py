@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 
@@ -21,6 +22,8 @@ def list_(as_json: bool) -> None:
         shipped_names,
         shipped_records,
     )
+    from sizing.results.layout import Grid
+    from studies.output.terminal import line_width, tell_line
 
     shipped = {
         kind: {
@@ -35,9 +38,9 @@ def list_(as_json: bool) -> None:
         return
     headings = {"aircraft": "aircraft", "mission": "missions", "weather": "weather records"}
     for kind, entries in shipped.items():
-        click.secho(headings[kind], bold=True)
-        for name, description in entries.items():
-            click.echo(f"  {name:24} {description}")
+        tell_line(headings[kind], "strong")
+        for line in Grid(None, list(entries.items()), (False, False)).lines(line_width() - 2):
+            tell_line(f"  {line}")
 
 
 @command("solar-uav show atlantiksolar-as2 > mine.yaml")
@@ -60,7 +63,8 @@ def init(name: str) -> None:
 
     aircraft, mission = (path.name for path in write_starters(name, Path.cwd()))
     click.echo(f"wrote {aircraft}\nwrote {mission}")
-    click.echo(f"try: solar-uav size {aircraft} --mission {mission}")
+    click.echo(f"next: edit both, then solar-uav validate {aircraft} {mission}")
+    click.echo(f"then: solar-uav size {aircraft} --mission {mission}")
 
 
 @command("solar-uav validate albatross.yaml albatross-mission.yaml")
@@ -73,8 +77,10 @@ def validate(files: tuple[str, ...]) -> None:
     from missions.files.yaml import read_yaml
     from missions.mission import Mission
     from sizing.aircraft import Aircraft
+    from studies.cli.outputs import suggest
 
     wrong = False
+    valid: dict[str, str] = {}
     for file in files:
         try:
             document = read_yaml(file)
@@ -84,8 +90,12 @@ def validate(files: tuple[str, ...]) -> None:
             else:
                 check(document, Mission)
             click.echo(f"{file}: valid {kind}")
+            valid.setdefault(kind, file)
         except InputError as error:
             click.echo(str(error), err=True)
             wrong = True
     if wrong:
         sys.exit(EXIT_BAD_INPUT)
+    if len(valid) == 2:
+        names = f"{shlex.quote(valid['aircraft'])} -m {shlex.quote(valid['mission'])}"
+        suggest(f"solar-uav size {names}; a measured aircraft: solar-uav analyse {names}")

@@ -85,7 +85,7 @@ def map_(
     from studies.cli.checks import check_outputs, refuse_climb, require_parametric, require_path
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
-    from studies.cli.outputs import tell, write_results
+    from studies.cli.outputs import call, tell, write_results
     from studies.maps import feasibility, resized, results
     from studies.output.columns import to_netcdf_bytes
 
@@ -117,7 +117,14 @@ def map_(
             lambda: _drawn(data, figure, resized=objective is not None),
         )
         named = case.named(record(data))
-        tell(case, named, lambda: table(data), as_json=as_json, files=(out_file, plot_file))
+        tell(
+            case,
+            named,
+            lambda: table(data),
+            as_json=as_json,
+            files=(out_file, plot_file),
+            next_step=call("report", "--out", "report.html"),
+        )
 
 
 def _drawn(data: xr.Dataset, figure: FigureOptions, *, resized: bool) -> Figure:

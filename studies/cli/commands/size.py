@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,11 +28,25 @@ from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
     from sizing.optimisation.objectives import Objective
+    from sizing.results.sizing import SizingStudy
 
 
 def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     if given:
         raise click.UsageError(f"{option.opts[0]} is called --cross-check now")
+
+
+def _next_step(study: SizingStudy, written: str | None) -> str:
+    """What to do after a sizing."""
+    if written is not None:
+        folder = shlex.quote(written)
+        return f"solar-uav report {folder} --out report.html; solar-uav analyse {folder}"
+    if study.feasible:
+        return "the same with --out FOLDER keeps the design, for analyse, map and report"
+    eased = study.relaxations
+    if eased:
+        return f"the same with --set {eased[0].parameter}={eased[0].value:g}, or another of these"
+    return "ease what holds it back; docs/sizing.md, Infeasible, says how to read it"
 
 
 def _check_weather(objective: Objective, survive: float, others: Mapping[str, bool]) -> None:
@@ -209,6 +224,12 @@ def size(
     reported = report_file if study.feasible else None
     if reported is not None:
         report_on_sizing(case, study, record, reported, overrides=overrides)
-    tell(case, record, study, as_json=as_json, out_dir=written, files=(reported,))
+    tell(
+        *(case, record, study),
+        as_json=as_json,
+        out_dir=written,
+        files=(reported,),
+        next_step=_next_step(study, written),
+    )
     if not study.feasible:
         sys.exit(EXIT_FAILED)

@@ -135,7 +135,7 @@ def sweep(
     from studies.cli.checks import check_outputs, refuse_climb, require_path
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
-    from studies.cli.outputs import figure_bytes, tell
+    from studies.cli.outputs import call, figure_bytes, tell
     from studies.sweeps import study
     from studies.sweeps.axes import axis_names
     from studies.sweeps.files import FORMATS, table_format, to_bytes
@@ -196,6 +196,7 @@ def sweep(
             *(case, record, lambda: points_summary(data, sort=sort, top=top, front=pareto)),
             as_json=as_json,
             files=map(str, contents),
+            next_step=f"{call('explore')} (the same with sliders)",
         )
         if trouble is not None:
             click.echo(f"solar-uav: no chart: {trouble}", err=True)

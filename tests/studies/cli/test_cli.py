@@ -55,7 +55,7 @@ def test_starters_of_a_file_name(run: Run, tmp_path: Path, name: str) -> None:
     outcome = run("init", name)
     assert outcome.code == 0
     assert outcome.out.splitlines()[-1] == (
-        "try: solar-uav size heron.yaml --mission heron-mission.yaml"
+        "then: solar-uav size heron.yaml --mission heron-mission.yaml"
     )
     assert files(tmp_path) == {"heron.yaml", "heron-mission.yaml"}
     assert run("validate", *files(tmp_path)).code == 0
@@ -93,6 +93,7 @@ def test_list(run: Run) -> None:
         for name, description in descriptions.items():
             assert description
             assert name in outcome.out
+            assert set(description.split()) <= set(outcome.out.split())
 
 
 def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
