@@ -24,4 +24,6 @@ from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep
 from .sweeps.study import sweep as sweep
 from .uncertainty.plots import plot_uncertainty as plot_uncertainty
+from .weather.battery_map import battery_map as battery_map
+from .weather.battery_map import plot_battery_map as plot_battery_map
 from .weather.plots import plot_weather as plot_weather

@@ -69,6 +69,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         [
             [AS2, "--latitudes", "40:50:10", "--days", "100:200:100", "--endurance"],
             [DESIGN, "--latitudes", "40:50:10", "--days", "100:200:100", "--resize", "min_mass"],
+            [AS2, "--weather", "colorado-2023", "--batteries", "1:2:1"],
         ],
         set(),
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
 from solar.names import RESIZE_NAMES
 from studies.cli.help_texts import command
@@ -22,6 +23,8 @@ from studies.output.figures.options import FigureOptions
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from studies.cli.files import Case
 
 
 @command("solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png", name="map")
@@ -52,6 +55,20 @@ if TYPE_CHECKING:
     type=click.Choice(RESIZE_NAMES),
     help="Size the aircraft anew in every cell for it.",
 )
+@click.option(
+    "--weather",
+    "weather_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="Map the days of a weather record that close instead: half months against batteries.",
+)
+@click.option(
+    "--batteries",
+    type=Grid(0.01, 100.0),
+    default="0.5:2:0.125",
+    show_default=True,
+    help="With --weather: batteries, as multiples of the aircraft's own.",
+)
 @click.option("--out", "out_file", type=click.Path(), help="Write the map as NetCDF (nc).")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the map (png, svg, pdf).")
 @work_options
@@ -64,6 +81,8 @@ def map_(
     days: list[float],
     endurance: bool,
     objective: str | None,
+    weather_file: str | None,
+    batteries: list[float],
     out_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
@@ -95,12 +114,16 @@ def map_(
         raise click.BadParameter(f"{out_file!r} must end in .nc", param_hint="--out")
     options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     check_image(plot_file)
+    _check_weather(weather_file)
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     refuse_climb(case, "map")
     require_path(case)
     if objective is not None:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     check_outputs(out=out_file, plot=plot_file)
+    if weather_file is not None:
+        _in_weather(case, weather_file, batteries, (out_file, plot_file), figure, as_json=as_json)
+        return
     asked = case.aircraft, case.mission
     if objective is None:
         study = feasibility.prepare(*asked, latitudes, days, case.solar, endurance)
@@ -125,6 +148,74 @@ def map_(
             files=(out_file, plot_file),
             next_step=call("report", "--out", "report.html"),
         )
+
+
+# Options of a map over latitudes, and those of one in a weather record.
+_OF_LATITUDES = {
+    "latitudes": "a weather record has its own site",
+    "days": "all days of the record are flown",
+    "endurance": "solar-uav analyse --weather tells the endurance of each day's launch",
+    "objective": "solar-uav size --weather --survive finds the smallest design of a season",
+    "workers": "a record is flown in seconds, by one process",
+    "scheduler": "a record is flown in seconds, by one process",
+    "work_dir": "a record is flown in seconds, there are no parts to keep",
+    "keep_parts": "a record is flown in seconds, there are no parts to keep",
+}
+
+
+def _check_weather(weather_file: str | None) -> None:
+    """Refuse options that mean nothing with, or without, a weather record."""
+    context = click.get_current_context()
+    given = {
+        name
+        for name in (*_OF_LATITUDES, "batteries")
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT
+    }
+    if weather_file is None:
+        if "batteries" in given:
+            raise click.UsageError("--batteries needs --weather as well")
+        return
+    names = {"objective": "--resize", "work_dir": "--work"}
+    for name, reason in _OF_LATITUDES.items():
+        if name in given:
+            option = names.get(name, f"--{name.replace('_', '-')}")
+            raise click.UsageError(f"{option} does not go with --weather: {reason}")
+
+
+def _in_weather(
+    case: Case,
+    weather_file: str,
+    batteries: list[float],
+    files: tuple[str | None, str | None],
+    figure: FigureOptions,
+    *,
+    as_json: bool,
+) -> None:
+    """Map the days of a record that close, and tell it."""
+    from missions.weather.files import load_weather
+    from studies.cli.outputs import tell, write_results
+    from studies.output.columns import to_netcdf_bytes
+    from studies.weather import battery_map as maps
+
+    data = maps.battery_map(
+        *(case.aircraft, case.mission, load_weather(weather_file), batteries),
+        solar=case.solar,
+        mission_chosen=not case.mission_is_default,
+    )
+    write_results(
+        files[0],
+        lambda: to_netcdf_bytes(data),
+        files[1],
+        lambda: maps.plot_battery_map(data, figure=figure),
+    )
+    record = {"days_in_weather": maps.battery_map_record(data)}
+    tell(
+        case,
+        case.named(record),
+        lambda: maps.battery_map_table(data),
+        as_json=as_json,
+        files=files,
+    )
 
 
 def _drawn(data: xr.Dataset, figure: FigureOptions, *, resized: bool) -> Figure:
