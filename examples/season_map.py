@@ -58,7 +58,12 @@ def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     all_year = LATITUDES_DEG[studies.season_length(built) == len(DAYS)]
     label = f"all year, as built: {-all_year.min():g} S to {all_year.max():g} N"
     axes.axhspan(all_year.min(), all_year.max(), fill=False, hatch="..", alpha=0.3, label=label)
-    figure.legend(loc="outside lower center", ncols=2, fontsize="small")
+    # One legend with what the map's own has: the reasons of hatched cells.
+    handles, _ = axes.get_legend_handles_labels()
+    for legend in list(figure.legends):
+        handles += [one for one in legend.legend_handles if one is not None]
+        legend.remove()
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
     return figure
 
 
