@@ -69,7 +69,12 @@ class Live {
   constructor(state, draw, refuse, connection) {
     Object.assign(this, { state, draw, refuse, connection, sequence: 0, generation: 0 });
     state.addEventListener("change", (event) => {
-      if (event.detail.how !== "move") this.generation += 1;
+      const { how } = event.detail;
+      const key = JSON.stringify(state.changes());
+      // A slider that comes to rest has been asked for where it is.
+      if (how === "commit" && key === this.key) return;
+      this.key = key;
+      if (how === "jump" || how === "restore") this.generation += 1;
       this.want("coarse");
     });
   }

@@ -103,7 +103,7 @@ export class Sizing {
       values["mission.latitude_deg"] = worst.latitude_deg;
       values["mission.day_of_year"] = worst.day_of_year;
     }
-    this.state.set(values);
+    this.state.set(values, "jump");
   }
 
   tell(found, taken) {

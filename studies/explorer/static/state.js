@@ -23,16 +23,17 @@ export class State extends EventTarget {
 
   /**
    * Take new values: "move" while a slider moves, "commit" when it rests (a step for the back
-   * button), "restore" when they come from the address.
+   * button), "jump" when many change at once (a step as well), "restore" when they come from the
+   * address.
    */
   set(values, how = "commit") {
     Object.assign(this.values, values);
-    if (how === "commit") this.write(Object.keys(values).join());
+    if (how === "commit" || how === "jump") this.write(Object.keys(values).join());
     this.dispatchEvent(new CustomEvent("change", { detail: { how } }));
   }
 
   reset() {
-    this.set({ ...this.start });
+    this.set({ ...this.start }, "jump");
   }
 
   /** Settings of the address; what is no field or no allowed value is left out. */
