@@ -54,10 +54,10 @@ def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--o
     OutputError
         If the file cannot be written.
     """
-    from studies.report.pdf import MISSING, has_weasyprint
-
     if path is None:
         return
+    from studies.report.pdf import MISSING, has_weasyprint
+
     suffix = PurePath(path).suffix.lower()
     if suffix not in (_PAGE, _PRINTED):
         raise click.BadParameter(f"{path!r} must end in .html or .pdf", param_hint=option)

@@ -6,6 +6,8 @@ import importlib.util
 import itertools
 import json
 import re
+import subprocess
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
@@ -312,3 +314,12 @@ def test_without_weasyprint_a_pdf_is_refused(run: Run, monkeypatch: pytest.Monke
     outcome = run("report", "atlantiksolar-as2", "--out", "report.html", "--pdf")
     assert outcome.code == 2
     assert "pip install weasyprint (the extra 'report')" in outcome.err
+
+
+def test_commands_without_a_report_import_none_of_it() -> None:
+    code = (
+        "import sys; from studies.cli.commands import analyse, size, verify; "
+        "from studies.cli.reports import check_report; check_report(None); print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"studies.report", "jinja2", "matplotlib", "casadi"} & set(done.stdout.split())
