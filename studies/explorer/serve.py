@@ -46,6 +46,19 @@ def bound_socket(port: int) -> socket.socket:
     return listening
 
 
+class _Server(uvicorn.Server):
+    """Server that ends what a page still waits for before it waits for its pages."""
+
+    def __init__(self, configuration: uvicorn.Config, explorer: Explorer) -> None:
+        super().__init__(configuration)
+        self._explorer = explorer
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Stop listening, and answer what is under way."""
+        self._explorer.worker.end()
+        await super().shutdown(sockets)
+
+
 def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
     """Server of an explorer, not yet running.
 
@@ -62,7 +75,7 @@ def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
     -------
     uvicorn.Server
     """
-    return uvicorn.Server(
+    return _Server(
         uvicorn.Config(
             explorer.application(port=port, token=token),
             http="h11",  # the same limits whatever else is installed
@@ -76,7 +89,8 @@ def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
             timeout_graceful_shutdown=1,
             limit_concurrency=64,
             h11_max_incomplete_event_size=16_384,
-        )
+        ),
+        explorer,
     )
 
 

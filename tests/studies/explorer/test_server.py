@@ -420,7 +420,8 @@ def until(true: Callable[[], bool]) -> None:
         time.sleep(0.05)
 
 
-def test_command_prints_its_address_first_and_ends_by_a_signal() -> None:
+@pytest.mark.parametrize("busy", [False, True])
+def test_command_prints_its_address_first_and_ends_by_a_signal(busy: bool) -> None:
     words = ["explore", "atlantiksolar-as2", "--no-browser", "--port", "0"]
     process = subprocess.Popen(
         [sys.executable, "-m", "studies.cli", *words],
@@ -432,11 +433,18 @@ def test_command_prints_its_address_first_and_ends_by_a_signal() -> None:
     address = process.stdout.readline().strip()
     assert address.startswith(f"http://{ADDRESS}:")
     port, _, token = address.removeprefix(f"http://{ADDRESS}:").partition("/?token=")
+    bearer = {"Authorization": f"Bearer {token}"}
     connection = http.client.HTTPConnection(ADDRESS, int(port), timeout=10)
-    connection.request("GET", "/api/session", headers={"Authorization": f"Bearer {token}"})
+    connection.request("GET", "/api/session", headers=bearer)
     assert json.load(connection.getresponse())["aircraft"]["measured"]
+    if busy:
+        more = {"Origin": f"http://{ADDRESS}:{port}", "Content-Type": "application/json"}
+        connection.request("POST", "/api/report", b"{}", bearer | more)
+        time.sleep(0.3)  # the report takes seconds
     process.send_signal(2)
     out, errors = process.communicate(timeout=10)
     assert process.returncode == 130
     assert out == ""
     assert errors.strip() == "atlantiksolar-as2 on rafz-july (default mission); Ctrl-C ends it"
+    if busy:
+        assert connection.getresponse().status == 503
