@@ -46,13 +46,15 @@ _STEP = """async ([key, factor]) => {
   while (document.documentElement.dataset.rest !== "true") await frame();
   await frame();
   let map = false;
-  document.addEventListener("explorer:drawn", () => { map = true; }, { once: true });
+  const look = (event) => { map ||= event.detail.season !== "none"; };
+  document.addEventListener("explorer:drawn", look);
   const begun = performance.now();
   slider.value = factor * window.begunAt[key];
   slider.dispatchEvent(new Event("input", { bubbles: true }));
   while (!(window.curveDrawn > begun)) await frame();
   const curve = performance.now() - begun;
   while (!map) await frame();
+  document.removeEventListener("explorer:drawn", look);
   await frame();
   return { curve, map: performance.now() - begun };
 }"""

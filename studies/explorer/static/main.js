@@ -64,7 +64,10 @@ class Connection {
   }
 }
 
-/** Asks for views: one at a time, the latest settings next, answers to older jumps dropped. */
+/**
+ * Asks for views, one at a time: the curve of the latest settings, then the coarse map of the same,
+ * and the exact map once all rests. Answers to older jumps are dropped.
+ */
 class Live {
   constructor(state, draw, refuse, connection) {
     Object.assign(this, { state, draw, refuse, connection, sequence: 0, generation: 0 });
@@ -74,28 +77,45 @@ class Live {
       // A slider that comes to rest has been asked for where it is.
       if (how === "commit" && key === this.key) return;
       this.key = key;
-      if (how === "jump" || how === "restore") this.generation += 1;
-      this.want("coarse");
+      if (how === "jump" || how === "restore") {
+        this.generation += 1;
+        this.mapless = undefined;
+      }
+      this.want();
     });
   }
 
-  want(season) {
-    this.wanted = season;
+  want() {
+    this.stale = true;
+    this.rested = false;
     root.dataset.rest = "false";
     clearTimeout(this.rest);
     this.next();
   }
 
+  /** What is asked for next: `season` as in the request, and the settings. */
+  task() {
+    // A slider on its way must not leave the map behind: each curve is followed by its map.
+    const behind = this.mapless;
+    this.mapless = undefined;
+    if (behind) return { season: "coarse", settings: behind };
+    if (!this.stale && !this.rested) return undefined;
+    const season = this.stale ? "none" : "exact";
+    this.stale = this.rested = false;
+    return { season, settings: this.state.changes() };
+  }
+
   async next() {
-    if (this.asking || !this.wanted || !this.connection.there) return;
-    const season = this.wanted;
+    if (this.asking || !this.connection.there) return;
+    const task = this.task();
+    if (!task) return;
+    const { season, settings } = task;
     const { generation } = this;
-    this.wanted = undefined;
     this.asking = true;
     this.sequence += 1;
     let drawn;
     try {
-      const view = await api.view(this.state.changes(), season, this.sequence);
+      const view = await api.view(settings, season, this.sequence);
       if (generation === this.generation) {
         this.draw(view, season);
         drawn = view;
@@ -104,17 +124,24 @@ class Live {
       if (error instanceof Gone || error.status === 403) this.connection.lost(error);
       else if (error.kind !== "superseded" && generation === this.generation) {
         this.refuse(error);
-        root.dataset.rest = "true";
+        if (!this.stale) root.dataset.rest = "true";
       }
     }
     this.asking = false;
-    if (this.wanted) this.next();
-    else if (drawn && (season === "coarse" || !drawn.season.complete)) {
-      this.rest = setTimeout(() => {
-        this.wanted ??= "exact";
-        this.next();
-      }, season === "coarse" ? REST_MS : 0);
-    } else if (drawn) root.dataset.rest = "true";
+    if (drawn && season === "none") this.mapless = settings;
+    else if (drawn && !this.stale) {
+      if (season === "exact" && drawn.season.complete) root.dataset.rest = "true";
+      else this.look(season === "coarse" ? REST_MS : 0);
+    }
+    this.next();
+  }
+
+  /** Ask for the exact map after a while without a change. */
+  look(after) {
+    this.rest = setTimeout(() => {
+      this.rested = true;
+      this.next();
+    }, after);
   }
 }
 
@@ -137,15 +164,19 @@ async function begin() {
   new Sizing($("sizing"), $("sizing-result"), session, state, api);
 
   const draw = (view, detail) => {
-    controls.forgive();
-    root.classList.remove("stale");
-    const sentence = numbers.show(view, first, state.values["mission.required_excess_time_h"]);
-    mini(numbers.short);
-    day.show(view, first, Object.keys(state.changes()).length > 0);
-    masses.show(view, first);
+    let sentence;
+    // A coarse map follows the curve of the same settings, which is drawn.
+    if (detail !== "coarse") {
+      controls.forgive();
+      root.classList.remove("stale");
+      sentence = numbers.show(view, first, state.values["mission.required_excess_time_h"]);
+      mini(numbers.short);
+      day.show(view, first, Object.keys(state.changes()).length > 0);
+      masses.show(view, first);
+      $("notes").replaceChildren(...view.notes.map((note) => element("li", {}, note)));
+      $("notes").hidden = !view.notes.length;
+    }
     if (view.season) season.show(view.season);
-    $("notes").replaceChildren(...view.notes.map((note) => element("li", {}, note)));
-    $("notes").hidden = !view.notes.length;
     if (detail === "exact") {
       $("announce").textContent = sentence;
       day.say();
@@ -178,7 +209,7 @@ async function begin() {
   const connection = new Connection($("connection"), async () => {
     // Another explorer may have taken the place of the one that this page belongs to.
     const now = await api.session().catch(() => session);
-    if (JSON.stringify(now) === JSON.stringify(session)) asked.want("coarse");
+    if (JSON.stringify(now) === JSON.stringify(session)) asked.want();
     else location.reload();
   });
   const asked = new Live(state, draw, refuse, connection);
@@ -201,7 +232,7 @@ async function begin() {
     $("copy").textContent = "Copied";
     setTimeout(() => ($("copy").textContent = "Copy"), 1500);
   });
-  asked.want("coarse");
+  asked.want();
 }
 
 /** Command line of what is seen. */

@@ -448,3 +448,11 @@ def test_command_prints_its_address_first_and_ends_by_a_signal(busy: bool) -> No
     assert errors.strip() == "atlantiksolar-as2 on rafz-july (default mission); Ctrl-C ends it"
     if busy:
         assert connection.getresponse().status == 503
+
+
+def test_answers_are_not_held_back_by_nagle() -> None:
+    """An event loop sends small packets at once on sockets that are named as TCP alone."""
+    with bound_socket(0) as listening, socket.create_connection(listening.getsockname()):
+        accepted, _ = listening.accept()
+        with accepted:
+            assert accepted.proto == socket.IPPROTO_TCP
