@@ -128,13 +128,13 @@ class Choice:
 
 _MODEL_LABELS = {
     "CDM": "CDM – constant efficiencies",
-    "CAM": "CAM – light, angle and temperature",
+    "CAM": "CAM – light and temperature",
     "VM": "VM – attitude on the path",
     "FM": "FM – full model",
 }
 _CORRECTION_LABELS = {
     "none": "none",
-    "report": "report – as one flight measured it",
+    "report": "report – measured in one flight",
     "loiter": "loiter – full model on the path",
 }
 
