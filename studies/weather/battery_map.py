@@ -32,7 +32,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-HALF_MONTHS = tuple(f"{name} {half}" for name in MONTH_NAMES for half in ("1-15", "16-31"))
+_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
+HALF_MONTHS = tuple(
+    f"{name} {half}"
+    for name, length in zip(MONTH_NAMES, _LENGTHS, strict=True)
+    for half in ("1-15", f"16-{length}")
+)
+_LAST_NIGHT = "the record's last day, whose night it does not hold, counts in no half of a month"
 _SHOWN = 4  # batteries in the table besides the aircraft's own
 
 
@@ -94,12 +100,12 @@ def battery_map(
         batch = Powers(*(np.concatenate(values) for values in zip(*powers, strict=True)))
         closes[able] = flights.closes(batch)
     axis = flights.days.axis
-    place = _half_month(axis.day_of_year)
+    place = _half_month(axis.day_of_year[:-1])
     masses = [np.nan if one is None else float(one.total_mass_kg) for one in designs]
     return xr.Dataset(
         {
             "closes": (("battery_factor", "time"), closes),
-            "share": (("battery_factor", "half_month"), _shares(closes, place)),
+            "share": (("battery_factor", "half_month"), _shares(closes[:, :-1], place)),
             "days": ("half_month", np.bincount(place, minlength=len(HALF_MONTHS))),
             "battery_mass": ("battery_factor", factors * aircraft.battery.mass_kg, _unit("kg")),
             "total_mass": ("battery_factor", np.array(masses), _unit("kg")),
@@ -117,7 +123,7 @@ def battery_map(
             "site": weather.site.label,
             "model": solar.model,
             "correction": solar.correction,
-            "notes": "; ".join(notes),
+            "notes": "; ".join([*notes, _LAST_NIGHT]),
         },
     )  # fmt: skip
 
