@@ -155,7 +155,10 @@ _OURS = {name.encode() for name in _HEADERS}
 
 
 def _tokens(scope: Scope) -> list[bytes]:
-    query = parse_qs(scope.get("query_string", b"").decode("latin-1"), max_num_fields=10)
+    try:
+        query = parse_qs(scope.get("query_string", b"").decode("latin-1"), max_num_fields=10)
+    except ValueError:  # more fields than that
+        return []
     return [value.encode() for value in query.get("token", [])]
 
 

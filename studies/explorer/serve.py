@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import os
 import socket
 import threading
@@ -76,7 +78,7 @@ def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
     -------
     uvicorn.Server
     """
-    return _Server(
+    server = _Server(
         uvicorn.Config(
             explorer.application(port=port, token=token),
             http="h11",  # the same limits whatever else is installed
@@ -93,6 +95,15 @@ def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
         ),
         explorer,
     )
+    logging.getLogger("uvicorn.error").addFilter(_is_a_mistake)
+    return server
+
+
+def _is_a_mistake(record: logging.LogRecord) -> bool:
+    """Whether a message is worth a terminal: not that the end of the server broke a request off."""
+    error = record.exc_info[1] if record.exc_info else None
+    broken_off = isinstance(error, asyncio.CancelledError)
+    return not broken_off and not str(record.msg).startswith("Cancel ")
 
 
 def serve(
