@@ -52,11 +52,10 @@ class SeasonDays:
         """
         closes = flights.closes(designs)[0]
         axis, counted = flights.days.axis, flights.counted
-        dates = axis.time_s.astype("datetime64[s]") + np.timedelta64(12, "h")
         missed = np.zeros(len(axis), bool)
         missed[counted] = ~closes
         return cls(
-            year=dates.astype("datetime64[Y]").astype(int)[counted] + 1970,
+            year=axis.year[counted],
             day_of_year=axis.day_of_year[counted],
             closes=closes,
             longest_gap_days=int(np.max(run_lengths(missed), initial=0)),

@@ -7,10 +7,11 @@ import pytest
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
-from sizing.design import DesignVariables, FlightConditions, closed_design
+from sizing.design import DesignVariables, FlightConditions, closed_design, design_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
 from sizing.survival.flights import Powers, SeasonFlights
+from sizing.survival.result import SeasonDays
 from tests.support.weather_files import clear_record
 
 pytestmark = pytest.mark.slow
@@ -162,6 +163,25 @@ def test_years_are_told_apart_and_a_season_may_cross_the_new_year():
     )
     assert len(flights) == 8
     assert set(flights.days.axis.day_of_year[flights.counted]) == {364, 365, 1, 2}
+    days = SeasonDays.of(flights, Powers.of(design_of(DESIGN, mission)))
+    assert [(one["year"], one["days"]) for one in days.by_year()] == [
+        (2001, 2),
+        (2002, 4),
+        (2003, 2),
+    ]
+    assert sum(one["days_that_close"] for one in days.by_year()) == days.that_close
+
+
+def test_days_of_each_year_are_counted():
+    closes = np.array([True, False, True, True, False])
+    days = SeasonDays(
+        np.array([2001, 2001, 2003, 2003, 2003]), np.array([1, 2, 1, 2, 3]), closes, 1
+    )
+    assert [list(one.values()) for one in days.by_year()] == [
+        [2001, 2, 1, 0.5],
+        [2003, 3, 2, pytest.approx(2.0 / 3.0)],
+    ]
+    assert days.share == 0.6
 
 
 def test_out_of_reach_says_what_is_reached_and_what_would_help():
