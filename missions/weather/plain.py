@@ -83,6 +83,11 @@ def read_plain(path: Path, source: str) -> RawTable:
         for key in ("latitude_deg", "longitude_deg", "altitude_m")
         if key not in meta
     ]
+    first = next((i for i, line in enumerate(lines) if i > begin and line.strip()), begin)
+    count = len(next(csv.reader([lines[first]])))
+    if count > len(names):  # pandas would take the first of them for the names of rows
+        message = f"has {count} values, but the table names {len(names)} columns"
+        problems.append(Problem(source, first + 1, None, "", message))
     if problems:
         raise InputError(problems)
     table = pd.read_csv(io.StringIO("\n".join(lines[begin:])), skipinitialspace=True)

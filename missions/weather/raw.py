@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import codecs
+import io
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
-from missions.files.errors import file_error
+from missions.files.errors import file_error, printable
 from missions.weather.record import Site
 
 if TYPE_CHECKING:
     import pandas as pd
 
-MAXIMUM_BYTES = 200_000_000
+MAXIMUM_BYTES = 200_000_000  # unpacked as well
+_TOO_LARGE = f"is larger than {MAXIMUM_BYTES // 1_000_000} MB"
 # Share of the interval that has passed at a row's time.
 START, MIDDLE, END = 0.0, 0.5, 1.0
 
@@ -79,7 +82,7 @@ def head_of(path: Path, source: str) -> list[str]:
             problem = "is a folder" if path.is_dir() else other
             raise file_error(source, problem)
         if path.stat().st_size > MAXIMUM_BYTES:
-            raise file_error(source, f"is larger than {MAXIMUM_BYTES // 1_000_000} MB")
+            raise file_error(source, _TOO_LARGE)
         with path.open("rb") as file:
             start = file.read(16384)
         if start.startswith(_GZIP):
@@ -107,12 +110,21 @@ def _decoded(content: bytes) -> str:
 
 
 def text_of(path: Path) -> str:
-    """All of a file, packed with gzip or not, its lines ended by a line feed."""
+    """All of a file, packed with gzip or not, its lines ended by a line feed.
+
+    Raises
+    ------
+    InputError
+        If it is too large, as a small packed file may be.
+    """
     import gzip
 
     content = path.read_bytes()
     if content.startswith(_GZIP):
-        content = gzip.decompress(content)
+        with gzip.open(io.BytesIO(content)) as packed:
+            content = packed.read(MAXIMUM_BYTES + 1)
+        if len(content) > MAXIMUM_BYTES:
+            raise file_error(printable(os.fspath(path)), f"{_TOO_LARGE} when it is unpacked")
     return _decoded(content).replace("\r\n", "\n").replace("\r", "\n")
 
 

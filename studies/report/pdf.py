@@ -10,6 +10,9 @@ __all__ = ["MISSING", "has_weasyprint", "to_pdf"]
 
 MISSING = "a PDF needs WeasyPrint: pip install weasyprint (the extra 'report')"
 _VARIABLE = re.compile(r"var\(--([a-z]+)\)")
+# Where a page may name a colour: a style sheet or an attribute, never the text of a file, in which
+# quotes and angle brackets are escaped.
+_STYLED = re.compile(r'<style>.*?</style>| style="[^"]*"', re.S)
 _DRAWING = re.compile(r'<svg class="drawing [^>]*>')
 _DEFINED = re.compile(r"--([a-z]+):\s*([^;]+);")
 
@@ -41,12 +44,21 @@ def to_pdf(page: str) -> bytes:
         raise ImportError(MISSING)
     from weasyprint import HTML
 
+    printed: bytes = HTML(string=with_plain_colours(page)).write_pdf()
+    return printed
+
+
+def with_plain_colours(page: str) -> str:
+    """Page in the colours of paper; the words of its files remain as they are."""
     # Drawings within a page know neither its variables nor its style sheet: the colours of the
     # light page stand for the former, and the drawings' part of the latter goes into each of them.
-    colours = dict(_DEFINED.findall(page[: page.index("@media screen")]))
-    style = resources.files("studies.report").joinpath("templates", "drawing.css")
-    looks = f"<style>{style.read_text(encoding='utf-8')}</style>"
+    templates = resources.files("studies.report").joinpath("templates")
+    light, _, _ = (templates / "report.css").read_text(encoding="utf-8").partition("@media screen")
+    colours = dict(_DEFINED.findall(light))
+    looks = f"<style>{(templates / 'drawing.css').read_text(encoding='utf-8')}</style>"
     page = _DRAWING.sub(lambda match: match[0] + looks, page)
-    plain = _VARIABLE.sub(lambda match: colours.get(match[1], match[0]), page)
-    printed: bytes = HTML(string=plain).write_pdf()
-    return printed
+
+    def coloured(styled: re.Match[str]) -> str:
+        return _VARIABLE.sub(lambda match: colours.get(match[1], match[0]), styled[0])
+
+    return _STYLED.sub(coloured, page)

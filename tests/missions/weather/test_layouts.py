@@ -231,6 +231,23 @@ def test_files_may_be_packed_and_begin_with_a_byte_order_mark(tmp_path, change):
         assert np.array_equal(again.ghi, light.ghi)
 
 
+def test_a_small_file_that_unpacks_to_a_huge_one_is_refused(tmp_path, monkeypatch):
+    path = write_plain(tmp_path / "a.csv", clear_record(30))
+    path.write_bytes(gzip.compress(path.read_bytes()))
+    monkeypatch.setattr("missions.weather.raw.MAXIMUM_BYTES", 2 * path.stat().st_size)
+    with pytest.raises(InputError, match=r"a.csv: is larger than \d+ MB when it is unpacked"):
+        load_weather(path)
+
+
+def test_a_row_of_more_values_than_columns_is_told_by_its_line(tmp_path):
+    def ended_by_commas(rows):
+        return [f"{row}{',' * 1000}" for row in rows]
+
+    path = write_plain(tmp_path / "a.csv", clear_record(2), rows=ended_by_commas)
+    with pytest.raises(InputError, match=r"a.csv:\d+: has 100\d values, but the table names \d"):
+        load_weather(path)
+
+
 def test_other_packings_are_named(tmp_path):
     path = tmp_path / "a.epw"
     path.write_bytes(b"PK\x03\x04" + bytes(100))

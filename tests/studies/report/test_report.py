@@ -30,7 +30,7 @@ from studies.report import make_report
 from studies.report.blocks import Bars
 from studies.report.design import budget_section
 from studies.report.margins import margin_table
-from studies.report.pdf import to_pdf
+from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.subject import Subject
 from studies.report.verdict import verdict
 
@@ -291,6 +291,17 @@ def test_verdict_on_the_edge_of_the_model_error() -> None:
 def test_page_is_printed() -> None:
     printed = to_pdf(page_of_as2())
     assert printed.startswith(b"%PDF-")
+
+
+def test_names_do_not_change_the_colours_of_print_nor_they_the_names() -> None:
+    drawn = '<svg class="drawing top"><path style="fill: {}"/></svg>'
+    head = (
+        "<title>@media screen --ink: red;</title><h1>var(--ink) in style=&#34;var(--ink)&#34;</h1>"
+    )
+    printed = with_plain_colours(head + drawn.format("var(--ink)"))
+    assert printed.startswith(head)
+    assert printed.endswith('<path style="fill: #1c1e21"/></svg>')
+    assert "var(" not in printed.removeprefix(head)
 
 
 @pytest.mark.parametrize(
