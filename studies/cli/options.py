@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import click
 
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
-from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
+from studies.output.figures.options import SHIPPED_STYLES, FigureOptions, TooManyDotsError
 from studies.output.formats import IMAGE_FORMATS, image_format
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
@@ -347,7 +347,10 @@ def figure_options(command: Command) -> Command:
             figure = FigureOptions(**asked)
         except ValueError as error:
             raise click.BadParameter(str(error), param_hint="--dpi") from None
-        return command(*args, figure=figure, **kwargs)
+        try:
+            return command(*args, figure=figure, **kwargs)
+        except TooManyDotsError as error:  # of a figure whose height is that of its content
+            raise click.BadParameter(str(error), param_hint="--dpi") from None
 
     found: Any = drawing
     for option in (

@@ -20,7 +20,7 @@ from sizing.results.notes import extrapolation_caption
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from solar.names import ModelName
-from studies.output.figures.options import DEFAULT, FigureOptions
+from studies.output.figures.options import DEFAULT, FigureOptions, check_dots
 from studies.output.formats import IMAGE_FORMATS, image_format
 
 if TYPE_CHECKING:
@@ -188,10 +188,19 @@ def to_bytes(figure: Figure, image_format: str) -> bytes:
     Returns
     -------
     bytes
+
+    Raises
+    ------
+    TooManyDotsError
+        For an image that is larger than can be drawn.
     """
     buffer = io.BytesIO()
     options = getattr(figure, "options", DEFAULT)
-    figure.savefig(buffer, format=image_format, dpi=options.dots_per_inch or DOTS_PER_INCH)
+    dots_per_inch = options.dots_per_inch or DOTS_PER_INCH
+    if image_format == "png":
+        width_in, height_in = figure.get_size_inches()
+        check_dots(width_in, height_in, dots_per_inch)
+    figure.savefig(buffer, format=image_format, dpi=dots_per_inch)
     return buffer.getvalue()
 
 

@@ -17,6 +17,8 @@ __all__ = [
     "DEFAULT",
     "SHIPPED_STYLES",
     "FigureOptions",
+    "TooManyDotsError",
+    "check_dots",
     "read_dots_per_inch",
     "read_size",
     "read_style",
@@ -33,6 +35,18 @@ _BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*")*')
 _LEAST_MM, _MOST_MM = 40.0, 2500.0
 _LEAST_DPI, _MOST_DPI = 20.0, 2400.0
 _MOST_DOTS = 2**16  # on either side: what matplotlib's renderer takes
+_MOST_DOTS_IN_ALL = 150_000_000  # A0 at 300 dots per inch; some 650 MB while it is drawn
+_MOST_STYLE_BYTES = 100_000
+_LEAST_TYPE, _MOST_TYPE, _MOST_LENGTH = 1.0, 100.0, 1000.0  # points
+# Settings of matplotlib that have nothing to do with looks, and that it leaves out of a style.
+_NO_STYLE = re.compile(
+    r"(backend|interactive|toolbar|timezone|webagg|tk|docstring|date\.epoch|savefig\.directory"
+    r"|figure\.(max_open_warning|raise_window))\b"
+)
+
+
+class TooManyDotsError(ValueError):
+    """An image is larger than can be drawn."""
 
 
 @dataclass(frozen=True)
@@ -74,12 +88,8 @@ class FigureOptions:
             return
         if not _LEAST_DPI <= dots <= _MOST_DPI:
             raise ValueError(f"must be from {_LEAST_DPI:g} to {_MOST_DPI:g} (got {dots:g})")
-        longest = max((side for side in self.size_in or () if side is not None), default=0.0)
-        if longest * dots >= _MOST_DOTS:
-            raise ValueError(
-                f"{longest * _MM_PER_INCH:g} mm at {dots:g} dots per inch are "
-                f"{longest * dots:.0f} dots, at most {_MOST_DOTS - 1} can be drawn"
-            )
+        width, height = self.size_in or (0.0, None)
+        check_dots(width, width if height is None else height, dots)
 
     def settings(self) -> dict[str, Any]:
         """Settings of the style, in the names of matplotlib's ``rcParams``; its own not repeated.
@@ -96,6 +106,36 @@ class FigureOptions:
 
 
 DEFAULT = FigureOptions()
+
+
+def check_dots(width_in: float, height_in: float, dots_per_inch: float) -> None:
+    """Check that an image can be drawn.
+
+    Parameters
+    ----------
+    width_in, height_in : float
+        Its size [in].
+    dots_per_inch : float
+        Its resolution.
+
+    Raises
+    ------
+    TooManyDotsError
+        If it has too many dots along a side or in all.
+    """
+    longest = max(width_in, height_in)
+    if longest * dots_per_inch >= _MOST_DOTS:
+        raise TooManyDotsError(
+            f"{longest * _MM_PER_INCH:g} mm at {dots_per_inch:g} dots per inch are "
+            f"{longest * dots_per_inch:.0f} dots, at most {_MOST_DOTS - 1} can be drawn"
+        )
+    in_all = width_in * height_in * dots_per_inch**2
+    if in_all > _MOST_DOTS_IN_ALL:
+        raise TooManyDotsError(
+            f"{width_in * _MM_PER_INCH:.4g} x {height_in * _MM_PER_INCH:.4g} mm at "
+            f"{dots_per_inch:g} dots per inch are {in_all / 1e6:.0f} million dots, at most "
+            f"{_MOST_DOTS_IN_ALL / 1e6:.0f} million can be drawn (SVG and PDF need no dots)"
+        )
 
 
 def read_size(text: str) -> tuple[float, float | None]:
@@ -152,7 +192,26 @@ def read_style(text: str) -> str:
     """
     if text not in SHIPPED_STYLES:
         style_settings(text)
+        _try_out(text)
     return text
+
+
+def _try_out(style: str) -> None:
+    """Draw a small figure: matplotlib finds many a mistake of a style only when it draws."""
+    from studies.output.figures.drawing import in_style, new_figure, to_bytes
+
+    options = FigureOptions(size_in=(4.0, 3.0), dots_per_inch=50.0, style=style)
+    try:
+        with in_style(options):
+            figure, (axes,) = new_figure(canvas=options, title="Title", notes=("note",))
+            axes.plot([0.0, 1.0], [0.0, 1.0], "o-", label="line")
+            axes.bar([0.0], [1.0], label="bar")
+            axes.set(xlabel="x", ylabel="y")
+            axes.legend()
+            to_bytes(figure, "png")
+    except Exception as error:  # whatever matplotlib comes across in a user's settings
+        words = str(error).partition("\n")[0]
+        raise ValueError(f"{style}: matplotlib cannot draw with it: {words}") from None
 
 
 def style_settings(style: str) -> dict[str, Any]:
@@ -172,6 +231,8 @@ def style_settings(style: str) -> dict[str, Any]:
         return dict(library[style])
     path = Path(style)
     try:
+        if not path.is_file() or path.stat().st_size > _MOST_STYLE_BYTES:
+            raise OSError  # neither a pipe that never ends
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError, ValueError):
         known = ", ".join(SHIPPED_STYLES)
@@ -201,10 +262,33 @@ def _settings_of_file(text: str, source: str) -> dict[str, Any]:
             raise ValueError(f"{source}:{number}: {content.strip()!r} is not KEY: VALUE")
         if key not in mpl.rcParams:
             raise ValueError(f"{source}:{number}: {key}: matplotlib has no such setting")
+        if _NO_STYLE.match(key):
+            raise ValueError(f"{source}:{number}: {key}: has nothing to do with style")
         if value[:1] == value[-1:] == '"':
             value = value[1:-1]
         try:
             found[key] = value
         except ValueError as error:
             raise ValueError(f"{source}:{number}: {key}: {error}") from None
+        _check_lengths(key, found[key], f"{source}:{number}: {key}")
     return dict(found)
+
+
+def _check_lengths(key: str, value: Any, where: str) -> None:
+    """Refuse numbers that matplotlib takes and cannot draw."""
+    numbers = [one for one in _flat(value) if isinstance(one, int | float)]
+    least, most = (_LEAST_TYPE, _MOST_TYPE) if key == "font.size" else (-math.inf, math.inf)
+    if key.endswith(("size", "width", "pad")):
+        most = min(most, _MOST_LENGTH)
+    wrong = [one for one in numbers if not (math.isfinite(one) and least <= one <= most)]
+    if wrong:
+        among = f"from {least:g} to {most:g}" if key == "font.size" else f"at most {most:g}"
+        allowed = "a finite number" if math.isinf(most) else among
+        raise ValueError(f"{where}: must be {allowed} (got {wrong[0]:g})")
+
+
+def _flat(value: Any) -> list[Any]:
+    """Items of a nested list; a single value is one of one."""
+    if isinstance(value, list | tuple):
+        return [item for part in value for item in _flat(part)]
+    return [value]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -46,6 +47,22 @@ def test_more_dots_than_can_be_drawn_are_refused() -> None:
         FigureOptions(size_in=(60.0, None), dots_per_inch=1200.0)
 
 
+def test_an_image_too_large_for_the_memory_is_refused(run: Run) -> None:
+    with pytest.raises(ValueError, match="2304 million dots, at most 150 million"):
+        FigureOptions(size_in=(40.0, 40.0), dots_per_inch=1200.0)
+    # 8 x 4.8 in, which is known when it is drawn
+    told = run("analyse", AS2, "--plot", "large.png", "--dpi", "2400")
+    assert told.code == 2
+    assert "million can be drawn" in told.err
+    assert not Path("large.png").exists()
+
+
+def test_a_style_is_not_read_from_a_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ValueError, match="is neither a style nor a file of one"):
+        read_style(str(tmp_path / "pipe"))
+
+
 @pytest.mark.parametrize("style", [*SHIPPED_STYLES, "grayscale"])
 def test_styles_draw_with_embedded_truetype(style: str) -> None:
     settings = FigureOptions(style=read_style(style)).settings()
@@ -58,6 +75,16 @@ def test_styles_draw_with_embedded_truetype(style: str) -> None:
         ("font.size 8", "bad.mplstyle:1: 'font.size 8' is not KEY: VALUE"),
         ("# fine\nfont.sise: 8", "bad.mplstyle:2: font.sise: matplotlib has no such setting"),
         ("font.size: large # no", "bad.mplstyle:1: font.size:"),
+        ("font.size: 0", "bad.mplstyle:1: font.size: must be from 1 to 100 (got 0)"),
+        ("lines.linewidth: nan", "bad.mplstyle:1: lines.linewidth: must be at most 1000 (got nan)"),
+        ("figure.dpi: inf", "bad.mplstyle:1: figure.dpi: must be a finite number (got inf)"),
+        ("axes.labelsize: 1e9", "bad.mplstyle:1: axes.labelsize: must be at most 1000 (got 1e+09)"),
+        ("backend: TkAgg", "bad.mplstyle:1: backend: has nothing to do with style"),
+        (
+            "axes.prop_cycle: cycler('color', [])",
+            "bad.mplstyle: matplotlib cannot draw with it: integer modulo by zero",
+        ),
+        ("#" * 100_001, "'bad.mplstyle' is neither a style nor a file of one"),
     ],
 )
 def test_mistakes_of_a_style_file_are_told_by_line(
