@@ -57,7 +57,8 @@ def mission_at_site(
             raise file_error(
                 weather.source,
                 f"the ground of its site is {site.altitude_m:.0f} m high: the mission's altitude_m "
-                f"of {altitude_m:g} is below it",
+                f"of {altitude_m:g} is below it; {DEFAULT_HEIGHT_M:.0f} m above the ground: "
+                f"--set mission.altitude_m={site.altitude_m + DEFAULT_HEIGHT_M:.0f}",
             )
         altitude_m = site.altitude_m + DEFAULT_HEIGHT_M
         notes.append(f"flown {DEFAULT_HEIGHT_M:.0f} m above the site, at {altitude_m:.0f} m")

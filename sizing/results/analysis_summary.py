@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from missions.mission import latitude_label
+from missions.mission import Mission, latitude_label
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.results.analysis import Analysis, flight_record, scenario_record
 from sizing.results.battery import battery_line
@@ -50,7 +50,7 @@ def summary(analysis: Analysis) -> Summary:
     if slow is not None:
         blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
-    blocks.append(Line(uncertainty_line(record), "faint"))
+    blocks.append(Line(uncertainty_line(record, analysis.mission), "faint"))
     return Summary(tuple(blocks))
 
 
@@ -79,13 +79,15 @@ def _days(count: int) -> str:
     return "1 day" if count == 1 else f"{count} days"
 
 
-def uncertainty_line(record: dict[str, Any]) -> str:
+def uncertainty_line(record: dict[str, Any], mission: Mission) -> str:
     """What the RMS error of the solar power model means for the excess time.
 
     Parameters
     ----------
     record : dict
         With ``model``, ``correction`` and ``uncertainty``.
+    mission : Mission
+        With its uncertainty margins, which are taken off before that error.
     """
     spread = record["uncertainty"]
     low, high = spread["excess_time_low_h"], spread["excess_time_high_h"]
@@ -95,10 +97,12 @@ def uncertainty_line(record: dict[str, Any]) -> str:
         else f"puts the excess time between {hours(low, UNLIMITED)} and {hours(high, UNLIMITED)}"
     )
     plain = record["correction"] == "none"
+    given = mission.uncertainty_margins.given
+    beyond = ", on top of the mission's uncertainty margins," if given else ""
     error = "the model's RMS error" if plain else "the RMS error left after it"
     return (
         f"{record['model']}, correction: {record['correction']}; {error} of "
-        f"{100 * spread['solar_power_rms_relative']:.0f} % of the mean power {means}."
+        f"{100 * spread['solar_power_rms_relative']:.0f} % of the mean power{beyond} {means}."
     )
 
 

@@ -183,7 +183,7 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     blocks: list[Any] = [] if condition is None else [condition]
     blocks += extrapolation_blocks(study.extrapolations)
     if record["uncertainty"] is not None:
-        blocks.append(Line(uncertainty_line(record), "faint"))
+        blocks.append(Line(uncertainty_line(record, study.mission), "faint"))
         low = record["uncertainty"]["excess_time_low_h"]
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.given or study.reliability is not None

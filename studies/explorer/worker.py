@@ -20,6 +20,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import label
+from sizing.results.constraint_words import constraint_words
 from sizing.sunlight import SolarModel
 from studies.output.run_folder import RunInputs
 
@@ -218,7 +219,10 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         "headline": study.headline(),
         "text": str(study),
         "record": record,
-        "limits": list(study.result.active_constraints),
+        "limits": [
+            constraint_words(name, study.aircraft).without_key
+            for name in study.result.active_constraints
+        ],
         "missed": [one.text for one in study.result.violations],
         "relaxations": [
             one | {"label": _label(one["parameter"])} for one in record.get("relaxations", [])

@@ -37,7 +37,7 @@ def belief_section(subject: Subject) -> Section:
             blocks.append(Items(tuple(one.text for one in outside)))
         else:
             blocks.append(Text("Nothing lies outside the range of a model.", "good"))
-        blocks.append(Text(uncertainty_line(subject.record)))
+        blocks.append(Text(uncertainty_line(subject.record, subject.mission)))
         slow = settling_line(subject.analysis)
         if slow is not None:
             blocks.append(Text(slow, "warning"))

@@ -407,7 +407,8 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
     count = data["status"].size - len(table)
     note = f"{count} points without a design left out" if count else ""
     drawn, (axes,) = new_figure(canvas=figure, **_heading(data, note), size_in=(7.0, 5.0))
-    axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
+    if len(front) < len(table):
+        axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
     axes.plot(front[x], front[y], "s", color=LOAD, markersize=6, label="not beaten by any other")
     for label, over, up in zip(front["point"], front[x], front[y], strict=True):
         axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")

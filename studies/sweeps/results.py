@@ -20,7 +20,11 @@ from studies.sweeps.study import to_table
 
 _ROWS = 40
 # Results that are the same as a varied key.
-_VARIED_AS = {"wingspan": "wingspan_m", "battery_mass": "battery_mass_kg"}
+_VARIED_AS = {
+    "wingspan": "wingspan_m",
+    "battery_mass": "battery_mass_kg",
+    "payload_mass": "mission.payload.mass_kg",
+}
 
 
 def points_record(data: xr.Dataset) -> dict[str, Any]:
@@ -141,7 +145,8 @@ def _table(data: xr.Dataset, rows: pd.DataFrame, top: int, front: Sequence[str])
     results += ["charge_margin"]
     point = ["point"] if front else []
     named = [*point, *varied, "status", *results]
-    names = [*named, *(name for name in front if name not in named)]
+    shown = {*named, *(name for name, key in _VARIED_AS.items() if key in varied)}
+    names = [*named, *(name for name in front if name not in shown)]
     columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
     cells = rows[names].astype(object).itertuples(index=False, name=None)
     return Table("", columns, tuple(tuple(map(_words, row)) for row in cells))

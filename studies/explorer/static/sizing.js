@@ -9,8 +9,6 @@ const list = (title, items) =>
   items.length
     ? [element("h3", {}, title), element("ul", {}, ...items.map((item) => element("li", {}, item)))]
     : [];
-/** Names of requirements as words. */
-const words = (name) => name.replaceAll("_", " ");
 
 /** Form and result of sizings. */
 export class Sizing {
@@ -111,7 +109,7 @@ export class Sizing {
     const head = `${state[0].toUpperCase()}${state.slice(1)}, for ${found.where}.`;
     const parts = [element("p", { className: found.feasible ? "good" : "wrong" }, head)];
     if (found.feasible) {
-      parts.push(...list("Limited by", found.limits.map(words)));
+      parts.push(...list("Limited by", found.limits));
       if (taken) {
         parts.push(element("p", { className: "quiet" }, "The sliders are at this optimum; the back button returns."));
       } else {
@@ -126,7 +124,7 @@ export class Sizing {
       parts.push(...list("Missed", found.missed));
       const easier = found.relaxations.map((one) => this.relaxation(one));
       parts.push(...list("Feasible with one of these, all else unchanged", easier));
-      parts.push(...list("Held back by", found.limits.map(words)));
+      parts.push(...list("Held back by", found.limits));
       if (!easier.length) parts.push(element("p", {}, "No single parameter that was tried would make it feasible."));
     }
     parts.push(

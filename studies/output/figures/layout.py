@@ -27,6 +27,8 @@ __all__ = ["FittedLayout"]
 
 _ROUNDS = 3
 _LEAST_TYPE = 0.5  # of the size that a style asks for
+_HIGHEST_LEGEND = 0.28  # of the figure: what is higher gets smaller type, for more columns
+_LEGEND_TYPES = (1.0, 0.9, 0.8, 0.7)  # of the size of a legend's type
 _GAP = 0.25  # between texts, in sizes of type
 _WIDEST_NAMES = 0.42  # of the figure
 _STEPS = (0.0, 0.7, -0.7, 1.4, -1.4, 2.1, -2.1, 2.8, -2.8)  # heights of a text that it is moved by
@@ -119,13 +121,23 @@ class FittedLayout(ConstrainedLayoutEngine):
         return changed
 
     def _reflow(self, legend: Legend, room: float) -> bool:
-        """Fewer columns, then broken labels, then smaller type."""
+        """Fewer columns, in smaller type where high; then broken labels, then smaller type."""
         columns = _columns(legend)
         items = [item for column in columns for item in column.get_children()]
         before = list(columns)
-        for count in range(len(columns) - 1, 0, -1):
-            _arrange(legend, items, count)
-            if legend.get_window_extent().width <= room:
+        figure = legend.get_figure()
+        assert figure is not None
+        most = _HIGHEST_LEGEND * figure.bbox.height
+        sizes = [float(text.get_fontsize()) for text in legend.get_texts()]
+        for scale in _LEGEND_TYPES:
+            if scale < 1.0:
+                for text, size in zip(legend.get_texts(), sizes, strict=True):
+                    self._set(text, fontsize=max(scale * size, _LEAST_TYPE * 10.0))
+            for count in range(len(before), 0, -1):
+                _arrange(legend, items, count)
+                if legend.get_window_extent().width <= room:
+                    break
+            if len(before) == 1 or legend.get_window_extent().height <= most:
                 break
         changed = len(before) > 1
         if changed:
@@ -283,6 +295,8 @@ class FittedLayout(ConstrainedLayoutEngine):
         for up, right in sorted(shifts, key=lambda s: abs(s[0]) + 2.0 * abs(s[1])):
             place = box.translated(right * box.width, up * box.height)
             place = place.translated(*_inwards(place, frame))
+            if box.overlaps(frame) and not place.overlaps(frame):
+                continue  # beside the axes it would run out of the figure
             if not any(place.overlaps(other) for other in taken):
                 best = place
                 break

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from figure_checks import text_faults
 
 import missions
 import sizing
@@ -59,3 +60,15 @@ def test_notes_stand_below_the_title_and_go_with_it() -> None:
     assert not notes.get_visible()
     bare = studies.plot_cycle(analysis, figure=FigureOptions(title=False))
     assert bare.get_suptitle() == ""
+
+
+def test_a_small_figure_keeps_its_axes_and_its_texts() -> None:
+    analysis = flown("modules.area_m2=0.65")
+    assert (
+        0.0 < analysis.performance.cycle.charge_margin_h[0] < 2.0
+    )  # full late: its text has little room to the right
+    figure = studies.plot_cycle(
+        analysis, figure=FigureOptions(size_in=(85 / 25.4, 60 / 25.4), style="paper")
+    )
+    assert not [fault for fault in text_faults(figure) if "leaves" in fault or "crosses" in fault]
+    assert all(axes.get_position().height > 0.15 for axes in figure.axes)

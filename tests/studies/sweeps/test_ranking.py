@@ -97,3 +97,8 @@ def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data: xr.
 def test_names_do_not_run_out() -> None:
     assert point_names(28)[-3:] == ["Z", "AA", "AB"]
     assert len(set(point_names(1000))) == 1000
+
+
+def test_a_front_shows_a_varied_key_once(data: xr.Dataset) -> None:
+    heads = points_summary(data, front=("wingspan", "excess_time")).to_text().split("───")[0]
+    assert heads.count("[m]") == 1
