@@ -88,6 +88,11 @@ def uncertainty_line(record: dict[str, Any], mission: Mission) -> str:
         With ``model``, ``correction`` and ``uncertainty``.
     mission : Mission
         With its uncertainty margins, which are taken off before that error.
+
+    Returns
+    -------
+    str
+        One sentence.
     """
     spread = record["uncertainty"]
     low, high = spread["excess_time_low_h"], spread["excess_time_high_h"]
