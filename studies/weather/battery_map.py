@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import MONTH_NAMES, month_and_day
+from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
@@ -78,7 +79,7 @@ def battery_map(
     Raises
     ------
     InputError
-        If a chosen mission is far from the site or below its ground.
+        If a chosen mission is far from the site or below its ground, or the record holds no night.
     ValueError
         If a factor is not positive.
     """
@@ -92,6 +93,8 @@ def battery_map(
     all_year = {"dates": type(moved.dates).model_validate({"from": "01-01", "to": "12-31"})}
     moved = moved.model_copy(update=all_year)
     flights = SeasonFlights.of(aircraft, moved, weather, solar, step_s=NODE_STEP_S)
+    if len(flights) < 2:
+        raise file_error(weather.source, "has one day: a map needs the night after it as well")
     designs = [_with_battery(aircraft, moved, factor) for factor in factors]
     able = [i for i, one in enumerate(designs) if one is not None]
     closes = np.full((len(factors), len(flights)), -1, np.int8)

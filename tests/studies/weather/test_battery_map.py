@@ -2,11 +2,14 @@ import json
 
 import numpy as np
 import pytest
+from weather_files import clear_record
 
 import sizing
 import studies
+from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.weather.files import load_weather
+from missions.weather.record import Site
 from sizing.library import load_aircraft
 from studies.weather.battery_map import battery_map_record
 
@@ -45,6 +48,12 @@ def test_figure_and_bad_batteries(data):
     assert any("days that close" in axes.get_ylabel() for axes in figure.axes)
     with pytest.raises(ValueError, match="multiples above 0"):
         studies.battery_map(AS2, MISSION, load_weather("colorado-2023"), (0.0,))
+
+
+def test_a_record_without_a_night_is_refused():
+    weather = clear_record(1, site=Site("Somewhere", 46.8, 6.9, 491.0, 0.0))
+    with pytest.raises(InputError, match="has one day: a map needs the night"):
+        studies.battery_map(AS2, MISSION, weather, (1.0,), mission_chosen=False)
 
 
 @pytest.mark.parametrize(
