@@ -18,6 +18,8 @@ from typing import Any
 import pytest
 from builders import AS2, DESIGN, aircraft, mission, shipped_mission
 from command_line import Run
+from hypothesis import given
+from hypothesis import strategies as st
 
 from missions.mission import Mission
 from missions.weather.files import load_weather
@@ -293,6 +295,12 @@ def test_page_is_printed() -> None:
     assert printed.startswith(b"%PDF-")
 
 
+@given(
+    st.lists(
+        st.sampled_from(["@media screen", "--ink: red;", "var(--ink)", ' style="', "<style>", ">"])
+        | st.text(max_size=5)
+    ).map("".join)
+)
 def test_names_do_not_change_the_colours_of_print_nor_they_the_names() -> None:
     drawn = '<svg class="drawing top"><path style="fill: {}"/></svg>'
     head = (
