@@ -45,6 +45,7 @@ def published(
     """Compare published numbers with computed ones; exit code 1 if one is missed."""
     from missions.files.writing import write_files_atomically
     from studies.cli.checks import check_outputs
+    from studies.cli.progress import progress_of
     from studies.output.terminal import show
     from studies.validation import published as numbers
     from studies.validation.flights import season as of_season
@@ -55,7 +56,8 @@ def published(
     check_outputs(csv=csv_file, markdown=markdown_file)
     result: numbers.Published | single_inputs.Explanations | of_season.Seasons
     if explain:
-        result = single_inputs.explain()
+        with progress_of("differences", lines=False) as progress:
+            result = single_inputs.explain(progress=progress)
     elif season:
         result = of_season.seasons()
     else:

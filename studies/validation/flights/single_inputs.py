@@ -238,18 +238,28 @@ def _others(row: Explanation, n: Needed) -> str:
 
 
 @cache
-def explain(misses: tuple[Miss, ...] = MISSES) -> Explanations:
+def explain(
+    misses: tuple[Miss, ...] = MISSES, progress: Callable[[int, int], None] | None = None
+) -> Explanations:
     """Find for every miss what each single input would have to be.
 
     Parameters
     ----------
     misses : sequence of Miss
+    progress : callable, optional
+        Called with the number of misses that are done and the number there are.
 
     Returns
     -------
     Explanations
     """
-    return Explanations(tuple(map(_explained, misses)))
+    tell = progress or (lambda done, total: None)
+    tell(0, len(misses))
+    found = []
+    for miss in misses:
+        found.append(_explained(miss))
+        tell(len(found), len(misses))
+    return Explanations(tuple(found))
 
 
 def _explained(miss: Miss) -> Explanation:

@@ -94,7 +94,11 @@ def test_all_inputs_together_lead_towards_the_published_number(found: Explanatio
 def test_impossible_number_has_no_explanation() -> None:
     flight = published_flights.FLIGHT_27H
     spread = Spread(inputs.TEMPERATURE, 10.0, 32.0, "a test")
-    result = explain((Miss(flight, flight.quantities[0], (spread,)),))
+    told: list[tuple[int, int]] = []
+    result = explain(
+        (Miss(flight, flight.quantities[0], (spread,)),), lambda *counts: told.append(counts)
+    )
+    assert told == [(0, 1), (1, 1)]
     (n,) = result.rows[0].needed
     assert (n.needed, n.sigmas, n.within, n.others) == (None, None, False, {})
     assert "none" in str(result)
