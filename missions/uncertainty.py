@@ -207,6 +207,7 @@ class Uncertainty(Record):
 
     @model_validator(mode="after")
     def _check_correlations(self) -> Uncertainty:
+        pairs: set[frozenset[str]] = set()
         for number, correlation in enumerate(self.correlations):
             first, second = correlation.between
             if first == second:
@@ -215,4 +216,15 @@ class Uncertainty(Record):
                     "needs two different inputs (got {name} twice)",
                     {"key": f"correlations.{number}.between", "name": first},
                 )
+            if frozenset(correlation.between) in pairs:
+                raise PydanticCustomError(
+                    "correlation",
+                    "is the second correlation of {first} and {second}; allowed: one of each pair",
+                    {
+                        "key": f"correlations.{number}.between",
+                        "first": first,
+                        "second": second,
+                    },
+                )
+            pairs.add(frozenset(correlation.between))
         return self

@@ -60,3 +60,12 @@ def test_a_correlation_is_of_two_inputs():
     pair = {"between": ["clearness", "clearness"], "coefficient": 0.5}
     with pytest.raises(InputError, match="needs two different inputs"):
         load_mission("rafz-july", {"uncertainty": {"correlations": [pair]}})
+
+
+def test_a_pair_has_one_correlation():
+    pairs = [
+        {"between": ["clearness", "wind_m_per_s"], "coefficient": 0.5},
+        {"between": ["wind_m_per_s", "clearness"], "coefficient": -0.5},
+    ]
+    with pytest.raises(InputError, match="is the second correlation of wind_m_per_s and clearness"):
+        load_mission("rafz-july", {"uncertainty": {"correlations": pairs}})
