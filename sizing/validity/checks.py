@@ -15,7 +15,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, FlightConditions, structure_parts
 from sizing.energy.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.parameters import catalogue, parameter_value
+from sizing.parameters import catalogue
 from sizing.performance import Performance
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.sunlight import SolarModel
@@ -75,14 +75,22 @@ def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
         Of the parameters of the catalogue that the aircraft has.
     """
     for key, one in catalogue().items():
-        value = parameter_value(aircraft, None, key) if one.kind == "technology" else None
+        value = _number_or_numbers(aircraft, key) if one.kind == "technology" else None
         if value is not None:
             yield Check(
                 experience(key, one.label, one.unit, one.minimum, one.maximum),
-                np.asarray(value),
+                value,
                 np.asarray(one.minimum),
                 np.asarray(one.maximum),
             )
+
+
+def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:
+    """Value of a parameter; of many draws where it scatters; none where the aircraft has none."""
+    node: Any = aircraft
+    for part in key.split("."):
+        node = getattr(node, part, None)
+    return np.asarray(node, float) if isinstance(node, int | float | np.ndarray) else None
 
 
 def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:

@@ -215,11 +215,10 @@ def completes(name: str) -> Callable[[click.Context, click.Parameter, str], Any]
 
 def aircraft_argument(default: str | None = None) -> Callable[[Command], Command]:
     """Argument ``AIRCRAFT``: name, file or folder; required without a default."""
+    # A default of None is one, by click's rules: the argument would be missing without a word.
+    given: dict[str, Any] = {} if default is None else {"default": default}
     return click.argument(
-        "aircraft",
-        default=default,
-        required=default is None,
-        shell_complete=completes("aircraft"),
+        "aircraft", required=default is None, shell_complete=completes("aircraft"), **given
     )
 
 

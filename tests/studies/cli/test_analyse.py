@@ -264,7 +264,7 @@ def test_figure_of_a_replayed_flight(run: Run, tmp_path: Path) -> None:
     "overrides",
     [
         ["battery.mass_kg=1e-6"],
-        ["battery.specific_energy_wh_per_kg=1e9"],
+        ["battery.specific_energy_wh_per_kg=6443", "battery.mass_kg=1e5"],
         ["modules.area_m2=0", "power.avionics_w=0"],
         ["modules.area_m2=0", "airframe.wingspan_m=1e-3"],
         ["mission.payload.mass_kg=1e6"],

@@ -1,5 +1,6 @@
 """The explorer's server: who is let in, what is refused in words, and what comes back."""
 
+import contextlib
 import http.client
 import json
 import re
@@ -64,7 +65,7 @@ class Server:
         host: str | None = None,
         **headers: str,
     ) -> Answer:
-        connection = http.client.HTTPConnection(ADDRESS, self.port, timeout=30)
+        connection = http.client.HTTPConnection(ADDRESS, self.port, timeout=300)
         connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
         given = {"Host": self.host if host is None else host}
         if token is not None:
@@ -77,7 +78,9 @@ class Server:
         for name, value in given.items():
             if value:
                 connection.putheader(name, value)
-        connection.endheaders(body)
+        # A server that refuses what is too long need not read it to its end.
+        with contextlib.suppress(ConnectionResetError, BrokenPipeError):
+            connection.endheaders(body)
         response = connection.getresponse()
         answer = Answer(
             response.status,

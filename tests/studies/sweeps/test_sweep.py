@@ -505,7 +505,7 @@ def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.warns(RuntimeWarning, match="2 of 6 points failed"):
         data = sweep(DESIGN, JULY, vary)
     (legend,) = sweep_plots.plot_sweep(data).legends
-    assert "failed" in [text.get_text() for text in legend.get_texts()]
+    assert "could not be computed" in [text.get_text() for text in legend.get_texts()]
 
 
 def test_python_is_the_command(invoke: Any, tmp_path: Path) -> None:
