@@ -2,7 +2,8 @@
 Span for a season
 =================
 
-The wingspan that a share of the days of a real season takes.
+The wingspan that a share of the days of a real season takes. The figure is shown on the page
+:doc:`/season`.
 
 Run with: ``python examples/span_for_a_season.py [figure.png]``
 """
