@@ -246,9 +246,18 @@ def test_calls_within_the_text_name_commands_and_options_that_exist(page: Path) 
 
 # Options of other programs that the pages name.
 FOREIGN = {
-    "CONTRIBUTING.md": {"--airfoil", "--out", "--check", "--markdown", "--count", "--dist"},
+    "CONTRIBUTING.md": {
+        "--airfoil",
+        "--out",
+        "--check",
+        "--markdown",
+        "--count",
+        "--dist",
+        "--keep",
+    },
     "performance.md": {"--markdown", "--json"},
     "maps.md": {"--long"},
+    "reliability.md": {"--markdown", "--count", "--seed", "--only", "--keep"},
     "scale.md": {"--scheduler"},
     "validation.md": {"--count", "--rows", "--cases"},
 }
