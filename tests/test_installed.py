@@ -67,7 +67,7 @@ def test_version_matches_the_metadata() -> None:
 
 def test_command_is_registered() -> None:
     (script,) = metadata.distribution(DISTRIBUTION).entry_points.select(group="console_scripts")
-    assert (script.name, script.value) == ("solar-uav", "studies.cli.__main__:main")
+    assert (script.name, script.value) == ("solar-uav", "studies.cli.start:start")
 
 
 @pytest.mark.parametrize("package", PACKAGES)

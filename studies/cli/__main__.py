@@ -7,19 +7,14 @@ import io
 import os
 import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
 from typing import NamedTuple
 
 import click
 
 from solar._version import __version__
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
+from studies.engine.signals import Signals, interruptible
 
-_CAN_REPEAT = hasattr(signal, "setitimer")  # not on Windows
-_REPEAT_S = 1.0
 _LONGEST_WORD, _MOST_LINES = 200, 30
 
 
@@ -142,15 +137,29 @@ def main() -> None:
         from studies.cli.completion import prepare
 
         prepare()
-    with _interruptible() as signals:
-        try:
-            code = cli.main(prog_name="solar-uav", standalone_mode=False)
-        except (Exception, KeyboardInterrupt) as error:
-            # What a signal breaks is of no interest: an import ends as an ImportError.
-            code = 0 if signals else _told(error)
-        if signals:  # even if a library swallowed the interrupt
-            code = 128 + signals[0]
+    signals, code = Signals(), 0
+    try:
+        with interruptible() as signals:
+            code = _code(signals)
+    except KeyboardInterrupt as stopped:
+        signals.signum = getattr(stopped, "signum", signal.SIGINT)
+    if signals.signum is not None:  # even if a library swallowed the interrupt
+        by = "Ctrl-C" if signals.signum == signal.SIGINT else "SIGTERM"
+        click.echo(f"solar-uav: stopped by {by}", err=True)
+        code = 128 + signals.signum
     sys.exit(code)
+
+
+def _code(signals: Signals) -> int:
+    """Run the command, and return its exit code."""
+    try:
+        code: int | None = cli.main(prog_name="solar-uav", standalone_mode=False)
+    except Exception as error:
+        # What a signal breaks is of no interest: an import ends as an ImportError.
+        if signals.signum is not None:
+            return 0
+        return _told(error)
+    return code or 0
 
 
 def _told(error: BaseException) -> int:
@@ -159,7 +168,7 @@ def _told(error: BaseException) -> int:
         vars(error)["message"] = _brief(error.message)
         error.show()
         return error.exit_code
-    if isinstance(error, click.Abort | KeyboardInterrupt):
+    if isinstance(error, click.Abort):
         return 128 + signal.SIGINT
     from missions.files.errors import InputError
     from sizing.design import ImpossibleDesignError
@@ -183,40 +192,7 @@ def _brief(message: str) -> str:
     return "\n".join(lines if more <= 0 else [*lines[:_MOST_LINES], f"... and {more} more"])
 
 
-@contextmanager
-def _interruptible() -> Iterator[list[int]]:
-    """Turn Ctrl-C and SIGTERM into KeyboardInterrupt; the list holds the signals that came.
-
-    What is being written is then discarded. A second signal ends the process at once. CasADi
-    swallows about half of all interrupts of its solvers: one that has no effect is repeated.
-    """
-    came: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield came
-        return
-
-    def interrupt(signum: int, frame: FrameType | None) -> None:
-        if not came:
-            came.append(signum)
-            for number in caught:
-                signal.signal(number, signal.SIG_DFL)
-            if _CAN_REPEAT:
-                signal.signal(signal.SIGALRM, interrupt)
-                signal.setitimer(signal.ITIMER_REAL, _REPEAT_S, _REPEAT_S)
-        raise KeyboardInterrupt
-
-    # A job in the background is started with Ctrl-C ignored, and remains so.
-    both = (signal.SIGINT, signal.SIGTERM)
-    caught = [number for number in both if signal.getsignal(number) is not signal.SIG_IGN]
-    before = {number: signal.signal(number, interrupt) for number in caught}
-    try:
-        yield came
-    finally:
-        if came and _CAN_REPEAT:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
 if __name__ == "__main__":
-    main()
+    from studies.cli.start import start
+
+    start()

@@ -100,7 +100,7 @@ def completed(
             if outcome.all_failed:
                 sys.exit(EXIT_FAILED)
             yield outcome
-        except (Stopped, KeyboardInterrupt) as stopped:
+        except KeyboardInterrupt as stopped:
             number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
             click.echo(f"stopped; {_kept(job, store)}", err=True)
             sys.exit(128 + number)

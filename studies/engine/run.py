@@ -21,17 +21,14 @@ from __future__ import annotations
 import functools
 import hashlib
 import itertools
-import signal
 import threading
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from types import FrameType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -40,6 +37,7 @@ from pydantic_core import to_json
 
 from solar._version import __version__
 from studies.engine.chunk_store import ChunkStore, Part
+from studies.engine.signals import Signals, Stopped, interruptible
 from studies.engine.workers import Pool, WorkersUnavailableError, pool_of
 
 __all__ = ["Cell", "Columns", "Job", "Outcome", "Stopped", "pieces", "run"]
@@ -51,14 +49,6 @@ ChunkFunction: TypeAlias = Callable[[Any, Sequence[Cell]], Mapping[str, Any]]
 _PACKAGES = ("solar", "missions", "sizing", "studies")
 _DIED = "the worker process died"
 _LOOK_S = 0.2
-
-
-class Stopped(BaseException):
-    """The computation was stopped by a signal; what was finished is kept in the store."""
-
-    def __init__(self, signum: int) -> None:
-        super().__init__(signum)
-        self.signum = signum
 
 
 @dataclass(frozen=True)
@@ -316,9 +306,10 @@ def run(
     if not job.chunks:
         raise ValueError("a job needs at least one chunk")
     done = False
-    with _signals() as stop:
+    # Between tasks a signal waits, so that it breaks nothing off but the task that is under way.
+    with interruptible(held=True) as signals:
         try:
-            outcome = _Run(job, pool, store, progress, stop).outcome()
+            outcome = _Run(job, pool, store, progress, signals).outcome()
             done = True
         finally:
             pool.close(at_once=not done)
@@ -332,9 +323,9 @@ class _Run:
         pool: Pool,
         store: ChunkStore | None,
         progress: Callable[[int, int], None] | None,
-        stop: _Stop,
+        signals: Signals,
     ) -> None:
-        self.job, self.pool, self.store, self.stop = job, pool, store, stop
+        self.job, self.pool, self.store, self.signals = job, pool, store, signals
         self.progress = progress or (lambda done, total: None)
         self.keys = job.keys()
         self.parts: dict[int, Part] = {}
@@ -374,17 +365,16 @@ class _Run:
     def _submitted(self, cells: tuple[Cell, ...]) -> Future[Part]:
         job = self.job
         task = _Task(job.function, job.configuration, cells, job.blanks, code_digest())
-        # Between tasks a signal waits; one that is computed here ends at once.
-        self.stop.at_once = self.pool.in_process
+        self.signals.held = not self.pool.in_process
         try:
             return self.pool.submit(_compute, task)
         finally:
-            self.stop.at_once = False
+            self.signals.held = True
 
     def _finished(self, futures: Iterable[Future[Part]]) -> set[Future[Part]]:
-        self.stop.check()
+        self.signals.check()
         finished, _ = wait(futures, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
-        self.stop.check()
+        self.signals.check()
         if not finished:
             self.pool.check()
         return finished
@@ -420,39 +410,3 @@ class _Run:
         self.parts[number] = part
         self.done += len(self.job.chunks[number])
         self.progress(self.done, len(self.job.cells))
-
-
-# ---- Signals
-
-
-class _Stop:
-    """Turns SIGINT and SIGTERM into :class:`Stopped`; noticed in the main thread alone."""
-
-    def __init__(self) -> None:
-        self.signum: int | None = None
-        self.at_once = False
-
-    def handle(self, signum: int, frame: FrameType | None) -> None:
-        # Others that come while the workers are ended change nothing.
-        if self.signum is None:
-            self.signum = signum
-            if self.at_once:
-                raise Stopped(signum)
-
-    def check(self) -> None:
-        """Raise for what came between tasks, or was swallowed by a library."""
-        if self.signum is not None:
-            raise Stopped(self.signum)
-
-
-@contextmanager
-def _signals() -> Iterator[_Stop]:
-    stop = _Stop()
-    main = threading.current_thread() is threading.main_thread()
-    caught = (signal.SIGINT, signal.SIGTERM) if main else ()
-    before = {number: signal.signal(number, stop.handle) for number in caught}
-    try:
-        yield stop
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

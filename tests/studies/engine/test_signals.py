@@ -1,0 +1,171 @@
+"""Signals become an exception that comes again where it was swallowed, and only there."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from studies.engine import run as engine
+from studies.engine.run import Job
+from studies.engine.signals import Stopped, interruptible
+from studies.engine.workers import LocalPool
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+
+WAIT_S = 30.0  # never reached where all is well
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Signals are repeated soon; afterwards all handlers are those of before."""
+    monkeypatch.setattr("studies.engine.signals._REPEAT_S", 0.01)
+    # Python leaves an interrupt ignored that a background job of a shell was started with.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+    signal.signal(signal.SIGINT, before)
+
+
+def send(number: int = signal.SIGINT) -> None:
+    os.kill(os.getpid(), number)
+
+
+def swallowed() -> None:
+    with contextlib.suppress(KeyboardInterrupt):
+        send()
+
+
+def swallowed_before_a_wait() -> None:
+    """Do as CasADi may: swallow the interrupt, and go on for long."""
+    swallowed()
+    threading.Event().wait(WAIT_S)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_is_raised_with_its_number(number: int) -> None:
+    with pytest.raises(Stopped) as stopped, interruptible():
+        send(number)
+    assert stopped.value.signum == number
+
+
+def test_a_swallowed_signal_comes_again() -> None:
+    with pytest.raises(Stopped), interruptible():
+        swallowed_before_a_wait()
+
+
+def test_a_signal_that_a_finaliser_has_swallowed_comes_again(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    class Finalised:
+        def __del__(self) -> None:
+            send()
+
+    def dropped_before_a_wait() -> None:
+        Finalised()
+        threading.Event().wait(WAIT_S)
+
+    with pytest.raises(Stopped), interruptible():
+        dropped_before_a_wait()
+    assert capsys.readouterr().err == ""
+
+
+def test_other_errors_of_finalisers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda error: told.append(str(error.exc_value)))
+
+    class Broken:
+        def __del__(self) -> None:
+            raise ValueError("broken")
+
+    before = sys.unraisablehook
+    with interruptible():
+        Broken()
+    assert told == ["broken"]
+    assert sys.unraisablehook is before
+
+
+def test_what_tidies_up_is_not_interrupted() -> None:
+    done = []
+
+    @contextlib.contextmanager
+    def tidy() -> Iterator[None]:
+        try:
+            yield
+        finally:
+            threading.Event().wait(0.05)  # five repetitions
+            with contextlib.suppress(ValueError):
+                raise ValueError
+            done.append(True)
+
+    with pytest.raises(Stopped), interruptible(), tidy():
+        send()
+    assert done == [True]
+
+
+def test_a_signal_that_is_held_is_raised_at_a_check() -> None:
+    with interruptible(held=True) as signals:
+        send()
+        threading.Event().wait(0.03)
+        with pytest.raises(Stopped):
+            signals.check()
+
+
+def test_a_signal_that_is_ignored_stays_ignored() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interruptible() as signals:
+            send()
+        assert signals.signum is None
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def test_other_threads_catch_nothing() -> None:
+    found = []
+
+    def enter() -> None:
+        with interruptible() as signals:
+            found.append(signals.caught)
+
+    thread = threading.Thread(target=enter)
+    thread.start()
+    thread.join()
+    assert found == [[]]
+
+
+def stubborn(settings: None, cells: object) -> None:
+    swallowed_before_a_wait()
+
+
+def test_a_chunk_that_swallows_the_signal_is_interrupted_all_the_same() -> None:
+    job = Job(stubborn, None, (((1.0,),),), {"a": np.float64(0)})
+    with pytest.raises(Stopped):
+        engine.run(job, LocalPool(1))
+
+
+def test_the_second_signal_ends_the_process_at_once() -> None:
+    code = (
+        "import os, signal, threading\n"
+        "from studies.engine import run, workers\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "def stubborn(settings, cells):\n"
+        "    try:\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "    finally:\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        f"        threading.Event().wait({WAIT_S})\n"
+        "run.run(run.Job(stubborn, None, (((1.0,),),), {'a': 0.0}), workers.LocalPool(1))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, timeout=WAIT_S, check=False
+    )
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, b"")
