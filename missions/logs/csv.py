@@ -1,17 +1,27 @@
-"""Flight logs from files: CSV in the format of ``docs/verify.md``, and PX4 ULog by its suffix."""
+"""Flight logs from text tables, and from files of autopilots by their suffix."""
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
 from missions.files.validation import unknown_key
+from missions.logs.clock import parse_instant, parse_zone, times_from_numbers, times_from_text
+from missions.logs.columns import (
+    QUANTITIES,
+    TIME_NAMES,
+    ColumnMap,
+    Recipe,
+    Recipes,
+    problems_of,
+    recipes_for,
+)
+from missions.logs.delimited import Text, read_text
 from missions.logs.px4_ulog import read_ulog
 from missions.logs.table import (
     ATTITUDE,
@@ -19,14 +29,32 @@ from missions.logs.table import (
     EPOCH,
     REQUIRED,
     TIME,
+    Check,
     FlightLog,
-    first_few,
     log_from_table,
+    numbers,
 )
+from missions.logs.units import in_radians, recognised, spelled, surely_radians
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_RADIANS = "roll, pitch and yaw read as radians: the yaw turns within 2 pi and none exceeds it"
 
 
-def read_flight_log(path: str | os.PathLike[str]) -> FlightLog:
-    """Read a log: PX4 ULog by the suffix ``.ulg``, CSV otherwise.
+def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
+    """Read a log: PX4 ULog by the suffix ``.ulg``, a text table otherwise.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    columns : ColumnMap, optional
+        Which column is what; without, and for quantities it does not name, that is guessed.
+
+    Returns
+    -------
+    FlightLog
 
     Raises
     ------
@@ -35,115 +63,192 @@ def read_flight_log(path: str | os.PathLike[str]) -> FlightLog:
     """
     if Path(path).suffix.lower() == ".ulg":
         return read_ulog(path)
-    return read_csv(path)
+    return read_csv(path, columns)
 
 
-def read_csv(path: str | os.PathLike[str]) -> FlightLog:
-    """Read a log in the CSV format of ``docs/verify.md``.
+def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
+    """Read a log from a text table such as ``docs/verify.md`` describes.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    columns : ColumnMap, optional
+        Which column is what, and how the file is written.
+
+    Returns
+    -------
+    FlightLog
 
     Raises
     ------
     InputError
         With the line of every mistake.
     """
-    import pandas as pd
-
     source = os.fspath(path)
-    lines, numbers = _text_lines(source)
-    header = _header(lines[0], source) if lines else []
-    if not header:
-        raise file_error(source, f"is empty; allowed: a header of {', '.join(COLUMNS)}")
-    notes = _check_header(header, numbers[0], source)
-    if len(lines) == 1:
-        raise file_error(source, "has a header but no rows")
-    _check_widths(lines, numbers, len(header), source)
-    known = [name for name in header if name in COLUMNS]
-    try:
-        table = pd.read_csv(
-            io.StringIO("\n".join(lines[1:])),
-            header=None,
-            names=header,
-            usecols=known,
-            index_col=False,
-            skipinitialspace=True,
-            low_memory=False,
-        )
-    except (pd.errors.ParserError, ValueError) as error:
-        raise file_error(source, f"is not a CSV table: {printable(str(error))}") from None
-    return log_from_table(table, source, np.asarray(numbers[1:]), notes)
+    layout = columns or ColumnMap()
+    text = read_text(source, layout)
+    recipes = recipes_for(text.header, layout)
+    notes = [*text.notes, *_check_header(text, recipes)]
+    found = recipes.found
+    date = _date_column(text.header, found)
+    wanted = {name for recipe in found.values() for name in recipe.columns} | {date}
+    frame = text.frame([name for name in text.header if name in wanted])
+    return _log(_Raw(text, layout, found, frame, date), notes)
 
 
-def _text_lines(source: str) -> tuple[list[str], list[int]]:
-    """Lines that are not blank, and their numbers counted from 1."""
-    try:
-        text = Path(source).read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise file_error(source, f"is not UTF-8 text (byte {error.start})") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise file_error(source, f"cannot be read: {str(reason).lower()}") from None
-    # Only line breaks: str.splitlines would also break at other control characters.
-    every = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    kept = [(line, number) for number, line in enumerate(every, start=1) if line.strip()]
-    return [line for line, _ in kept], [number for _, number in kept]
+class _Raw(NamedTuple):
+    """A text table, which column of it is what, and the columns that are needed."""
+
+    text: Text
+    layout: ColumnMap
+    recipes: dict[str, Recipe]
+    frame: pd.DataFrame
+    date: str | None
 
 
-def _header(line: str, source: str) -> list[str]:
-    if "\0" in line:
-        raise file_error(source, "is not a CSV table: it holds null characters")
-    return [name.strip() for name in next(csv.reader([line]))]
+def _check_header(text: Text, recipes: Recipes) -> list[str]:
+    """Refuse missing, doubled and misspelt columns; say what is ignored."""
+    header, line = text.header, text.line
+    problems = problems_of(recipes, text.source, line)
 
+    def complain(name: str, message: str) -> None:
+        problems.append(Problem(text.source, line, None, shortened(printable(name)), message))
 
-def _check_header(header: Sequence[str], line: int, source: str) -> tuple[str, ...]:
-    """Refuse missing, doubled and misspelt columns; return a note on those that are ignored."""
-    problems = [
-        Problem(source, line, None, name, "column appears more than once")
-        for name in dict.fromkeys(header)
-        if name and header.count(name) > 1
-    ]
+    for name in dict.fromkeys(header):
+        if name and header.count(name) > 1:
+            complain(name, "column appears more than once")
+    absent = [name for name in COLUMNS if name not in (*recipes.found, *header)]
     ignored = []
-    for name in header:
-        if name in COLUMNS:
+    date = _date_column(header, recipes.found)
+    for name in recipes.unused:
+        if name == date:
             continue
-        absent = [column for column in COLUMNS if column not in header]
         message = unknown_key(name, absent).replace("unknown key", "unknown column")
         if "did you mean" in message:
-            problems.append(Problem(source, line, None, shortened(printable(name)), message))
+            complain(name, message)
         else:
             ignored.append(shortened(printable(name)) or "(unnamed)")
-    problems += _missing_columns(header, line, source)
+    missing = [name for name in REQUIRED if name not in recipes.found]
+    if any(name in recipes.found for name in ATTITUDE):
+        missing += [name for name in ATTITUDE if name not in recipes.found]
+    for name in missing:
+        complain(name, "required column is missing")
+    if "time" not in recipes.found:
+        complain(TIME, f"required column is missing; allowed: {TIME} or {EPOCH}")
+    elif all(name in header for name in TIME_NAMES) and TIME in recipes.found["time"].columns:
+        complain(EPOCH, f"give {TIME} or {EPOCH}, not both")
+    if any(name in REQUIRED for name in missing):
+        names = ", ".join(shortened(printable(name)) for name in header[:20])
+        complain("", f"has the columns {names}; say with --columns or --column what they are")
     if problems:
         raise InputError(problems)
-    return (f"columns not used: {', '.join(ignored)}",) if ignored else ()
+    return [f"columns not used: {', '.join(ignored)}"] if ignored else []
 
 
-def _missing_columns(header: Sequence[str], line: int, source: str) -> list[Problem]:
-    missing = [name for name in REQUIRED if name not in header]
-    angles = [name for name in ATTITUDE if name in header]
-    if angles:
-        missing += [name for name in ATTITUDE if name not in header]
-    problems = [Problem(source, line, None, name, "required column is missing") for name in missing]
-    times = [name for name in (TIME, EPOCH) if name in header]
-    if not times:
-        message = f"required column is missing; allowed: {TIME} or {EPOCH}"
-        problems.append(Problem(source, line, None, TIME, message))
-    elif len(times) == 2:
-        problems.append(Problem(source, line, None, EPOCH, f"give {TIME} or {EPOCH}, not both"))
-    if missing and len(header) == 1 and (";" in header[0] or "\t" in header[0]):
-        return [Problem(source, line, None, "", "columns must be separated by commas")]
-    return problems
+def _date_column(header: Sequence[str], recipes: dict[str, Recipe]) -> str | None:
+    """Column of dates beside one of times of day."""
+    used = {name for recipe in recipes.values() for name in recipe.columns}
+    dates = [name for name in header if name.lower() in ("date", "date_utc") and name not in used]
+    return dates[0] if dates else None
 
 
-def _check_widths(lines: Sequence[str], numbers: Sequence[int], expected: int, source: str) -> None:
-    """Refuse rows with more or fewer fields than the header."""
-    wrong = [
-        (number, len(next(csv.reader([line]))) if '"' in line else line.count(",") + 1)
-        for line, number in zip(lines[1:], numbers[1:], strict=True)
-        if line.count(",") + 1 != expected
-    ]
-    wrong = [(number, width) for number, width in wrong if width != expected]
-    if wrong:
-        raise InputError(
-            Problem(source, number, None, "", f"has {width} fields, the header {expected}{rest}")
-            for (number, width), rest in first_few(wrong)
-        )
+def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
+    """Log of a table whose columns are known."""
+    import pandas as pd
+
+    labels: dict[str, str] = {}
+    told: list[str] = []
+    check = Check(raw.text.source, np.asarray(raw.text.numbers), labels, [])
+    columns = [_time(raw, check, told)]
+    for quantity, recipe in raw.recipes.items():
+        if quantity != "time":
+            columns.append(_quantity(raw, recipe, check, told))
+            labels[quantity] = " * ".join(recipe.columns) or quantity
+    check.done()
+    table = pd.DataFrame({str(column.name): column for column in columns})
+    _turn_radians(raw, table, told)
+    guessed = [recipe.told() for recipe in raw.recipes.values() if recipe.guessed]
+    if guessed:
+        told.insert(0, f"guessed: {', '.join(guessed)}")
+    zone = None if raw.layout.timezone is None else parse_zone(raw.layout.timezone)
+    return log_from_table(
+        table, raw.text.source, check.lines, [*told, *notes], zone=zone, labels=labels
+    )
+
+
+def _time(raw: _Raw, check: Check, told: list[str]) -> pd.Series:
+    """Column of time: text in the form of the log format, or seconds since 1970."""
+    import pandas as pd
+
+    recipe = raw.recipes["time"]
+    if recipe.value is not None or not recipe.single:
+        raise file_error(check.source, "columns.time: needs the name of one column")
+    name = recipe.columns[0]
+    column = raw.frame[name]
+    if pd.api.types.is_numeric_dtype(column) and raw.date is None and recipe.form is None:
+        values = numbers(column, check)
+        start = None if raw.layout.start is None else parse_instant(raw.layout.start)
+        unit = "s" if name == EPOCH else recipe.unit
+        try:
+            time_s, note = times_from_numbers(values, unit, start, printable(name))
+        except ValueError as error:
+            problem = Problem(check.source, raw.text.line, None, printable(name), str(error))
+            raise InputError([problem]) from None
+        told += [note] if note else []
+        _label(check, EPOCH, name)
+        return pd.Series(time_s, name=EPOCH)
+    text = column.astype("string")
+    if raw.date is not None:
+        text = raw.frame[raw.date].astype("string").str.strip() + " " + text.str.strip()
+        told.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
+    _label(check, TIME, name)
+    if recipe.form is None:
+        return text.rename(TIME)
+    zone = None if raw.layout.timezone is None else parse_zone(raw.layout.timezone)
+    times = times_from_text(text, zone, recipe.form)
+    for wrong in times.wrong.values():
+        check.complain(text.rename(TIME), wrong, f"is not of the form {recipe.form!r} or its zone")
+    return pd.Series(times.time_s, name=EPOCH)
+
+
+def _label(check: Check, quantity: str, name: str) -> None:
+    if name != quantity:
+        check.labels[quantity] = shortened(printable(name))
+
+
+def _quantity(raw: _Raw, recipe: Recipe, check: Check, told: list[str]) -> pd.Series:
+    """A quantity in the unit of the log format."""
+    import pandas as pd
+
+    quantity = recipe.quantity
+    if recipe.value is not None:
+        return pd.Series(np.full(len(raw.frame), recipe.value), name=quantity)
+    if recipe.plain:
+        return raw.frame[quantity]
+    parts = {name: numbers(raw.frame[name], check) for name in recipe.columns}
+    unit = None
+    if recipe.single and recipe.unit is None:
+        dimension = QUANTITIES[quantity].dimension
+        unit = recognised(quantity, dimension, next(iter(parts.values())))
+        if unit is not None:
+            told.append(f"{printable(recipe.columns[0])} read as {spelled(unit)}: so its size says")
+    return pd.Series(recipe.values(parts.__getitem__, unit), name=quantity)
+
+
+def _turn_radians(raw: _Raw, table: pd.DataFrame, told: list[str]) -> None:
+    """Angles of the attitude from radians, where their values say that they are such."""
+    if any(name not in raw.recipes or name not in table for name in ATTITUDE):
+        return
+    recipes = [raw.recipes[name] for name in ATTITUDE]
+    if any(r.value is not None or r.unit not in (None, "deg") for r in recipes):
+        return
+    named = all(r.unit is None and not r.plain for r in recipes)
+    try:
+        angles = [np.asarray(table[name], float) for name in ATTITUDE]
+    except ValueError:  # said with its line where the table is checked
+        return
+    if (in_radians if named else surely_radians)(*angles):
+        for name, values in zip(ATTITUDE, angles, strict=True):
+            table[name] = np.degrees(values)
+        told.append(_RADIANS)

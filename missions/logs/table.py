@@ -7,7 +7,8 @@ line. Angles are degrees in files and radians in :class:`FlightLog`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import datetime
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
+from missions.logs.clock import times_from_text
 from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -24,7 +26,14 @@ if TYPE_CHECKING:
 TIME, EPOCH = "time_utc", "time_utc_s"
 ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
 REQUIRED = ("latitude_deg", "longitude_deg", "altitude_m", "solar_power_w")
-OPTIONAL = ("ambient_temperature_c", "mppt_voltage_v", "load_w", "state_of_charge")
+OPTIONAL = (
+    "ambient_temperature_c",
+    "mppt_voltage_v",
+    "load_w",
+    "state_of_charge",
+    "airspeed_m_per_s",
+    "battery_power_w",
+)
 COLUMNS = (TIME, EPOCH, *REQUIRED, *ATTITUDE, *OPTIONAL)
 
 # A step longer than this many median steps is a gap: a logger that skips a few samples is not.
@@ -46,6 +55,8 @@ _RANGES: dict[str, tuple[float, float]] = {
     "mppt_voltage_v": (0.0, 1e4),
     "load_w": (-1e6, 1e6),
     "state_of_charge": (-0.05, 1.05),
+    "airspeed_m_per_s": (-10.0, 300.0),
+    "battery_power_w": (-1e6, 1e6),
 }
 _HINTS = {"state_of_charge": "; it is a share, not a percentage"}
 
@@ -88,6 +99,8 @@ class FlightLog:
         Attitude, none if the log has none.
     ambient_temperature_c, mppt_voltage_v, load_w, state_of_charge : ndarray or None
         What else was logged.
+    airspeed_m_per_s, battery_power_w : ndarray or None
+        True airspeed; power into the battery, negative where it is discharged.
     rows_read, rows_dropped : int
         Rows of the file, and those left out because a required value was missing.
     gaps : tuple of Gap
@@ -111,6 +124,8 @@ class FlightLog:
     rows_dropped: int
     gaps: tuple[Gap, ...]
     notes: tuple[str, ...]
+    airspeed_m_per_s: FloatArray | None = None
+    battery_power_w: FloatArray | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -141,6 +156,9 @@ def log_from_table(
     source: str,
     lines: IntArray | None = None,
     notes: Iterable[str] = (),
+    *,
+    zone: datetime.tzinfo | None = None,
+    labels: Mapping[str, str] | None = None,
 ) -> FlightLog:
     """Check a table with the columns of the CSV format and make it a log.
 
@@ -154,6 +172,10 @@ def log_from_table(
         Line of each row; without, rows are counted from 2 like those below a header.
     notes : iterable of str
         Notes to keep with the log.
+    zone : tzinfo, optional
+        Zone of times that are written without one; without, these are errors.
+    labels : mapping, optional
+        Names of columns in the file, for messages, where they are others.
 
     Returns
     -------
@@ -166,16 +188,18 @@ def log_from_table(
         If anything is wrong.
     """
     at = np.arange(2, len(table) + 2) if lines is None else lines
-    problems: list[Problem] = []
-    epoch = TIME not in table
-    time_s = _times(table[EPOCH if epoch else TIME], epoch, source, at, problems)
+    check = Check(source, at, dict(labels or {}), [])
+    told = list(notes)
+    if TIME in table:
+        time_s = _times(table[TIME], zone, check)
+    else:
+        time_s = numbers(table[EPOCH], check, _EPOCH_RANGE)
     values = {
-        name: _numbers(table[name], source, at, problems)
+        name: numbers(table[name], check, _RANGES[name])
         for name in (*REQUIRED, *ATTITUDE, *OPTIONAL)
         if name in table
     }
-    if problems:
-        raise InputError(problems)
+    check.done()
     if all(name in values and np.isnan(values[name]).all() for name in ATTITUDE):
         for name in ATTITUDE:
             del values[name]
@@ -183,82 +207,100 @@ def log_from_table(
     time_s, values, at = time_s[keep], {n: v[keep] for n, v in values.items()}, at[keep]
     _check_order(time_s, at, source)
     dropped = int(np.count_nonzero(~keep))
-    return _assembled(source, time_s, values, dropped, notes)
+    return _assembled(source, time_s, values, dropped, told)
 
 
-def _times(
-    column: pd.Series, epoch: bool, source: str, lines: IntArray, problems: list[Problem]
-) -> FloatArray:
-    import pandas as pd
+@dataclass(frozen=True)
+class Check:
+    """What is being read: file, line of each row, names in the file, mistakes so far."""
 
-    if epoch:
-        return _numbers(column, source, lines, problems, _EPOCH_RANGE)
-    if pd.api.types.is_numeric_dtype(column) and column.notna().any():
-        message = f"must be text like 2015-07-01T05:30:00Z; epoch seconds are the column {EPOCH}"
-        problems.append(Problem(source, int(lines[0]), None, TIME, message))
-        return np.full(len(column), np.nan)
-    text = column.astype("string").str.strip()
-    given = column.notna().to_numpy(bool)
-    zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
-    # A bare date ends like an offset does.
-    zoned &= text.str.contains("T|t| |:", regex=True, na=False).to_numpy(bool)
-    parsed = pd.to_datetime(text, format="ISO8601", utc=True, errors="coerce")
-    wrong = given & parsed.isna().to_numpy(bool)
-    _complain(
-        problems, source, lines, TIME, wrong, "must be ISO 8601 like 2015-07-01T05:30:00Z", column
-    )
-    message = "has no time zone; write UTC like 2015-07-01T05:30:00Z or +02:00"
-    _complain(problems, source, lines, TIME, given & ~wrong & ~zoned, message, column)
-    seconds = parsed.dt.tz_localize(None).to_numpy("datetime64[us]").astype(np.int64) / 1e6
-    time_s = np.where(parsed.notna().to_numpy(bool), seconds, np.nan)
+    source: str
+    lines: IntArray
+    labels: dict[str, str]
+    problems: list[Problem]
+
+    def complain(self, column: pd.Series, wrong: NDArray[Any], message: str) -> None:
+        """Note the first few rows in which a column is wrong.
+
+        Parameters
+        ----------
+        column : Series
+            As read.
+        wrong : ndarray of bool
+            Rows that are wrong.
+        message : str
+            What is allowed.
+        """
+        rows = np.flatnonzero(wrong).tolist()
+        name = str(column.name)
+        label = self.labels.get(name, name)
+        self.problems.extend(
+            Problem(
+                self.source,
+                int(self.lines[row]),
+                None,
+                label,
+                f"{message} (got {_cell(column.iloc[row])}){rest}",
+            )
+            for row, rest in first_few(rows)
+        )
+
+    def done(self) -> None:
+        """Raise what was noted."""
+        if self.problems:
+            raise InputError(self.problems)
+
+
+def _times(column: pd.Series, zone: datetime.tzinfo | None, check: Check) -> FloatArray:
+    times = times_from_text(column, zone)
+    messages = {
+        "form": "must be ISO 8601 like 2015-07-01T05:30:00Z",
+        "zone": "has no time zone; write UTC like 2015-07-01T05:30:00Z or +02:00, or give "
+        "--timezone",
+        "hour": "does not exist, or comes twice, in this time zone: the clocks were changed",
+    }
+    for kind, wrong in times.wrong.items():
+        check.complain(column, wrong, messages[kind])
     low, high = _EPOCH_RANGE
-    outside = (time_s < low) | (time_s > high)
-    _complain(problems, source, lines, TIME, outside, "must be from 1950 to 2049", column)
-    return np.asarray(time_s, float)
+    outside = (times.time_s < low) | (times.time_s > high)
+    check.complain(column, outside, "must be from 1950 to 2049")
+    return times.time_s
 
 
-def _numbers(
-    column: pd.Series,
-    source: str,
-    lines: IntArray,
-    problems: list[Problem],
-    limits: tuple[float, float] | None = None,
+def numbers(
+    column: pd.Series, check: Check, limits: tuple[float, float] | None = None
 ) -> FloatArray:
-    """Column as numbers, NaN where a field is empty."""
+    """Column as numbers, NaN where a field is empty.
+
+    Parameters
+    ----------
+    column : Series
+        As read.
+    check : Check
+        Takes what is wrong.
+    limits : tuple of float, optional
+        What is allowed.
+
+    Returns
+    -------
+    ndarray
+    """
     import pandas as pd
 
-    name = str(column.name)
     if pd.api.types.is_bool_dtype(column):
         column = column.astype("string")
     numeric = pd.to_numeric(column, errors="coerce").astype(float)
     values = np.asarray(numeric.to_numpy(float, na_value=np.nan), float)
     wrong = np.isnan(values) & column.notna().to_numpy(bool)
-    _complain(problems, source, lines, name, wrong, "must be a number", column)
+    check.complain(column, wrong, "must be a number")
     infinite = np.isinf(values)
-    _complain(problems, source, lines, name, infinite, "must be a finite number", column)
-    low, high = limits or _RANGES[name]
-    outside = ((values < low) | (values > high)) & ~infinite
-    message = f"must be from {low:g} to {high:g}{_HINTS.get(name, '')}"
-    _complain(problems, source, lines, name, outside, message, column)
+    check.complain(column, infinite, "must be a finite number")
+    if limits is not None:
+        low, high = limits
+        outside = ((values < low) | (values > high)) & ~infinite
+        message = f"must be from {low:g} to {high:g}{_HINTS.get(str(column.name), '')}"
+        check.complain(column, outside, message)
     return values
-
-
-def _complain(
-    problems: list[Problem],
-    source: str,
-    lines: IntArray,
-    name: str,
-    wrong: NDArray[Any],
-    message: str,
-    column: pd.Series,
-) -> None:
-    rows = np.flatnonzero(wrong).tolist()
-    problems += [
-        Problem(
-            source, int(lines[row]), None, name, f"{message} (got {_cell(column.iloc[row])}){rest}"
-        )
-        for row, rest in first_few(rows)
-    ]
 
 
 def _cell(value: object) -> str:
@@ -334,6 +376,8 @@ def _assembled(
         mppt_voltage_v=_if_any(values.get("mppt_voltage_v")),
         load_w=_if_any(values.get("load_w")),
         state_of_charge=_if_any(values.get("state_of_charge")),
+        airspeed_m_per_s=_if_any(values.get("airspeed_m_per_s")),
+        battery_power_w=_if_any(values.get("battery_power_w")),
     )
 
 

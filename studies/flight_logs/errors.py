@@ -19,6 +19,8 @@ from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.samples import Samples, numbered_runs
 
+# Times of samples are written to the millisecond.
+_TOLERANCE_S = 2e-3
 _WINDOW = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d+(?:\.\d*)?):(\d+(?:\.\d*)?)")
 
 
@@ -78,19 +80,24 @@ class ModelErrors:
 
 @dataclass(frozen=True)
 class Section:
-    """Errors over one window or day; ``excluded`` samples are not in them."""
+    """Errors over one window or day; ``excluded`` samples are not in them.
+
+    ``filter_s`` is the time to either side in the moving average.
+    """
 
     label: str
     start_s: float
     end_s: float
     samples: int
     excluded: int
-    semi_window: int
+    filter_s: float
     errors: Mapping[ModelName, ModelErrors]
 
 
-def moving_average(values: FloatArray, run: IntArray, semi_window: int) -> FloatArray:
-    """Two-sided moving average over ``2 semi_window + 1`` samples that never leaves a run.
+def moving_average(
+    values: FloatArray, run: IntArray, time_s: FloatArray, semi_s: float
+) -> FloatArray:
+    """Two-sided moving average over so many seconds to either side that never leaves a run.
 
     Towards the ends of a run the window is cut, not mirrored.
 
@@ -100,18 +107,24 @@ def moving_average(values: FloatArray, run: IntArray, semi_window: int) -> Float
         What is averaged.
     run : ndarray of int
         Number of each sample's run, ascending.
-    semi_window : int
-        Samples on either side.
+    time_s : ndarray
+        Times [s], ascending.
+    semi_s : float
+        Time on either side [s]; samples at its very end count.
 
     Returns
     -------
     ndarray
     """
-    place = np.arange(len(values))
-    first = np.searchsorted(run, run, side="left")
-    last = np.searchsorted(run, run, side="right")
-    low = np.maximum(place - semi_window, first)
-    high = np.minimum(place + semi_window + 1, last)
+    reach = semi_s + _TOLERANCE_S
+    low = np.maximum(
+        np.searchsorted(time_s, time_s - reach, side="left"),
+        np.searchsorted(run, run, side="left"),
+    )
+    high = np.minimum(
+        np.searchsorted(time_s, time_s + reach, side="right"),
+        np.searchsorted(run, run, side="right"),
+    )
     total = np.concatenate(([0.0], np.cumsum(values)))
     return np.asarray((total[high] - total[low]) / (high - low))
 
@@ -178,7 +191,7 @@ def _iso_date(day: int) -> str:
 def sections(
     samples: Samples,
     excluded: BoolArray,
-    semi_window: int,
+    filter_s: float,
     masks: Iterable[tuple[str, BoolArray]],
 ) -> tuple[Section, ...]:
     """Errors of all models in several parts of a log.
@@ -189,8 +202,8 @@ def sections(
         Measured and modelled power.
     excluded : ndarray of bool
         Samples that are left out of the errors.
-    semi_window : int
-        Samples on either side in the moving average.
+    filter_s : float
+        Time on either side in the moving average [s].
     masks : iterable of (str, ndarray of bool)
         Name of every part, and which samples are its own.
 
@@ -202,7 +215,8 @@ def sections(
     run = used_runs(samples, used)
     measured = samples.measured_w[used]
     raw = {m: power[used] - measured for m, power in samples.modelled_w.items()}
-    smooth = {m: moving_average(error, run, semi_window) for m, error in raw.items()}
+    time_s = samples.time_s[used]
+    smooth = {m: moving_average(error, run, time_s, filter_s) for m, error in raw.items()}
     result = []
     for label, mask in masks:
         inside = mask[used]
@@ -219,7 +233,7 @@ def sections(
                 end_s=float(times[-1]),
                 samples=int(inside.sum()),
                 excluded=int((mask & excluded).sum()),
-                semi_window=semi_window,
+                filter_s=filter_s,
                 errors=errors,
             )
         )

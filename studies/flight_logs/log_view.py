@@ -96,7 +96,7 @@ class LogView:
         -------
         ndarray
         """
-        return moving_average(values, self.samples.run, round(seconds / self.step_s))
+        return moving_average(values, self.samples.run, self.samples.time_s, seconds)
 
     def logged(self, values: FloatArray | None) -> FloatArray | None:
         """Values of the log at the sunlit samples."""

@@ -124,7 +124,7 @@ def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT
     Figure
     """
     section = result.windows[number]
-    view = _view(result, result.window_masks[number], result.window_semi, attitude=True)
+    view = _view(result, result.window_masks[number], result.window_filter_s, attitude=True)
     return _figure(result, section, view, [], figure)
 
 
@@ -149,7 +149,7 @@ def day_figure(
     -------
     Figure
     """
-    view = _view(result, mask, result.day_semi, attitude=False)
+    view = _view(result, mask, result.day_filter_s, attitude=False)
     hours, _ = _hours(result.samples, mask)
     inside = [hours[window[mask]] for window in result.window_masks]
     patches = [(float(h.min()), float(h.max())) for h in inside if len(h)]
@@ -190,7 +190,7 @@ def _faults(
     return found
 
 
-def _view(result: Verification, mask: BoolArray, semi_window: int, *, attitude: bool) -> _View:
+def _view(result: Verification, mask: BoolArray, filter_s: float, *, attitude: bool) -> _View:
     samples, log = result.samples, result.log
     stride = max(1, int(mask.sum()) // _MOST_POINTS)
     chosen = np.flatnonzero(mask)[::stride]
@@ -199,7 +199,7 @@ def _view(result: Verification, mask: BoolArray, semi_window: int, *, attitude: 
     run = samples.run + limits
 
     def shown(values: FloatArray) -> FloatArray:
-        return moving_average(values, run, semi_window)[chosen]
+        return moving_average(values, run, samples.time_s, filter_s)[chosen]
 
     angles, yaw = [], None
     if attitude and log.attitude is not None:
@@ -245,7 +245,7 @@ def _figure(
         len(rows),
         canvas=canvas,
         title=f"{result.aircraft}, {section.label}: models against flight",
-        notes=(f"average over {2 * section.semi_window + 1} samples",),
+        notes=(f"average over ±{section.filter_s:g} s",),
         size_in=(8.0, 1.4 * sum(heights) + 0.8),
         sharex=True,
         height_ratios=heights,

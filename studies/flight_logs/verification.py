@@ -49,7 +49,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 DEFAULT_MISSION = "rafz-28h"
-WINDOW_SEMI, DAY_SEMI = 2, 800  # samples; the report's filters
+# Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
+WINDOW_FILTER_S, DAY_FILTER_S = 1.0, 400.0
 _ERRORS = (
     Column("model"),
     Column("modelled_mean_w", "mean", "W", ".2f"),
@@ -80,8 +81,8 @@ class Verification(Result):
         Errors in the windows that were asked for, and on each day (UTC).
     window_masks : tuple of ndarray of bool
         Samples of each window.
-    window_semi, day_semi : int
-        Samples on either side in the moving averages.
+    window_filter_s, day_filter_s : float
+        Time on either side in the moving averages [s].
     anomalies : tuple of Anomaly
         What looks wrong, in the order of time.
     notes : tuple of str
@@ -96,8 +97,8 @@ class Verification(Result):
     windows: tuple[Section, ...]
     window_masks: tuple[BoolArray, ...]
     days: tuple[Section, ...]
-    day_semi: int
-    window_semi: int
+    day_filter_s: float
+    window_filter_s: float
     anomalies: tuple[Anomaly, ...]
     notes: tuple[str, ...]
 
@@ -121,7 +122,7 @@ class Verification(Result):
         blocks += [f"- {note}" for note in self.notes]
         definition = (
             "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
-            "after a moving average over so many samples on either side as filter says"
+            "after a moving average over so many seconds to either side as filter says"
         )
         return Summary((*blocks, Line(definition, "faint")))
 
@@ -230,7 +231,7 @@ def _section_record(section: Section) -> dict[str, Any]:
         **_span_record(section.start_s, section.end_s),
         "samples": section.samples,
         "excluded_samples": section.excluded,
-        "filter_semi_window": section.semi_window,
+        "filter_s": section.filter_s,
         "measured_mean_w": None if some is None else some.measured_mean_w,
         "models": {m: _errors_record(e) for m, e in section.errors.items()},
     }
@@ -260,7 +261,7 @@ def _error_table(section: Section, clock: str) -> Table:
     measured = next(iter(section.errors.values())).measured_mean_w
     title = (
         f"{name}: {measured:.2f} W measured, {section.samples} samples, "
-        f"filter {section.semi_window}"
+        f"filter {section.filter_s:g} s"
     )
     return Table(title, _ERRORS, tuple(rows))
 
@@ -271,7 +272,7 @@ def verify(
     mission: Mission | None = None,
     *,
     windows: Sequence[Window | str] = (),
-    semi_window: int | None = None,
+    filter_s: float | None = None,
     shading: ShadedArea | None = None,
 ) -> Verification:
     """Compare all models with a log and look for anomalies.
@@ -286,8 +287,9 @@ def verify(
         Clearness, and temperatures that the log does not have; the shipped ``rafz-28h`` by default.
     windows : sequence of Window or str
         Periods to report on apart from the days; texts as for :func:`parse_window`.
-    semi_window : int, optional
-        Samples on either side in the moving average; 2 in windows and 800 over days if not given.
+    filter_s : float, optional
+        Time on either side in the moving average [s]; 1 s in windows and 400 s over days if not
+        given.
     shading : callable, optional
         Shaded area instead of that of the aircraft's own tail.
 
@@ -319,8 +321,8 @@ def verify(
         if not mask.any():
             message = f"no sample with the sun up lies in the window {window.label} (solar time)"
             raise file_error(log.source, f"{message}; allowed: {solar_span(samples)}")
-    window_semi = WINDOW_SEMI if semi_window is None else semi_window
-    day_semi = DAY_SEMI if semi_window is None else semi_window
+    window_s = WINDOW_FILTER_S if filter_s is None else filter_s
+    day_s = DAY_FILTER_S if filter_s is None else filter_s
     labelled = zip([window.label for window in periods], masks, strict=True)
     return Verification(
         aircraft=aircraft.name,
@@ -328,11 +330,11 @@ def verify(
         log=log,
         samples=samples,
         excluded=limited,
-        windows=sections(samples, limited, window_semi, labelled),
+        windows=sections(samples, limited, window_s, labelled),
         window_masks=masks,
-        days=sections(samples, limited, day_semi, day_masks(samples)),
-        day_semi=day_semi,
-        window_semi=window_semi,
+        days=sections(samples, limited, day_s, day_masks(samples)),
+        day_filter_s=day_s,
+        window_filter_s=window_s,
         anomalies=tuple(sorted(found, key=lambda a: (a.start_s, a.kind))),
         notes=(*log.notes, *reasons, *sources),
     )

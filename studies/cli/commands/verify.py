@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from studies.cli.help_texts import command
+from studies.cli.log_options import log_options
 from studies.cli.options import (
     Parsed,
+    RealRange,
     aircraft_argument,
     completes,
     figure_options,
@@ -22,15 +24,17 @@ from studies.cli.options import (
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
+    from missions.logs.columns import ColumnMap
     from studies.flight_logs.errors import Window
 
-_LONGEST_FILTER = 1_000_000
+_LONGEST_FILTER_S = 86_400.0
 
 
 @command("solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified")
 @aircraft_argument()
 @click.argument("log_file", metavar="LOG", shell_complete=completes("log_file"))
 @mission_option("rafz-28h")
+@log_options
 @click.option(
     "--window",
     "windows",
@@ -41,10 +45,10 @@ _LONGEST_FILTER = 1_000_000
 )
 @click.option(
     "--filter",
-    "semi_window",
-    type=click.IntRange(0, _LONGEST_FILTER),
-    metavar="N",
-    help="Samples on either side in the moving average.  [default: 2 in windows, 800 over days]",
+    "filter_s",
+    type=RealRange(0.0, _LONGEST_FILTER_S, unit="seconds"),
+    metavar="SECONDS",
+    help="Time to either side in the moving average.  [default: 1 s in windows, 400 s over days]",
 )
 @set_option
 @json_option
@@ -55,8 +59,9 @@ def verify(
     aircraft: str,
     log_file: str,
     mission: str,
+    layout: ColumnMap,
     windows: tuple[Window, ...],
-    semi_window: int | None,
+    filter_s: float | None,
     overrides: tuple[str, ...],
     as_json: bool,
     out_dir: str | None,
@@ -65,6 +70,7 @@ def verify(
 ) -> None:
     """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
     from missions.files.writing import check_writable_folder
+    from missions.logs.csv import read_flight_log
     from studies.cli.files import load, refuse_swapped_log
     from studies.cli.outputs import figure_bytes, tell
     from studies.cli.reports import check_report, report_on_log
@@ -78,7 +84,11 @@ def verify(
     refuse_swapped_log(aircraft, log_file)
     case = load(aircraft, mission, overrides)
     result = verify_models(
-        *(case.aircraft, log_file, case.mission), windows=windows, semi_window=semi_window
+        case.aircraft,
+        read_flight_log(log_file, layout),
+        case.mission,
+        windows=windows,
+        filter_s=filter_s,
     )
     record = case.named(result.to_dict())
     if out_dir is not None:

@@ -196,8 +196,8 @@ def test_part_of_the_attitude_is_an_error(tmp_path: Path) -> None:
     ("old", "new", "expected"),
     [
         ("roll_deg", "rol_deg", "rol_deg: unknown column; did you mean 'roll_deg'?"),
-        ("altitude_m", "altitude_ft", "altitude_ft: unknown column; did you mean 'altitude_m'?"),
-        ("time_utc", "clock", "time_utc: required column is missing; allowed: time_utc or"),
+        ("altitude_m", "altitudes_q", "altitude_m: required column is missing"),
+        ("time_utc", "gust", "time_utc: required column is missing; allowed: time_utc or"),
         ("pitch_deg", "roll_deg", "roll_deg: column appears more than once"),
     ],
 )
@@ -211,9 +211,9 @@ def test_other_columns_are_told_and_ignored(tmp_path: Path) -> None:
     assert log.notes == ("columns not used: remark",)
 
 
-def test_semicolons_are_named(tmp_path: Path) -> None:
+def test_header_and_rows_of_different_separators(tmp_path: Path) -> None:
     found = messages(tmp_path, rows(), HEADER.replace(",", ";"))
-    assert "columns must be separated by commas" in found[0]
+    assert "has 1 fields, the header 9" in found[0]
 
 
 def test_row_of_another_length(tmp_path: Path) -> None:

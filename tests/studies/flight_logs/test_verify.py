@@ -114,7 +114,7 @@ def test_bias_is_recovered(bias: float) -> None:
 
 
 def test_errors_follow_their_definition() -> None:
-    result = verified(made(start_utc_s=MORNING_S, duration_h=4.0), semi_window=0)
+    result = verified(made(start_utc_s=MORNING_S, duration_h=4.0), filter_s=0.0)
     (day,) = result.days
     samples = result.samples
     for model, errors in day.errors.items():
@@ -126,7 +126,7 @@ def test_errors_follow_their_definition() -> None:
 
 def test_filter_lowers_rms_but_not_the_average() -> None:
     log = made(start_utc_s=MORNING_S, duration_h=4.0)
-    raw, smooth = (verified(log, semi_window=n).days[0].errors["CAM"] for n in (0, 200))
+    raw, smooth = (verified(log, filter_s=s).days[0].errors["CAM"] for s in (0.0, 400.0))
     assert smooth.average_w == pytest.approx(raw.average_w)
     assert smooth.rms_w < 0.9 * raw.rms_w
     assert smooth.maximum_w < raw.maximum_w
@@ -136,9 +136,27 @@ def test_moving_average_never_leaves_a_run() -> None:
     run = np.array([0, 0, 0, 0, 1, 1, 1, 2])
     values = np.array([1.0, 2.0, 3.0, 4.0, 100.0, 200.0, 300.0, 7.0])
     expected = [1.5, 2.0, 3.0, 3.5, 150.0, 200.0, 250.0, 7.0]
-    assert moving_average(values, run, 1) == pytest.approx(expected)
-    assert moving_average(values, run, 0) == pytest.approx(values)
-    assert moving_average(values, run, 999)[:5] == pytest.approx([2.5] * 4 + [200.0])
+    time_s = 1.4e9 + 0.5 * np.arange(8)  # as large as in logs
+    assert moving_average(values, run, time_s, 0.5) == pytest.approx(expected)
+    assert moving_average(values, run, time_s, 0.0) == pytest.approx(values)
+    assert moving_average(values, run, time_s, 999.0)[:5] == pytest.approx([2.5] * 4 + [200.0])
+
+
+def test_moving_average_counts_seconds_at_any_rate() -> None:
+    """A straight line is its own average over any symmetric window, at uneven steps as well."""
+    for step_s in (0.1, 10.0):
+        time_s = 1.4e9 + step_s * np.arange(400)
+        line = moving_average(time_s - 1.4e9, np.zeros(400, int), time_s, 40.0)
+        inside = slice(int(40 / step_s), -int(40 / step_s) or None)
+        assert line[inside] == pytest.approx((time_s - 1.4e9)[inside])
+
+
+def test_filter_of_a_slow_log_is_as_long_as_that_of_a_fast_one() -> None:
+    slow, fast = (made(rate_hz=rate, duration_h=6.0) for rate in (0.1, 2.0))
+    worst = [verified(log).days[0].errors["FM"].maximum_w for log in (slow, fast)]
+    # Of noise of 1 W, the mean over 800 s has 0.11 W left of 81 samples and 0.03 W of 1601.
+    assert worst[0] < 0.7
+    assert worst[1] < 0.7
 
 
 def test_all_models_agree_with_the_library_on_single_samples() -> None:
@@ -186,7 +204,7 @@ def test_windows_of_every_day_and_of_one() -> None:
     # On the first day the aircraft starts at 9.7 h solar time.
     assert every.samples == pytest.approx(2 * one.samples, rel=0.02)
     assert one.label == "2015-07-01, 10 to 12 h"
-    assert one.semi_window == 2
+    assert one.filter_s == 1.0
 
 
 def test_gap_is_not_filtered_over() -> None:
@@ -422,7 +440,7 @@ def test_folder_that_is_a_file_is_refused_before_any_work(log_file: Path) -> Non
 def test_command_prints_json(log_file: Path) -> None:
     result = run(log_file, "--json", "--window", "5.7:5.8", "--filter", "7")
     record = json.loads(result.output)
-    assert [s["filter_semi_window"] for s in (*record["windows"], *record["days"])] == [7, 7]
+    assert [s["filter_s"] for s in (*record["windows"], *record["days"])] == [7, 7]
     assert record["models"] == ["CDM", "CAM", "VM", "FM"]
     assert [a["kind"] for a in record["anomalies"]] == ["battery_full"]
     assert record["excluded_samples"] > 600

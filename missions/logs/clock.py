@@ -1,0 +1,210 @@
+"""Times of a log: ISO 8601 with or without a zone, other forms, and numbers from 1970 on."""
+
+from __future__ import annotations
+
+import datetime
+import re
+import zoneinfo
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from missions.files.errors import shown
+from missions.logs.units import UNITS, epoch_unit
+from solar.types import BoolArray, FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_OFFSET = re.compile(r"([+-])(\d{1,2})(?::?(\d\d))?")
+_DOTTED = r"^\s*(\d{1,2})\.(\d{1,2})\.(\d{4})[ T,]+"
+
+
+class Times(NamedTuple):
+    """Seconds since 1970 (UTC), NaN where there is none; rows that are wrong, by what is wrong."""
+
+    time_s: FloatArray
+    wrong: dict[str, BoolArray]
+    notes: tuple[str, ...]
+
+
+def parse_zone(text: str) -> datetime.tzinfo:
+    """Read a time zone: ``UTC``, an offset like ``+02:00``, or a name like ``Europe/Zurich``.
+
+    Raises
+    ------
+    ValueError
+        If there is no such zone.
+    """
+    name = text.strip()
+    if name.upper() in ("UTC", "Z", "GMT"):
+        return datetime.UTC
+    match = _OFFSET.fullmatch(name.upper().removeprefix("UTC"))
+    if match is not None:
+        minutes = 60 * int(match[2]) + int(match[3] or 0)
+        if minutes <= 14 * 60 and int(match[3] or 0) < 60:
+            sign = 1 if match[1] == "+" else -1
+            return datetime.timezone(datetime.timedelta(minutes=sign * minutes))
+    try:
+        return zoneinfo.ZoneInfo(name)
+    except (KeyError, ValueError, OSError):
+        raise ValueError(
+            f"must be UTC, an offset like +02:00 (at most 14 h) or a name like Europe/Zurich "
+            f"(got {shown(text)})"
+        ) from None
+
+
+def zone_name(text: str) -> str:
+    """Check that there is a time zone of a name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    parse_zone(text)
+    return text.strip()
+
+
+def parse_instant(text: str) -> float:
+    """Read an instant with its zone, ``2015-06-30T11:14:00+02:00``, as seconds since 1970.
+
+    Raises
+    ------
+    ValueError
+        If the text is none, or has no zone.
+    """
+    try:
+        instant = datetime.datetime.fromisoformat(text.strip())
+    except ValueError:
+        instant = None
+    if instant is None or instant.tzinfo is None:
+        raise ValueError(
+            f"must be a time with its zone like 2015-06-30T11:14:00+02:00 (got {shown(text)})"
+        )
+    try:
+        return instant.timestamp()
+    except (OverflowError, OSError, ValueError):
+        raise ValueError(f"must be a time from 1950 to 2049 (got {shown(text)})") from None
+
+
+def times_from_text(
+    column: pd.Series, zone: datetime.tzinfo | None, form: str | None = None
+) -> Times:
+    """Read times that are written out.
+
+    Parameters
+    ----------
+    column : Series
+        Text; empty where there is no time.
+    zone : tzinfo, optional
+        Zone of times that have none; without, these are wrong.
+    form : str, optional
+        Form of the times for ``strptime``; ISO 8601 by default, or day.month.year.
+
+    Returns
+    -------
+    Times
+    """
+    import pandas as pd
+
+    given = column.notna().to_numpy(bool)
+    text = column.astype("string").str.strip()
+    other = given & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
+    if form is None and other.any():
+        text[other] = _rewritten(text[other])
+    if text.str.contains(",", regex=False, na=False).any():
+        text = text.str.replace(r"(:\d\d),(\d)", r"\1.\2", regex=True)
+    zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
+    # A bare date ends like an offset does.
+    zoned &= text.str.contains("T|t| |:", regex=True, na=False).to_numpy(bool)
+    zoned |= np.full(len(column), form is not None and "%z" in form)
+    time_s = np.full(len(column), np.nan)
+    rows = given & zoned
+    if rows.any():
+        parsed = pd.to_datetime(text[rows], format=form or "ISO8601", utc=True, errors="coerce")
+        time_s[rows] = _seconds(parsed)
+    rows = given & ~zoned
+    odd = np.zeros(len(column), bool)
+    if rows.any():
+        local = pd.to_datetime(text[rows], format=form or "ISO8601", errors="coerce")
+        odd[rows] = local.isna().to_numpy(bool)
+        if zone is not None:
+            time_s[rows] = _localised(local, zone)
+    naive = given & ~zoned & ~odd
+    wrong = {
+        "form": given & np.isnan(time_s) & ~naive,
+        "zone": naive if zone is None else np.zeros(len(column), bool),
+        "hour": naive & np.isnan(time_s) if zone is not None else np.zeros(len(column), bool),
+    }
+    return Times(time_s, wrong, ())
+
+
+def _rewritten(text: pd.Series) -> pd.Series:
+    """Other common forms as ISO 8601; between dots the order is day, month, year everywhere."""
+    text = text.str.replace(_DOTTED, r"\3-\2-\1 ", regex=True)
+    text = text.str.replace(r"^(\d{4})[-/](\d\d?)[-/](\d\d?)", r"\1-\2-\3", regex=True)
+    text = text.str.replace(r"^(\d{4})-(\d)-", r"\1-0\2-", regex=True)
+    return text.str.replace(r"^(\d{4}-\d\d)-(\d)(?!\d)", r"\1-0\2", regex=True)
+
+
+def _seconds(instants: pd.Series) -> FloatArray:
+    plain = instants.dt.tz_localize(None).to_numpy("datetime64[us]")
+    return np.where(np.isnat(plain), np.nan, plain.astype(np.int64) / 1e6)
+
+
+def _localised(local: pd.Series, zone: datetime.tzinfo) -> FloatArray:
+    """Seconds since 1970 of local times; NaN in the hour that a change of clocks leaves out."""
+    try:
+        found = local.dt.tz_localize(zone, ambiguous="infer", nonexistent="NaT")
+    except ValueError:  # an hour that comes twice, without its repetition to tell by
+        found = local.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
+    return _seconds(found.dt.tz_convert("UTC"))
+
+
+def times_from_numbers(
+    values: FloatArray, unit: str | None, start_s: float | None, name: str
+) -> tuple[FloatArray, str | None]:
+    """Read times that are numbers: from 1970, or from a start that is known.
+
+    Parameters
+    ----------
+    values : ndarray
+        As written.
+    unit : str, optional
+        Their unit, found by their size if not given.
+    start_s : float, optional
+        What they count from [s since 1970]; 1970 itself by default.
+    name : str
+        Column, for the note.
+
+    Returns
+    -------
+    time_s : ndarray
+        Seconds since 1970.
+    note : str or None
+        What was guessed.
+
+    Raises
+    ------
+    ValueError
+        If they count from elsewhere, and that is not known.
+    """
+    if start_s is not None:
+        factor = UNITS["time"][unit or "s"].factor
+        first = values[np.isfinite(values)][:1]
+        return start_s + factor * (values - (first[0] if len(first) else 0.0)), None
+    found = epoch_unit(values)
+    if found is None:
+        if unit is None:
+            raise ValueError(
+                "does not count from 1970 (s, ms, us or ns): give the instant of its first row as "
+                "start in the --columns file, with its zone"
+            )
+        return UNITS["time"][unit].factor * values, None
+    note = None
+    if unit is not None and UNITS["time"][unit].factor != UNITS["time"][found].factor:
+        note = f"{name} is said to be in {unit}, and read as {found} since 1970: so its size says"
+    elif unit is None:
+        note = f"{name} read as {found} since 1970"
+    return UNITS["time"][found].factor * values, note

@@ -1,0 +1,452 @@
+"""Which column of a log is what: by a file, by options, or guessed from the names.
+
+A log has columns of its own; a :class:`Recipe` says how a quantity of the log format is made of
+them. What is guessed is told.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import AfterValidator, Field
+
+from missions.files.errors import Problem, printable, shortened, shown
+from missions.files.validation import unknown_key, validate
+from missions.files.yaml import read_yaml
+from missions.logs.clock import parse_instant, zone_name
+from missions.logs.units import UNITS, Dimension, known_unit, spelled, split_unit
+from solar.schema import Real, Record, Text
+from solar.types import FloatArray
+
+
+class Quantity(NamedTuple):
+    """What may be in a log: its dimension, and names that it goes by elsewhere, likeliest first.
+
+    Names are lower case without anything between words, and without a unit.
+    """
+
+    dimension: Dimension
+    aliases: tuple[str, ...]
+
+
+def _names(*groups: str) -> tuple[str, ...]:
+    return tuple(name for group in groups for name in group.split())
+
+
+QUANTITIES: Mapping[str, Quantity] = {
+    "time": Quantity("time", _names(
+        "time timestamp datetime utc timeutc utctime gpstime timegps epoch unixtime timeunix unix",
+        "localtime timelocal clock t",
+    )),
+    "latitude_deg": Quantity("angle", _names("latitude lat gpslat gpslatitude latgps poslat")),
+    "longitude_deg": Quantity("angle", _names(
+        "longitude lon lng long gpslon gpslongitude longps gpslng poslon"
+    )),
+    "altitude_m": Quantity("length", _names(
+        "altitude alt altitudemsl altmsl amsl gpsalt gpsaltitude altgps altitudeamsl altamsl"
+    )),
+    "roll_deg": Quantity("angle", _names("roll rollangle phi bank bankangle")),
+    "pitch_deg": Quantity("angle", _names("pitch pitchangle theta")),
+    "yaw_deg": Quantity("angle", _names("yaw yawangle psi heading trueheading hdg")),
+    "solar_power_w": Quantity("power", _names(
+        "solarpower powersolar psolar pvpower powerpv ppv mpptpower powermppt pmppt solar",
+        "arraypower parray solararraypower psun",
+    )),
+    "solar_voltage_v": Quantity("voltage", _names(
+        "solarvoltage voltagesolar vsolar usolar pvvoltage vpv upv mpptvoltage mpptvolt vmppt",
+    )),
+    "solar_current_a": Quantity("current", _names(
+        "solarcurrent currentsolar isolar pvcurrent ipv mpptcurrent mpptamp imppt"
+    )),
+    "ambient_temperature_c": Quantity("temperature", _names(
+        "ambienttemperature ambienttemp airtemperature airtemp tamb tambient tair oat",
+        "outsideairtemperature outsideairtemp temperature temp",
+    )),
+    "mppt_voltage_v": Quantity("voltage", _names("mpptvoltage mpptvolt vmppt umppt")),
+    "load_w": Quantity("power", _names(
+        "load loadpower powerload pload consumption powerconsumption consumedpower pout ptotal"
+    )),
+    "state_of_charge": Quantity("share", _names(
+        "stateofcharge soc batterysoc socbattery batsoc batteryremaining remaining chargestate",
+        "batterypercent batpercent batterylevel",
+    )),
+    "airspeed_m_per_s": Quantity("speed", _names(
+        "trueairspeed airspeedtrue tas vtas airspeed vair aspd airspeedspeed"
+    )),
+    "battery_power_w": Quantity("power", _names("batterychargepower chargepower")),
+}  # fmt: skip
+# Written time columns of the log format itself.
+TIME_NAMES = ("time_utc", "time_utc_s")
+# Made of others, never a column of the result.
+_PARTS = ("solar_voltage_v", "solar_current_a")
+_ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
+
+
+def _instant_text(text: str) -> str:
+    parse_instant(text)
+    return text
+
+
+class Source(Record):
+    """How a quantity is found: a column or sum of products of columns, or a constant ``value``."""
+
+    name: Text | None = None
+    unit: Text | None = None
+    factor: Real = 1.0
+    value: Real | None = None
+    format: Text | None = None
+
+
+class ColumnMap(Record):
+    """Layout of a log, as a YAML file or options give it; what is not given is guessed."""
+
+    separator: Literal[",", ";", "\t", "|", "tab", "comma", "semicolon"] | None = None
+    decimal: Literal[".", ","] | None = None
+    timezone: Annotated[Text, AfterValidator(zone_name)] | None = None
+    start: Annotated[Text, AfterValidator(_instant_text)] | None = None
+    columns: Mapping[str, Text | Source] = Field(default_factory=dict)
+
+    def with_options(self, columns: Mapping[str, str], timezone: str | None) -> ColumnMap:
+        """Map with columns and the zone of the command line, which precede those of the file.
+
+        Parameters
+        ----------
+        columns : mapping
+            Column by quantity.
+        timezone : str or None
+            Zone of times that have none.
+
+        Returns
+        -------
+        ColumnMap
+        """
+        changes: dict[str, Any] = {"columns": {**self.columns, **columns}}
+        if timezone is not None:
+            changes["timezone"] = timezone
+        return ColumnMap.model_validate({**self.model_dump(), **changes})
+
+
+def read_column_map(path: str) -> ColumnMap:
+    """Read a ``--columns`` file.
+
+    Raises
+    ------
+    InputError
+        With the line of every mistake.
+    """
+    return validate(read_yaml(path), ColumnMap)
+
+
+def parse_column(text: str) -> tuple[str, str]:
+    """Read ``QUANTITY=COLUMN`` of the command line.
+
+    Raises
+    ------
+    ValueError
+        If the text is none, or there is no such quantity.
+    """
+    quantity, sign, column = text.partition("=")
+    quantity, column = quantity.strip(), column.strip()
+    if not sign or not column:
+        raise ValueError(f"must be QUANTITY=COLUMN, such as 'solar_power_w=P [kW]' (got {text!r})")
+    if quantity not in QUANTITIES:
+        known = unknown_key(quantity, list(QUANTITIES)).replace("unknown key", "no such quantity")
+        raise ValueError(f"{shortened(printable(quantity))}: {known}")
+    return quantity, column
+
+
+class Factor(NamedTuple):
+    """Column of the log, and its unit if that is known."""
+
+    column: str
+    unit: str | None
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a quantity is made: the sum over ``terms`` of the products of their columns.
+
+    ``unit`` is that of the result if a term is one column; ``guessed`` if nobody said so.
+    """
+
+    quantity: str
+    terms: tuple[tuple[Factor, ...], ...] = ()
+    factor: float = 1.0
+    value: float | None = None
+    form: str | None = None
+    guessed: bool = False
+
+    @property
+    def columns(self) -> list[str]:
+        """Columns of the log that are read."""
+        return [factor.column for term in self.terms for factor in term]
+
+    @property
+    def plain(self) -> bool:
+        """Whether the column stands in the log as the format has it."""
+        return self.columns == [self.quantity] and self.factor == 1.0 and self.unit is None
+
+    @property
+    def unit(self) -> str | None:
+        """Unit of the only column, if there is one and it is known."""
+        return self.terms[0][0].unit if self.single else None
+
+    @property
+    def single(self) -> bool:
+        """Whether one column is all that is needed."""
+        return len(self.terms) == 1 and len(self.terms[0]) == 1
+
+    def told(self) -> str:
+        """What is read as what."""
+        text = " + ".join(" * ".join(map(_with_unit, term)) for term in self.terms)
+        return f"{self.quantity} = {printable(text)}"
+
+    def values(self, column: Callable[[str], FloatArray], unit: str | None = None) -> FloatArray:
+        """Values in the unit of the log format.
+
+        Parameters
+        ----------
+        column : callable
+            Numbers of a column by its name.
+        unit : str, optional
+            Unit of the only column, where the values told it.
+
+        Returns
+        -------
+        ndarray
+        """
+        total: Any = 0.0
+        for term in self.terms:
+            product: Any = 1.0
+            for factor in term:
+                scale = _scale(self.quantity, len(term), factor.unit or unit)
+                product = product * (scale.factor * column(factor.column) + scale.offset)
+            total = total + product
+        return np.asarray(self.factor * total, float)
+
+
+def _with_unit(factor: Factor) -> str:
+    if factor.unit is None or split_unit(factor.column)[1] is not None:
+        return factor.column
+    return f"{factor.column} [{spelled(factor.unit)}]"
+
+
+def _scale(quantity: str, factors: int, unit: str | None) -> Any:
+    if unit is None:
+        unit = next(iter(UNITS[_dimensions(quantity, factors)[0]]))
+    for dimension in _dimensions(quantity, factors):
+        if unit in UNITS[dimension]:
+            return UNITS[dimension][unit]
+    raise AssertionError(unit)  # checked where the recipe was made
+
+
+def _dimensions(quantity: str, factors: int) -> tuple[Dimension, ...]:
+    """Dimensions that a column may have: of a product those of voltage and current."""
+    if factors == 1:
+        return (QUANTITIES[quantity].dimension,)
+    return ("voltage", "current")
+
+
+class Recipes(NamedTuple):
+    """Recipe of every quantity that was found, columns that nothing needs, what was wrong."""
+
+    found: dict[str, Recipe]
+    unused: list[str]
+    problems: list[str]
+
+
+def recipes_for(header: Sequence[str], given: ColumnMap | None = None) -> Recipes:
+    """Find out how the quantities of the log format are made of the columns of a log.
+
+    Parameters
+    ----------
+    header : sequence of str
+        Names of the columns.
+    given : ColumnMap, optional
+        What is known of them.
+
+    Returns
+    -------
+    Recipes
+    """
+    found: dict[str, Recipe] = {}
+    problems: list[str] = []
+    for quantity, source in (given.columns if given else {}).items():
+        try:
+            found[quantity] = _given(quantity, source, header)
+        except ValueError as error:
+            problems.append(str(error))
+    taken = {column for recipe in found.values() for column in recipe.columns}
+    for quantity in QUANTITIES:
+        if quantity not in found and (column := _guess(quantity, header, taken)) is not None:
+            own = column.column == quantity or column.column in TIME_NAMES
+            found[quantity] = Recipe(quantity, ((column,),), guessed=not own)
+            if quantity not in _PARTS:  # one voltage may serve the power and itself
+                taken.add(column.column)
+    _join_power(found)
+    _leave_half_attitude(found)
+    used = {column for recipe in found.values() for column in recipe.columns}
+    return Recipes(found, [name for name in header if name not in used], problems)
+
+
+def _given(quantity: str, source: str | Source, header: Sequence[str]) -> Recipe:
+    """Recipe of a quantity that somebody named."""
+    key = f"columns.{shortened(printable(quantity))}"
+    if quantity not in QUANTITIES:
+        message = unknown_key(quantity, list(QUANTITIES)).replace("key", "quantity", 1)
+        raise ValueError(f"{key}: {message}")
+    one = Source(name=source) if isinstance(source, str) else source
+    if one.value is not None:
+        if one.name is not None:
+            raise ValueError(f"{key}: give a name or a value, not both")
+        return Recipe(quantity, value=one.factor * one.value)
+    if one.name is None:
+        raise ValueError(f"{key}: needs the name of a column, or a value")
+    terms = tuple(
+        _term(key, quantity, text, header)
+        for text in ([one.name] if one.name in header else one.name.split(" + "))
+    )
+    if one.unit is not None:
+        if len(terms) != 1 or len(terms[0]) != 1:
+            raise ValueError(f"{key}: in a sum or product the unit stands behind each column")
+        terms = ((Factor(terms[0][0].column, _unit(key, quantity, 1, one.unit)),),)
+    return Recipe(quantity, terms, factor=one.factor, form=one.format)
+
+
+def _term(key: str, quantity: str, text: str, header: Sequence[str]) -> tuple[Factor, ...]:
+    parts = [text.strip()] if text.strip() in header else text.strip().split(" * ")
+    if len(parts) > 2:
+        raise ValueError(f"{key}: a product is that of a voltage and a current (got {shown(text)})")
+    return tuple(_factor(key, quantity, len(parts), part.strip(), header) for part in parts)
+
+
+def _factor(key: str, quantity: str, factors: int, text: str, header: Sequence[str]) -> Factor:
+    if text in header:
+        return Factor(text, _unit_of_name(quantity, factors, text))
+    name, unit = split_unit(text)
+    if name in header and unit is not None:
+        return Factor(name, _unit(key, quantity, factors, unit))
+    message = unknown_key(text, list(header)).replace("unknown key", "no such column")
+    raise ValueError(f"{key}: {message}")
+
+
+def _unit(key: str, quantity: str, factors: int, text: str) -> str:
+    for dimension in _dimensions(quantity, factors):
+        if (unit := known_unit(text, dimension)) is not None:
+            return unit
+    allowed = ", ".join(spelled(u) for d in _dimensions(quantity, factors) for u in UNITS[d])
+    raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {allowed}")
+
+
+def _words(name: str) -> list[str]:
+    """Words of a name in lower case, also of one in camel case."""
+    apart = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
+    return re.findall(r"[a-z0-9%°µ]+", apart.lower())
+
+
+def _unit_of_name(quantity: str, factors: int, name: str) -> str | None:
+    """Unit that a name ends with."""
+    if name == quantity:
+        return None
+    base, bracketed = split_unit(name)
+    words = _words(base)
+    endings = [bracketed] if bracketed else []
+    endings += [sign.join(words[-n:]) for n in (3, 2, 1) for sign in ("_", "") if len(words) > n]
+    for dimension in _dimensions(quantity, factors):
+        for ending in endings:
+            if (unit := known_unit(ending, dimension)) is not None:
+                return unit
+    return None
+
+
+def _guess(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:
+    """Column that a quantity most likely is; its own name before any other."""
+    if quantity in header and quantity not in taken:
+        return Factor(quantity, None)
+    if quantity == "time":
+        for name in TIME_NAMES:
+            if name in header and name not in taken:
+                return Factor(name, None)
+    best: tuple[int, Factor] | None = None
+    for name in header:
+        if name in taken or name in QUANTITIES:
+            continue
+        match = _matched(quantity, name)
+        if match is not None and (best is None or match[0] < best[0]):
+            best = match
+    return None if best is None else best[1]
+
+
+def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
+    """Place of a column's name among the aliases of a quantity, and the column with its unit."""
+    dimension, aliases = QUANTITIES[quantity]
+    base, bracketed = split_unit(name)
+    unit = None if bracketed is None else known_unit(bracketed, dimension)
+    if bracketed and unit is None and not _is_zone(quantity, bracketed):
+        return None  # a unit of something else
+    words = _words(base)
+    for count in range(min(4, len(words))):
+        tail = words[len(words) - count :]
+        stem = "".join(words[: len(words) - count])
+        if stem in aliases:
+            # A unit in camel case, mA, is two words.
+            spellings = [known_unit(sign.join(tail), dimension) for sign in ("_", "")]
+            named = next((unit for unit in spellings if unit is not None), None)
+            if count == 0 or named is not None:
+                return aliases.index(stem), Factor(name, unit or named)
+    return None
+
+
+def _is_zone(quantity: str, text: str) -> bool:
+    """Whether brackets behind a time hold no unit but a zone or form, which is no harm."""
+    return quantity == "time" and text.strip().upper() in (
+        "UTC",
+        "Z",
+        "GMT",
+        "ISO",
+        "LOCAL",
+        "UNIX",
+    )
+
+
+def _join_power(found: dict[str, Recipe]) -> None:
+    """Power from voltage and current where it has no column of its own."""
+    volts, amps = found.pop("solar_voltage_v", None), found.pop("solar_current_a", None)
+    if amps is not None and volts is None:
+        volts = found.get("mppt_voltage_v")
+    if "solar_power_w" in found or volts is None or amps is None:
+        return
+    if volts.single and amps.single:
+        term = (volts.terms[0][0], amps.terms[0][0])
+        found["solar_power_w"] = Recipe("solar_power_w", (term,), guessed=True)
+
+
+def _leave_half_attitude(found: dict[str, Recipe]) -> None:
+    """Forget guessed angles if there are not all three: a course alone is no attitude."""
+    angles = [name for name in _ATTITUDE if name in found]
+    if len(angles) < len(_ATTITUDE) and all(found[name].guessed for name in angles):
+        for name in angles:
+            del found[name]
+
+
+def problems_of(found: Recipes, source: str, line: int | None) -> list[Problem]:
+    """Mistakes in the naming of columns, at the header.
+
+    Parameters
+    ----------
+    found : Recipes
+        As :func:`recipes_for` gives them.
+    source : str
+        The log.
+    line : int or None
+        Line of its header.
+
+    Returns
+    -------
+    list of Problem
+    """
+    return [Problem(source, line, None, "", message) for message in found.problems]

@@ -1,0 +1,187 @@
+"""Tables in text files: separator, decimal sign, and the rows as they are written."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from missions.files.errors import InputError, Problem, file_error, printable
+from missions.logs.columns import ColumnMap
+from missions.logs.table import first_few
+from missions.logs.units import UNITS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
+_NAMES = {"\t": "tabs", ",": "commas", ";": "semicolons", "|": "bars"}
+_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?\s*")
+_LOOKED_AT = 50  # rows that a guess is made from
+
+
+@dataclass(frozen=True)
+class Text:
+    """Lines of a table that are not blank, their numbers from 1 on, and how they are written."""
+
+    source: str
+    header: list[str]
+    line: int
+    rows: list[str]
+    numbers: list[int]
+    separator: str
+    decimal: str
+    notes: tuple[str, ...]
+
+    def frame(self, used: Sequence[str]) -> pd.DataFrame:
+        """Columns of the table, numbers where all fields are.
+
+        Parameters
+        ----------
+        used : sequence of str
+            Names of the columns that are read.
+
+        Returns
+        -------
+        DataFrame
+
+        Raises
+        ------
+        InputError
+            If there are no rows, or rows have another width than the header.
+        """
+        import pandas as pd
+
+        if not self.rows:
+            raise file_error(self.source, "has a header but no rows")
+        _check_widths(self)
+        try:
+            return pd.read_csv(
+                io.StringIO("\n".join(self.rows)),
+                sep=self.separator,
+                decimal=self.decimal,
+                header=None,
+                names=self.header,
+                usecols=list(used),
+                index_col=False,
+                skipinitialspace=True,
+                low_memory=False,
+            )
+        except (pd.errors.ParserError, ValueError) as error:
+            raise file_error(self.source, f"is not a CSV table: {printable(str(error))}") from None
+
+
+def read_text(source: str, layout: ColumnMap) -> Text:
+    """Read a table's text and find out how it is written.
+
+    Parameters
+    ----------
+    source : str
+        File.
+    layout : ColumnMap
+        Its separator and decimal sign if they are known.
+
+    Returns
+    -------
+    Text
+
+    Raises
+    ------
+    InputError
+        If it is no text.
+    """
+    lines, numbers = _text_lines(source)
+    while lines and lines[0].lstrip().startswith("#"):  # remarks above the table
+        lines, numbers = lines[1:], numbers[1:]
+    if not lines:
+        raise file_error(source, "is empty; allowed: a header with the names of the columns")
+    if "\0" in lines[0]:
+        raise file_error(source, "is not a CSV table: it holds null characters")
+    separator = _separator(lines[0], layout)
+    header = [name.strip() for name in next(csv.reader([lines[0]], delimiter=separator))]
+    rows, at = lines[1:], numbers[1:]
+    notes = []
+    if rows and _are_units(rows[0], separator):
+        header = [
+            f"{name} [{unit}]" if unit else name
+            for name, unit in zip(header, _fields(rows[0], separator), strict=False)
+        ]
+        rows, at = rows[1:], at[1:]
+        notes.append("units are those of the row below the header")
+    decimal = layout.decimal or _decimal(rows, separator)
+    if separator != ",":
+        sign = "decimal comma" if decimal == "," else "decimal point"
+        notes.insert(0, f"columns are separated by {_NAMES[separator]}, numbers have a {sign}")
+    return Text(source, header, numbers[0], rows, at, separator, decimal, tuple(notes))
+
+
+def _text_lines(source: str) -> tuple[list[str], list[int]]:
+    """Lines that are not blank, and their numbers counted from 1."""
+    try:
+        text = Path(source).read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise file_error(source, f"is not UTF-8 text (byte {error.start})") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise file_error(source, f"cannot be read: {str(reason).lower()}") from None
+    # Only line breaks: str.splitlines would also break at other control characters.
+    every = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    kept = [(line, number) for number, line in enumerate(every, start=1) if line.strip()]
+    return [line for line, _ in kept], [number for _, number in kept]
+
+
+def _separator(header: str, layout: ColumnMap) -> str:
+    if layout.separator is not None:
+        return _SEPARATORS.get(layout.separator, layout.separator)
+    # Names may hold a comma, hardly ever one of the others.
+    for separator in ("\t", ";", "|"):
+        if header.count(separator) >= 2:
+            return separator
+    return ","
+
+
+def _fields(row: str, separator: str) -> list[str]:
+    return [field.strip().strip("[]()").strip() for field in row.split(separator)]
+
+
+def _are_units(row: str, separator: str) -> bool:
+    """Whether a row says what the columns are measured in."""
+    known = {unit for units in UNITS.values() for unit in units} | {"", "iso", "utc", "iso8601"}
+    fields = _fields(row, separator)
+    return all(f.lower() in known for f in fields) and any(f.isalpha() for f in fields)
+
+
+def _decimal(rows: Sequence[str], separator: str) -> str:
+    """Decimal sign of the first rows; a comma only where it separates nothing."""
+    if separator == ",":
+        return "."
+    fields = [field for row in rows[:_LOOKED_AT] for field in row.split(separator)]
+    return "," if any(_DECIMAL_COMMA.fullmatch(field) for field in fields) else "."
+
+
+def _check_widths(text: Text) -> None:
+    """Refuse rows with more or fewer fields than the header."""
+    separator, expected = text.separator, len(text.header)
+
+    def width(row: str) -> int:
+        if '"' in row:
+            return len(next(csv.reader([row], delimiter=separator)))
+        return row.count(separator) + 1
+
+    odd = [
+        (number, width(row))
+        for row, number in zip(text.rows, text.numbers, strict=True)
+        if row.count(separator) + 1 != expected
+    ]
+    wrong = [(number, found) for number, found in odd if found != expected]
+    if wrong:
+        raise InputError(
+            Problem(
+                text.source, number, None, "", f"has {found} fields, the header {expected}{rest}"
+            )
+            for (number, found), rest in first_few(wrong)
+        )

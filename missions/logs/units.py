@@ -1,0 +1,200 @@
+"""Units of the columns of a log: their spellings, and what the numbers themselves say."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from solar.types import FloatArray
+
+Dimension = Literal[
+    "time", "angle", "length", "power", "voltage", "current", "temperature", "share", "speed"
+]
+
+
+class Unit(NamedTuple):
+    """A unit: what is written times ``factor`` plus ``offset`` is in the unit of the log format."""
+
+    factor: float
+    offset: float = 0.0
+
+
+_DEG = 180.0 / np.pi
+_KNOT = 1852.0 / 3600.0  # International Hydrographic Conference (1929), as are feet those of 1959
+_FOOT = 0.3048
+# The first spelling of each is that of messages. Angles are degrees in log files.
+UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
+    "time": {
+        "s": Unit(1.0), "sec": Unit(1.0), "seconds": Unit(1.0),
+        "ms": Unit(1e-3), "us": Unit(1e-6), "µs": Unit(1e-6), "ns": Unit(1e-9),
+        "min": Unit(60.0), "h": Unit(3600.0),
+    },
+    "angle": {
+        "deg": Unit(1.0), "degree": Unit(1.0), "degrees": Unit(1.0), "°": Unit(1.0),
+        "rad": Unit(_DEG), "radian": Unit(_DEG), "radians": Unit(_DEG), "mrad": Unit(1e-3 * _DEG),
+        "cdeg": Unit(1e-2), "dege7": Unit(1e-7), "e7": Unit(1e-7), "1e-7deg": Unit(1e-7),
+    },
+    "length": {
+        "m": Unit(1.0), "metre": Unit(1.0), "metres": Unit(1.0), "meter": Unit(1.0),
+        "meters": Unit(1.0), "km": Unit(1e3), "cm": Unit(1e-2), "mm": Unit(1e-3),
+        "ft": Unit(_FOOT), "feet": Unit(_FOOT),
+    },
+    "power": {
+        "w": Unit(1.0), "watt": Unit(1.0), "watts": Unit(1.0), "kw": Unit(1e3), "mw": Unit(1e-3),
+    },
+    "voltage": {
+        "v": Unit(1.0), "volt": Unit(1.0), "volts": Unit(1.0), "mv": Unit(1e-3), "kv": Unit(1e3),
+    },
+    "current": {
+        "a": Unit(1.0), "amp": Unit(1.0), "amps": Unit(1.0), "ampere": Unit(1.0), "ma": Unit(1e-3),
+        "ca": Unit(1e-2),
+    },
+    "temperature": {
+        "c": Unit(1.0), "degc": Unit(1.0), "°c": Unit(1.0), "celsius": Unit(1.0),
+        "k": Unit(1.0, -273.15), "kelvin": Unit(1.0, -273.15),
+        "f": Unit(5.0 / 9.0, -160.0 / 9.0), "degf": Unit(5.0 / 9.0, -160.0 / 9.0),
+    },
+    "share": {
+        "-": Unit(1.0), "1": Unit(1.0), "share": Unit(1.0), "%": Unit(1e-2),
+        "percent": Unit(1e-2), "pct": Unit(1e-2),
+    },
+    "speed": {
+        "m/s": Unit(1.0), "mps": Unit(1.0), "m_per_s": Unit(1.0), "m_s": Unit(1.0),
+        "km/h": Unit(1.0 / 3.6), "kmh": Unit(1.0 / 3.6), "kph": Unit(1.0 / 3.6),
+        "kt": Unit(_KNOT), "kts": Unit(_KNOT), "kn": Unit(_KNOT), "knots": Unit(_KNOT),
+    },
+}  # fmt: skip
+
+_TWO_PI = 2.0 * np.pi
+
+
+_SPELLED = {
+    "dege7": "1e-7 deg", "e7": "1e-7 deg", "1e-7deg": "1e-7 deg", "kw": "kW", "mw": "mW",
+    "ma": "mA", "mv": "mV", "ca": "cA", "kv": "kV",
+}  # fmt: skip
+
+
+def spelled(unit: str) -> str:
+    """Unit as it is written, from its key in :data:`UNITS`."""
+    return _SPELLED.get(unit, unit.upper() if unit in ("w", "v", "a", "k", "c", "f") else unit)
+
+
+def known_unit(text: str, dimension: Dimension) -> str | None:
+    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimension.
+
+    Parameters
+    ----------
+    text : str
+        As written, with or without brackets.
+    dimension : str
+        What is measured.
+
+    Returns
+    -------
+    str or None
+    """
+    plain = text.strip().strip("[]()").strip()
+    if dimension == "power" and plain == "MW":  # else it would be read as mW
+        return None
+    plain = plain.lower().replace("°deg", "°")
+    return plain if plain in UNITS[dimension] else None
+
+
+def split_unit(name: str) -> tuple[str, str | None]:
+    """Name of a column and the unit behind it, in brackets or after a slash between spaces."""
+    for pattern in (r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]", r"(.*\S)\s+/\s+(\S+)"):
+        if match := re.fullmatch(pattern, name.strip()):
+            return match[1], match[2].strip()
+    return name.strip(), None
+
+
+def recognised(quantity: str, dimension: Dimension, values: FloatArray) -> str | None:
+    """Unit that values without one must have, None if they may be in that of the log format.
+
+    Parameters
+    ----------
+    quantity : str
+        Column of the log format.
+    dimension : str
+        What is measured.
+    values : ndarray
+        As written.
+
+    Returns
+    -------
+    str or None
+        Key of :data:`UNITS`.
+    """
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return None
+    largest, median = float(np.abs(known).max()), float(np.median(known))
+    whole = bool(np.all(known == np.round(known)))
+    if quantity in ("latitude_deg", "longitude_deg"):
+        # Integers of 1e-7 degrees are what GPS receivers and autopilots write.
+        return "dege7" if whole and 1e4 < largest <= 1.8e9 else None
+    if dimension == "length":
+        return "mm" if whole and largest > 32_000.0 else None
+    if dimension == "share":
+        return "%" if 1.5 < largest <= 105.0 else None
+    if dimension == "temperature":
+        return "k" if median > 150.0 else None
+    return None
+
+
+def epoch_unit(values: FloatArray) -> str | None:
+    """Unit of times counted from 1970 by their size; None if they count from elsewhere."""
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return None
+    size = float(np.median(np.abs(known)))
+    # 1e8 s are in 1973, 2.6e9 s in 2052: each range is clear of the next.
+    for unit, factor in (("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)):
+        if 1e8 * factor <= size < 2.6e9 * factor:
+            return unit
+    return None
+
+
+def in_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
+    """Whether three columns without a unit are an attitude in radians.
+
+    Parameters
+    ----------
+    roll, pitch, yaw : ndarray
+        As written.
+
+    Returns
+    -------
+    bool
+    """
+    angles = [a[np.isfinite(a)] for a in (roll, pitch, yaw)]
+    if any(not len(a) for a in angles):
+        return False
+    within = all(float(np.abs(a).max()) <= _TWO_PI + 1e-3 for a in angles)
+    return within and float(np.ptp(angles[2])) > 3.0
+
+
+def surely_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
+    """Whether an attitude can be in nothing but radians, whatever its columns are called.
+
+    The yaw then fills a turn of 2 pi, and jumps by that from sample to sample.
+
+    Parameters
+    ----------
+    roll, pitch, yaw : ndarray
+        As written.
+
+    Returns
+    -------
+    bool
+    """
+    if not in_radians(roll, pitch, yaw):
+        return False
+    known = yaw[np.isfinite(yaw)]
+    edge = float(np.abs(known).max())
+    full = 0.95 * np.pi < edge <= np.pi + 1e-3 or 1.9 * np.pi < edge <= _TWO_PI + 1e-3
+    jumps = np.abs(np.abs(np.diff(known)) - _TWO_PI) < 0.25 * _TWO_PI
+    return bool(full and jumps.sum() >= 2 and np.ptp(known) > 0.9 * _TWO_PI)

@@ -1,0 +1,199 @@
+"""Logs as different loggers write them: each is the same flight, and what is guessed is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from missions.files.errors import InputError
+from missions.logs.clock import parse_zone
+from missions.logs.columns import ColumnMap, parse_column, read_column_map, recipes_for
+from missions.logs.csv import read_csv
+from missions.logs.table import FlightLog, log_from_table
+from tests.support.log_layouts import LAYOUTS, OWN_NAMES_MAP
+
+COUNT = 200
+MINUTE = "2015-06-30T09:{:02d}:{:06.3f}Z"
+
+
+def table() -> pd.DataFrame:
+    """A minute and forty seconds of circling, at 2 Hz."""
+    elapsed = 0.5 * np.arange(COUNT)
+    return pd.DataFrame(
+        {
+            "time_utc": [MINUTE.format(int(t // 60), t % 60) for t in elapsed],
+            "latitude_deg": np.round(47.6 + 1e-4 * np.sin(elapsed), 7),
+            "longitude_deg": np.round(8.53 + 1e-4 * np.cos(elapsed), 7),
+            "altitude_m": np.round(536.0 + np.sin(0.1 * elapsed), 2),
+            "roll_deg": np.round(8.0 + np.sin(elapsed), 3),
+            "pitch_deg": np.round(np.cos(elapsed), 3),
+            "yaw_deg": np.round((12.0 * elapsed + 180.0) % 360.0 - 180.0, 3),
+            "solar_power_w": np.round(200.0 + 20.0 * np.sin(elapsed), 3),
+            "ambient_temperature_c": 22.7,
+            "mppt_voltage_v": np.round(20.0 + 0.1 * np.sin(elapsed), 3),
+            "state_of_charge": np.round(0.5 + 1e-4 * elapsed, 4),
+        }
+    )
+
+
+def layout_of(name: str, folder: Path) -> ColumnMap:
+    if name == "spreadsheet":
+        return ColumnMap(timezone="Europe/Zurich")
+    if name == "own_names":
+        (folder / "map.yaml").write_text(OWN_NAMES_MAP)
+        return read_column_map(str(folder / "map.yaml"))
+    return ColumnMap()
+
+
+def read(folder: Path, text: str, layout: ColumnMap | None = None) -> FlightLog:
+    (folder / "log.csv").write_text(text, encoding="utf-8")
+    return read_csv(folder / "log.csv", layout)
+
+
+def refused(folder: Path, text: str, layout: ColumnMap | None = None) -> str:
+    with pytest.raises(InputError) as caught:
+        read(folder, text, layout)
+    return str(caught.value).replace(f"{folder}/", "")
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_every_layout_is_the_same_flight(tmp_path: Path, name: str) -> None:
+    expected = log_from_table(table(), "x")
+    log = read(tmp_path, LAYOUTS[name](table()), layout_of(name, tmp_path))
+    assert log.time_s == pytest.approx(expected.time_s, abs=1e-5)
+    assert log.latitude_deg == pytest.approx(expected.latitude_deg, abs=1e-7)
+    assert log.altitude_m == pytest.approx(expected.altitude_m, abs=1e-3)
+    assert log.solar_power_w == pytest.approx(expected.solar_power_w, abs=1e-6)
+    assert log.attitude is not None
+    assert expected.attitude is not None
+    for angle, true in zip(log.attitude, expected.attitude, strict=True):
+        # Written to a millionth of a radian in one of the layouts.
+        assert np.angle(np.exp(1j * (angle - true))) == pytest.approx(0.0, abs=1e-6)
+    if log.state_of_charge is not None:
+        assert log.state_of_charge == pytest.approx(expected.state_of_charge)
+    if log.ambient_temperature_c is not None:
+        assert log.ambient_temperature_c == pytest.approx(22.7)
+
+
+def test_what_is_guessed_is_told(tmp_path: Path) -> None:
+    notes = " ".join(read(tmp_path, LAYOUTS["telemetry"](table())).notes)
+    for told in (
+        "solar_power_w = V_pv * I_pv_mA [mA]",
+        "gps_lat read as 1e-7 deg",
+        "gps_alt read as mm",
+        "read as radians",
+        "separated by tabs",
+    ):
+        assert told in notes
+    plain = read(tmp_path, table().to_csv(index=False))
+    assert plain.notes == ()
+
+
+def test_radians_in_columns_called_degrees_are_recognised(tmp_path: Path) -> None:
+    lying = table()
+    lying[["roll_deg", "pitch_deg", "yaw_deg"]] = np.radians(
+        lying[["roll_deg", "pitch_deg", "yaw_deg"]]
+    )
+    log = read(tmp_path, lying.to_csv(index=False))
+    assert log.attitude is not None
+    assert np.degrees(log.attitude.roll_rad).max() == pytest.approx(9.0, abs=0.01)
+    assert "read as radians" in log.notes[0]
+
+
+def test_options_precede_the_file_and_guesses(tmp_path: Path) -> None:
+    text = table().rename(columns={"solar_power_w": "P_solar"}).assign(other=100.0)
+    options = dict([parse_column("solar_power_w=other [mW]")])
+    layout = ColumnMap(columns={"solar_power_w": "P_solar"}).with_options(options, None)
+    log = read(tmp_path, text.to_csv(index=False), layout)
+    assert log.solar_power_w == pytest.approx(0.1)
+
+
+def test_times_from_the_start_need_the_start(tmp_path: Path) -> None:
+    text = table().drop(columns="time_utc").assign(t=0.5 * np.arange(COUNT)).to_csv(index=False)
+    assert "log.csv:1: t: does not count from 1970" in refused(tmp_path, text)
+    log = read(tmp_path, text, ColumnMap(start="2015-06-30T11:14:00+02:00"))
+    assert log.time_s[0] == pytest.approx(1435655640.0)
+
+
+def test_times_without_a_zone_need_one(tmp_path: Path) -> None:
+    bare = table().assign(time_utc=table()["time_utc"].str.rstrip("Z"))
+    assert "log.csv:2: time_utc: has no time zone" in refused(tmp_path, bare.to_csv(index=False))
+    log = read(tmp_path, bare.to_csv(index=False), ColumnMap(timezone="+02:00"))
+    assert log.time_s[0] == pytest.approx(1435655640.0 - 840.0 - 7200.0)
+
+
+def test_hour_that_does_not_exist(tmp_path: Path) -> None:
+    text = table().assign(time_utc=[f"2015-03-29 02:30:{i / 10:06.3f}" for i in range(COUNT)])
+    message = refused(tmp_path, text.to_csv(index=False), ColumnMap(timezone="Europe/Zurich"))
+    assert "does not exist, or comes twice" in message
+
+
+def test_constants_stand_in_for_columns(tmp_path: Path) -> None:
+    text = table().drop(columns=["latitude_deg", "longitude_deg", "altitude_m"])
+    place = {"latitude_deg": 47.6, "longitude_deg": 8.53, "altitude_m": 416.0}
+    layout = ColumnMap.model_validate({"columns": {k: {"value": v} for k, v in place.items()}})
+    log = read(tmp_path, text.to_csv(index=False), layout)
+    assert log.altitude_m == pytest.approx(416.0)
+
+
+def test_row_of_units(tmp_path: Path) -> None:
+    lines = table().rename(columns={"solar_power_w": "Psolar"}).to_csv(index=False).split("\n")
+    units = "iso,deg,deg,m,deg,deg,deg,[mW],c,v,-"
+    log = read(tmp_path, "\n".join([lines[0], units, *lines[1:]]))
+    assert log.solar_power_w.max() < 1.0
+    assert "units are those of the row below the header" in log.notes
+
+
+@pytest.mark.parametrize(
+    ("columns", "expected"),
+    [
+        (
+            {"solar_power": "P"},
+            "columns.solar_power: unknown quantity; did you mean 'solar_power_w'",
+        ),
+        ({"solar_power_w": "P"}, "columns.solar_power_w: no such column"),
+        ({"solar_power_w": "solar_power_w [lx]"}, "unknown unit 'lx'; allowed: W, watt"),
+        ({"load_w": {"unit": "W"}}, "columns.load_w: needs the name of a column, or a value"),
+        ({"load_w": {"name": "a", "value": 1.0}}, "give a name or a value, not both"),
+        ({"load_w": "a * b * c"}, "a product is that of a voltage and a current"),
+        ({"time": "solar_power_w * load"}, "columns.time: no such column"),
+    ],
+)
+def test_wrong_maps_are_refused(tmp_path: Path, columns: dict[str, object], expected: str) -> None:
+    layout = ColumnMap.model_validate({"columns": columns})
+    assert expected in refused(tmp_path, table().to_csv(index=False), layout)
+
+
+@pytest.mark.parametrize("text", ["solar_power_w", "solar_power_w=", "power=P"])
+def test_wrong_options_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"QUANTITY=COLUMN|no such quantity"):
+        parse_column(text)
+
+
+@pytest.mark.parametrize("text", ["Europe", "../etc/passwd", "+25:00", "noon", "\0", "a" * 5000])
+def test_wrong_zones_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="must be UTC, an offset"):
+        parse_zone(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity"),
+    [
+        ("P_solar", "solar_power_w"), ("PvPower (kW)", "solar_power_w"), ("alt_msl", "altitude_m"),
+        ("Battery_SoC", "state_of_charge"), ("tas_mps", "airspeed_m_per_s"), ("psi", "yaw_deg"),
+        ("OAT [K]", "ambient_temperature_c"), ("load / W", "load_w"), ("TimeUTC", "time"),
+    ],
+)  # fmt: skip
+def test_names_are_known(name: str, quantity: str) -> None:
+    others = ["roll", "pitch"] if quantity == "yaw_deg" else []
+    assert recipes_for([name, *others]).found[quantity].columns == [name]
+
+
+def test_a_course_alone_is_no_attitude(tmp_path: Path) -> None:
+    text = table().drop(columns=["roll_deg", "pitch_deg"]).rename(columns={"yaw_deg": "heading"})
+    log = read(tmp_path, text.to_csv(index=False))
+    assert log.attitude is None
+    assert "columns not used: heading" in log.notes
