@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -45,11 +45,6 @@ _METRICS = (
 )
 
 
-def map_scaling(*, long: bool = False) -> list[dict[str, Any]]:
-    """All entries of this module; sizes of 10^6 and 10^7 cells if they may take long."""
-    return [*_full_map(), _endurance(), _two_processes(), _memory(), *_cost_against_size(long)]
-
-
 def _row(
     work: str, ours_s: float, peer: str | None = None, peer_s: float | None = None
 ) -> dict[str, Any]:
@@ -61,7 +56,8 @@ def _map(latitudes: Any, days: Any) -> dict[str, Any]:
     return map_block(aircraft, mission, latitudes, days, SolarModel())
 
 
-def _full_map() -> list[dict[str, Any]]:
+def full_map() -> list[dict[str, Any]]:
+    """The full map against the C loop."""
     ours = best_time_s(lambda: _map(_LATITUDES, _DAYS), 3)
     work = f"{len(_LATITUDES)} latitudes x {len(_DAYS)} days, all metrics; processor time"
     with tempfile.TemporaryDirectory() as folder:
@@ -74,14 +70,15 @@ def _full_map() -> list[dict[str, Any]]:
         return [_row(work, ours, peer, best_time_s(bound.run, 3))]
 
 
-def _endurance() -> dict[str, Any]:
+def map_endurance() -> list[dict[str, Any]]:
+    """A ninth of the full map with the longest flight of every cell."""
     aircraft, mission = load_aircraft(_AIRCRAFT), load_mission(_MISSION)
     begun = time.process_time()
     part = map_block(aircraft, mission, _LATITUDES[::3], _DAYS[::3], SolarModel(), True)
     used = time.process_time() - begun
     ends = int(np.isfinite(part["endurance"]).sum())
     text = f"{part['status'].size} cells with endurance, finite in {ends}; processor time"
-    return _row(text, used)
+    return [_row(text, used)]
 
 
 def _compiled(folder: Path) -> Path | None:
@@ -216,7 +213,7 @@ class _Bound:
         assert set(np.unique(ours["status"])) == {s.value for s in Status}
 
 
-def _two_processes() -> dict[str, Any]:
+def two_processes() -> list[dict[str, Any]]:
     """The full map in two processes that are already running."""
     parts = np.array_split(_LATITUDES, 8)
     with ProcessPoolExecutor(2) as pool:
@@ -225,10 +222,10 @@ def _two_processes() -> dict[str, Any]:
             begun = time.perf_counter()
             list(pool.map(_map, parts, [_DAYS] * len(parts)))
             times.append(time.perf_counter() - begun)
-    return _row("the full map in two warm processes; wall time", min(times[1:]))
+    return [_row("the full map in two warm processes; wall time", min(times[1:]))]
 
 
-def _memory() -> dict[str, Any]:
+def map_memory() -> list[dict[str, Any]]:
     """Most memory of a process that computes the full map, Python and libraries included."""
     code = (
         "import json, resource, sys, time\n"
@@ -242,11 +239,20 @@ def _memory() -> dict[str, Any]:
     answer = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
     used_s, peak_mib = json.loads(answer.stdout)
     row = _row(f"the full map in a fresh process; peak memory {peak_mib:.0f} MiB", used_s)
-    return dict(row, peak_memory_mib=peak_mib)
+    return [dict(row, peak_memory_mib=peak_mib)]
 
 
-def _cost_against_size(long: bool) -> list[dict[str, Any]]:
-    sizes = (10**3, 10**4, 10**5, *((10**6, 10**7) if long else ()))
+def map_sizes() -> list[dict[str, Any]]:
+    """Cost of a cell against their number, up to 10^5."""
+    return _cost_against_size((10**3, 10**4, 10**5))
+
+
+def large_maps() -> list[dict[str, Any]]:
+    """The same up to 10^7, which takes minutes."""
+    return _cost_against_size((10**5, 10**6, 10**7))[1:]
+
+
+def _cost_against_size(sizes: Sequence[int]) -> list[dict[str, Any]]:
     rows, cells, times = [], [], []
     for size in sizes:
         latitudes = np.linspace(-90.0, 90.0, max(round(size / len(_DAYS)), 2))
@@ -262,7 +268,8 @@ def _cost_against_size(long: bool) -> list[dict[str, Any]]:
         cells.append(count)
         times.append(used)
     slope = float(np.polyfit(np.log(cells), np.log(times), 1)[0])
-    rows[-1]["work"] += f"; slope of log time against log cells {slope:.3f}"
+    slope_text = f"; slope of log time against log cells {slope:.3f} from {cells[0]} cells"
+    rows[-1]["work"] += slope_text
     rows[-1]["slope"] = slope
     return rows
 

@@ -2,21 +2,49 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import metadata
+from pathlib import Path
 from typing import Any
+
+_MEASURED = Path(__file__).with_name("measured.json")
 
 _HEAD = """# Performance
 
 `python -m benchmarks --markdown docs/performance.md` measures and writes this page;
-`python -m benchmarks [--json]` prints the same. Peers are optional: `pip install ".[bench]"` brings
-AeroSandbox and pvlib.
+`python -m benchmarks [--json]` prints the same. `python -m benchmarks --only PART` measures one part
+anew; the others stand on the page as they were measured last (`benchmarks/measured.json`). Peers
+are optional: `pip install ".[bench]"` brings AeroSandbox and pvlib.
 
-Times are CPU times of one process. They depend on the machine and on what else it does. Ratios
-hold up better: both sides of one run one after the other, and the least time of several runs
-counts. A ratio above one says how many times faster this project is, one below one how many times
-slower.
+Times depend on the machine and on what else it does: they are processor times unless a column says
+otherwise, and the least of several runs. Ratios hold up better: both sides of one run one after the
+other.
+
+"""
+
+_COMMANDS = """## Commands, as a user waits for them
+
+Every command runs in a fresh process, from its start to its end. Processor time is that of the
+command and of the processes that it starts; modules are those that it has imported at its end.
+Beside it stand its two parts that cannot be avoided: *computing* is the result alone, in a process
+that is warm, and *imports* is a process that imports the same modules and does nothing else. The
+last column is the whole over the sum of the two.
+
+"""
+
+_GALLERY = """## Scripts of the gallery
+
+Every script of `examples/` in a fresh process, with its figure.
+
+"""
+
+_COMPUTING = """## Computing
+
+In a process that is warm. A ratio above one says how many times faster this project is, one below
+one how many times slower.
 
 """
 
@@ -74,26 +102,72 @@ excess times agree to 1e-6 h.""",
 }
 
 
-def markdown(rows: list[dict[str, Any]]) -> str:
-    """Page with the table of all lines and an explanation of each."""
-    lines = [
-        "| name | work | ours | peer | its time | ratio |",
-        "|---|---|---|---|---|---|",
-    ]
-    for r in rows:
-        peer_s = "-" if r["peer_s"] is None else duration(r["peer_s"])
-        ratio = "-" if r["ratio"] is None else plain(r["ratio"])
-        lines.append(
-            f"| {r['name']} | {r['work']} | {duration(r['ours_s'])} | {r['peer'] or '-'} | "
-            f"{peer_s} | {ratio} |"
-        )
-    named = dict.fromkeys(r["name"] for r in rows)
+Parts = Mapping[str, Mapping[str, Any]]
+"""Rows of every part of the benchmarks and the machine they were measured on, by its name."""
+
+
+def measured_before() -> Parts:
+    """Parts as they were measured last."""
+    return dict(json.loads(_MEASURED.read_text(encoding="utf-8"))) if _MEASURED.exists() else {}
+
+
+def remember(parts: Parts) -> None:
+    """Keep parts for pages on which only some of them are measured anew."""
+    _MEASURED.write_text(json.dumps(parts, indent=1) + "\n", encoding="utf-8")
+
+
+def markdown(parts: Parts) -> str:
+    """Page with the tables of all lines and an explanation of each."""
+    rows = [r for part in parts.values() for r in part["rows"]]
+    commands = [r for r in rows if "modules" in r or r["name"] == "start-up"]
+    gallery = [r for r in rows if r["name"] == "gallery script"]
+    others = [r for r in rows if "wall_s" not in r]
+    named = dict.fromkeys(r["name"] for r in others)
     told = [f"**{name}.** {_EXPLAINED[name]}" for name in named if name in _EXPLAINED]
+    tables = (
+        (_COMMANDS, _COMMAND_HEADS, map(_command_cells, commands)),
+        (_GALLERY, ("script", "processor time", "wall time"), map(_script_cells, gallery)),
+        (_COMPUTING, ("name", "work", "ours", "peer", "its time", "ratio"), map(_cells, others)),
+    )
     return (
         _HEAD
-        + "\n".join([*lines, "", _machine(), "", "## What the lines mean", ""])
-        + ("\n" + "\n\n".join(told) + "\n")
+        + "".join(text + _table(heads, cells) + "\n" for text, heads, cells in tables)
+        + _machines(parts)
+        + "\n\n### What the lines mean\n\n"
+        + "\n\n".join(told)
+        + "\n"
     )
+
+
+_COMMAND_HEADS = (
+    *("command", "modules", "processor time", "wall time", "computing", "imports"),
+    "whole / (computing + imports)",
+)
+
+
+def _command_cells(r: Mapping[str, Any]) -> Sequence[str]:
+    computing_s, imports_s = r.get("computing_s"), r.get("imports_s")
+    share = "-"
+    if computing_s is not None and imports_s is not None:
+        share = f"{r['ours_s'] / (computing_s + imports_s):.2f}"
+    times = [r["ours_s"], r["wall_s"], computing_s, imports_s]
+    shown = ["-" if t is None else duration(t) for t in times]
+    return f"`{r['work']}`", str(r.get("modules", "-")), *shown, share
+
+
+def _script_cells(r: Mapping[str, Any]) -> Sequence[str]:
+    return f"`{r['work']}`", duration(r["ours_s"]), duration(r["wall_s"])
+
+
+def _cells(r: Mapping[str, Any]) -> Sequence[str]:
+    peer_s = "-" if r["peer_s"] is None else duration(r["peer_s"])
+    ratio = "-" if r["ratio"] is None else plain(r["ratio"])
+    return r["name"], r["work"], duration(r["ours_s"]), r["peer"] or "-", peer_s, ratio
+
+
+def _table(heads: Sequence[str], cells: Iterable[Sequence[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *cells]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
 def plain(number: float) -> str:
@@ -109,7 +183,8 @@ def duration(seconds: float) -> str:
     return f"{seconds / 1e-9:.3g} ns"
 
 
-def _machine() -> str:
+def this_machine() -> str:
+    """System, cores and versions of this process."""
     versions = [f"Python {platform.python_version()}"]
     for package in ("numpy", "casadi", "scipy", "pvlib", "aerosandbox"):
         try:
@@ -117,6 +192,17 @@ def _machine() -> str:
         except metadata.PackageNotFoundError:
             continue
     return (
-        f"Measured on {platform.system()} {platform.machine()} with {os.cpu_count()} cores: "
-        f"{', '.join(versions)}."
+        f"{platform.system()} {platform.machine()} with {os.cpu_count()} cores: "
+        f"{', '.join(versions)}"
     )
+
+
+def _machines(parts: Parts) -> str:
+    """Where the parts were measured; by name where not all on one machine."""
+    names: dict[str, list[str]] = {}
+    for name, part in parts.items():
+        names.setdefault(part["machine"], []).append(f"`{name}`")
+    if len(names) == 1:
+        return f"Measured on {next(iter(names))}."
+    lines = [f"{', '.join(some)} on {machine}" for machine, some in names.items()]
+    return f"Measured {'; '.join(lines)}."

@@ -1,0 +1,32 @@
+"""The page on performance is what was measured, with a line for every part of the benchmarks."""
+
+from pathlib import Path
+
+from source_tree import ROOT, make_benchmarks_importable
+
+make_benchmarks_importable()
+from benchmarks import report  # noqa: E402 - only now it can be found
+
+COMMANDS = ("--help", "list", "analyse", "size", "map", "sweep", "report")
+
+
+def test_page_is_what_was_measured() -> None:
+    page = (ROOT / "docs" / "performance.md").read_text(encoding="utf-8")
+    assert page == report.markdown(report.measured_before())
+
+
+def test_commands_and_gallery_are_on_the_page() -> None:
+    rows = [r for part in report.measured_before().values() for r in part["rows"]]
+    told = [r["work"] for r in rows]
+    assert {f"solar-uav {name}" for name in COMMANDS} <= {
+        " ".join(work.split()[:2]) for work in told
+    }
+    scripts = sorted(f"examples/{path.name}" for path in Path(ROOT, "examples").glob("*.py"))
+    assert [work for work in told if work.startswith("examples/")] == scripts
+
+
+def test_parts_keep_the_machine_they_were_measured_on() -> None:
+    line = {"name": "map", "work": "w", "ours_s": 1.0, "peer": None, "peer_s": None, "ratio": None}
+    old, new = {"machine": "old", "rows": [line]}, {"machine": "new", "rows": [line]}
+    assert "Measured on old." in report.markdown({"a": old, "b": old})
+    assert "Measured `a` on old; `b` on new." in report.markdown({"a": old, "b": new})
