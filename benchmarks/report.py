@@ -16,8 +16,8 @@ _HEAD = """# Performance
 
 `python -m benchmarks --markdown docs/performance.md` measures and writes this page;
 `python -m benchmarks [--json]` prints the same. `python -m benchmarks --only PART` measures one
-part anew; the others stand on the page as they were measured last (`benchmarks/measured.json`). Peers
-are optional: `pip install ".[bench]"` brings AeroSandbox and pvlib.
+part anew; the others stand on the page as they were measured last (`benchmarks/measured.json`).
+Peers are optional: `pip install ".[bench]"` brings AeroSandbox and pvlib.
 
 Times depend on the machine and on what else it does: they are processor times unless a column says
 otherwise, and the least of several runs. Ratios hold up better: both sides of one run one after the
