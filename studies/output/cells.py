@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -188,19 +189,31 @@ def hatch_cells(
     across, up = cell_edges(x), cell_edges(y)
     entries = []
     for value, hatch in hatches.items():
-        rows, columns = np.nonzero(status == value)
-        if not len(rows):
+        marked = status == value
+        if not marked.any():
             continue
-        left, right, low, high = across[columns], across[columns + 1], up[rows], up[rows + 1]
-        corners = np.stack([left, low, right, low, right, high, left, high], axis=-1)
         style: dict[str, Any] = {
             "facecolor": "none" if hatch else night(),
             "edgecolor": DARK_GREY,
             "hatch": hatch or None,
         }
-        axes.add_collection(PolyCollection(list(corners.reshape(-1, 4, 2)), linewidth=0.0, **style))
+        axes.add_collection(PathCollection([_area(marked, across, up)], linewidth=0.0, **style))
         entries.append(Patch(label=names[value].replace("_", " "), linewidth=0.5, **style))
     return entries
+
+
+def _area(marked: NDArray[np.bool_], across: FloatArray, up: FloatArray) -> Path:
+    """Marked cells as one path, which is hatched at once: ten thousand of them take a second.
+
+    Neighbours in a row are one rectangle.
+    """
+    changes = np.diff(np.pad(marked, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    rows, begins = np.nonzero(changes > 0)
+    ends = np.nonzero(changes < 0)[1]
+    left, right, low, high = across[begins], across[ends], up[rows], up[rows + 1]
+    corners = np.stack([left, low, right, low, right, high, left, high, left, low], axis=-1)
+    codes = [Path.MOVETO, *[Path.LINETO] * 3, Path.CLOSEPOLY]
+    return Path(corners.reshape(-1, 2), codes * len(rows))
 
 
 def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: xr.Dataset) -> list[Patch]:
