@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ModelWrapValidatorHandler,
+    Strict,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
 from sizing.smooth import Value
 from sizing.structures.models import SparStructure, Structure
@@ -68,8 +75,13 @@ class Propulsion(Record):
     The group's mass follows its rated electric power: level flight's times ``climb_power_ratio``
     (5 by default), or what climbing at ``climb_rate_m_per_s`` takes at the airspeed of level
     flight, ``P_level + m g v_climb / efficiency``. One of the two, not both.
+
+    ``motor`` names an entry of the catalogue of motors, which gives the motor's best efficiency at
+    ``motor_voltage_v``.
     """
 
+    motor: Text | None = None
+    motor_voltage_v: PositiveReal | None = None
     controller_efficiency: Fraction = 0.97
     motor_efficiency: Fraction = 0.82
     gearbox_efficiency: Fraction = 0.96
@@ -77,6 +89,13 @@ class Propulsion(Record):
     mass_kg_per_w: NonNegativeReal = 0.0011
     climb_power_ratio: Annotated[float, Strict(), Field(ge=1.0)] | None = None
     climb_rate_m_per_s: PositiveReal | None = None
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _from_catalogue(
+        cls, data: Any, handler: ModelWrapValidatorHandler[Propulsion]
+    ) -> Propulsion:
+        return filled(data, handler, "motor", "motors")
 
     @model_validator(mode="after")
     def _check_rating(self) -> Propulsion:
@@ -162,14 +181,23 @@ class SolarModules(SolarCell):
 
     ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
     surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.
+    ``cell`` names an entry of the catalogue of solar cells, which gives what the file does not.
     """
 
+    cell: Text | None = None
     area_m2: NonNegativeReal
     geometry: ModuleGeometry | None = None
     tail: TailGeometry | None = None
     shading_loss: Text = "none"
     mass_kg_per_m2: NonNegativeReal = 0.59
     mppt_mass_kg_per_w: NonNegativeReal = 1.0 / 2368.0
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _from_catalogue(
+        cls, data: Any, handler: ModelWrapValidatorHandler[SolarModules]
+    ) -> SolarModules:
+        return filled(data, handler, "cell", "cells")
 
     @model_validator(mode="after")
     def _check_shading(self) -> SolarModules:
@@ -379,13 +407,25 @@ class Aircraft(Record):
     uncertainty: Uncertainty | None = None
 
     @property
-    def tables_read(self) -> dict[str, str]:
-        """Text of the airfoil's own table by its path; see :func:`tables_as_read`."""
+    def texts_read(self) -> dict[str, str]:
+        """Text of every file that it names, by path; see :func:`texts_as_read`."""
+        texts = own_entries(self.modules, "cell") | own_entries(self.battery, "cell")
+        propulsion = getattr(self.airframe, "propulsion", None)
+        if isinstance(propulsion, Propulsion):
+            texts |= own_entries(propulsion, "motor")
         polar = getattr(self.airframe, "aerodynamics", None)
-        if not isinstance(polar, WingPolar):
-            return {}
-        text = polar.contents_read()
-        return {} if text is None else {polar.airfoil: text}
+        if isinstance(polar, WingPolar) and (text := polar.contents_read()) is not None:
+            texts[polar.airfoil] = text
+        return texts
+
+    def from_catalogues(self) -> list[Taken]:
+        """Values that catalogues gave, with their sources."""
+        found = taken(self.modules, "cell", "cells", "modules.")
+        found += taken(self.battery, "cell", "batteries", "battery.")
+        propulsion = getattr(self.airframe, "propulsion", None)
+        if isinstance(propulsion, Propulsion):
+            found += taken(propulsion, "motor", "motors", "airframe.propulsion.")
+        return found
 
     @model_validator(mode="after")
     def _check_lift(self) -> Aircraft:

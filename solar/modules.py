@@ -196,7 +196,7 @@ def _without_header(text: str) -> str:
 
 # Infinitely many cells in series under the most concentrated sunlight: De Vos, A. (1980), Detailed
 # balance limit of the efficiency of tandem solar cells, J. Phys. D 13, 839-846.
-_HIGHEST_EFFICIENCY = 0.868
+HIGHEST_EFFICIENCY = 0.868
 
 
 class SolarCell(Record):
@@ -210,7 +210,7 @@ class SolarCell(Record):
     because modules heat up by the light, not by the power they make of it.
     """
 
-    efficiency_stc: Annotated[Fraction, Field(le=_HIGHEST_EFFICIENCY)] = 0.237
+    efficiency_stc: Annotated[Fraction, Field(le=HIGHEST_EFFICIENCY)] = 0.237
     camber_efficiency: Fraction = 0.97
     mppt_efficiency: Fraction = 0.95
     temperature_coefficient_per_k: NonNegativeReal = 0.003

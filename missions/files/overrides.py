@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -30,6 +30,19 @@ __all__ = ["Overrides", "with_overrides", "with_values"]
 T = TypeVar("T")
 R = TypeVar("R", bound=BaseModel)
 
+# A key that names an entry of a catalogue, and what the entry may give: named by an override, it
+# takes the place of what the file says of these keys itself.
+_GIVEN_BY = {
+    "cell": (
+        "efficiency_stc",
+        "temperature_coefficient_per_k",
+        "mass_kg_per_m2",
+        "specific_energy_wh_per_kg",
+        "charge_limit",
+    ),
+    "motor": ("motor_efficiency",),
+}
+
 # By dotted key, or texts ``dotted.key=value`` whose values follow the rules of the files.
 Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
 
@@ -37,7 +50,9 @@ Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
 def with_overrides(document: Document, overrides: Overrides, *, prefix: str = "") -> Document:
     """Return a new document with values replaced or added.
 
-    Files that a value names by a relative path are looked for in the working folder.
+    Files that a value names by a relative path are looked for in the working folder. An entry of a
+    catalogue that an override names replaces what the file says itself of the keys that such an
+    entry may give; what another override says of them stays.
 
     Parameters
     ----------
@@ -65,6 +80,7 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     if isinstance(overrides, str):
         raise TypeError(f"overrides are a mapping or a list of texts (got the text {overrides!r})")
     values = overrides if isinstance(overrides, Mapping) else None
+    keys = {given.partition("=")[0].strip() for given in overrides}
     for given in overrides:
         key, equals, text = given.partition("=") if values is None else (given, "=", "")
         parts = key.strip().split(".")
@@ -77,6 +93,7 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
                 raise file_error(name, "the key holds a character that is not allowed")
             value = parse_value(text) if values is None else copy.deepcopy(values[given])
             result = _with_override(result, parts, value, name)
+            _drop_replaced(result.data, parts, value, keep=keys)
         except InputError as error:
             message = "; ".join(problem.message for problem in error.problems)
             problems.append(Problem(OVERRIDE + name, None, None, name, message))
@@ -96,6 +113,21 @@ def _with_override(document: Document, parts: Sequence[str], value: Any, name: s
         value_marks=_without(document.value_marks, path),
         overridden=_without(document.overridden, path) | dict.fromkeys([*made, path], name),
     )
+
+
+def _drop_replaced(data: Any, parts: Sequence[str], value: Any, *, keep: Collection[str]) -> None:
+    """Take out what an entry of a catalogue replaces, in place, but for keys that are to stay."""
+    if not isinstance(value, str) or parts[-1] not in _GIVEN_BY:
+        return
+    holder = data
+    for part in parts[:-1]:
+        holder = holder.get(part) if isinstance(holder, dict) else None
+    if not isinstance(holder, dict):
+        return
+    for key in _GIVEN_BY[parts[-1]]:
+        dotted_key = ".".join([*parts[:-1], key])
+        if not any(one == dotted_key or one.startswith(f"{dotted_key}.") for one in keep):
+            holder.pop(key, None)
 
 
 def _without(places: Mapping[KeyPath, T], path: KeyPath) -> dict[KeyPath, T]:
@@ -132,6 +164,7 @@ def with_values(record: R, values: Mapping[str, Any]) -> R:
     for key, value in values.items():
         try:
             _put(data, key.split("."), value)
+            _drop_replaced(data, key.split("."), value, keep=values)
         except InputError as error:
             problems.extend(Problem(source, None, None, key, p.message) for p in error.problems)
     if problems:

@@ -29,6 +29,9 @@ __all__ = ["located_error", "unknown_key", "validate"]
 
 M = TypeVar("M", bound=BaseModel)
 
+# Mistakes of a file that the document names are listed up to this many.
+_SHOWN_ELSEWHERE = 20
+
 # Keys that tell one kind of record from another (the discriminators of unions).
 _KIND_KEYS = ("kind", "model", "distribution")
 
@@ -58,10 +61,17 @@ def validate(document: Document, model: type[M]) -> M:
     except ValidationError as error:
         details = error.errors(include_url=False)
     complaints = _merged([_complaint(document.data, model, detail) for detail in details])
-    raise InputError(
+    located = [
         _located(document, one.path, one.message + one.suffix, at_key=one.at_key)
         for one in complaints
-    )
+    ]
+    raise InputError([*located, *_elsewhere(details)])
+
+
+def _elsewhere(details: Sequence[ErrorDetails]) -> list[Problem]:
+    """Problems at places in other files, which the document names."""
+    found = [one for detail in details for one in detail.get("ctx", {}).get("problems", ())]
+    return found[:_SHOWN_ELSEWHERE]
 
 
 def located_error(document: Document, path: Sequence[str | int], message: str) -> InputError:

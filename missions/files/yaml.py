@@ -28,6 +28,7 @@ from missions.files.errors import (
 
 __all__ = [
     "PATH_KEYS",
+    "PATH_SUFFIXES",
     "Document",
     "add_resolvers",
     "parse_value",
@@ -38,9 +39,10 @@ __all__ = [
 
 Mark: TypeAlias = tuple[int, int]
 
-# Keys that may name a file, whatever record they are in; the suffix tells a file from a name.
-PATH_KEYS = frozenset({"airfoil"})
-_PATH_SUFFIX = ".csv"
+# Keys that may name a file or a folder, whatever record they are in; the end of the text tells
+# them from a name.
+PATH_KEYS = frozenset({"airfoil", "cell", "motor"})
+PATH_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat", ".yaml", ".yml", "/")
 
 _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 40
@@ -198,15 +200,16 @@ def set_absolute_paths(data: Any, folder: Path) -> None:
     Parameters
     ----------
     data : dict, list or scalar
-        Plain data; text under one of `PATH_KEYS` that ends in ``.csv`` is a path.
+        Plain data; text under one of `PATH_KEYS` that ends in one of `PATH_SUFFIXES` is a path.
     folder : Path
         Folder that the paths start from.
     """
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         if isinstance(value, dict | list):
             set_absolute_paths(value, folder)
-        elif key in PATH_KEYS and isinstance(value, str) and value.endswith(_PATH_SUFFIX):
-            data[key] = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
+        elif key in PATH_KEYS and isinstance(value, str) and value.endswith(PATH_SUFFIXES):
+            path = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
+            data[key] = f"{path}/" if value.endswith("/") else path
 
 
 def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:

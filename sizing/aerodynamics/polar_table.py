@@ -5,64 +5,24 @@ A polar is a CSV table, whoever made it: a program, a wind tunnel, a paper.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import resources
-from pathlib import Path
 
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
 from solar.types import FloatArray
 
+# How names of files with polars end; a folder of them ends with a slash.
+POLAR_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat")
+
 COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
-
-
-# Texts of tables by the path under which they were read, for records made anew from data.
-_READ: ContextVar[Mapping[str, str] | None] = ContextVar("tables that were read", default=None)
 
 
 def is_table_path(airfoil: str) -> bool:
     """Whether an airfoil is the path of a table and not the name of a shipped one."""
-    return airfoil.endswith(".csv")
-
-
-@contextmanager
-def tables_as_read(texts: Mapping[str, str]) -> Iterator[None]:
-    """Within this context tables have the text they had when they were read first.
-
-    A record that is made anew from the data of another, perhaps by a process of another machine,
-    shall describe the same aircraft even where the file has changed since, or is not there.
-
-    Parameters
-    ----------
-    texts : mapping
-        Contents of files, by path.
-    """
-    token = _READ.set({**(_READ.get() or {}), **texts})
-    try:
-        yield
-    finally:
-        _READ.reset(token)
-
-
-def read_table_text(path: str) -> str:
-    """Text of a table: what was read of it (:func:`tables_as_read`), else what the file holds.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    """
-    known = (_READ.get() or {}).get(path)
-    if known is not None:
-        return known
-    file = Path(path)
-    if file.exists() and not file.is_file():  # a pipe would keep its reader waiting
-        raise file_error(path, "is not a plain file")
-    return file.read_text(encoding="utf-8")
+    return airfoil.lower().endswith((*POLAR_SUFFIXES, "/"))
 
 
 @dataclass(frozen=True)

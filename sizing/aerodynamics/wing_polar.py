@@ -19,8 +19,9 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
+from missions.files.texts import read_text
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
-from sizing.aerodynamics.polar_table import is_table_path, parse_polar_table, read_table_text
+from sizing.aerodynamics.polar_table import is_table_path, parse_polar_table
 from sizing.smooth import Value
 from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
 
@@ -123,7 +124,7 @@ class WingPolar(Record):
         if not is_table_path(self.airfoil):
             return None
         if self._table is None or self._table[0] != self.airfoil:
-            self._table = (self.airfoil, read_table_text(self.airfoil))
+            self._table = (self.airfoil, read_text(self.airfoil))
         return self._table[1]
 
     @field_serializer("airfoil")

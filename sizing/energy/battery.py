@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
+from pydantic_core import PydanticCustomError
 
+from sizing.catalogues.choice import filled
 from sizing.energy.battery_condition import Ageing, BatteryTemperature, InternalResistance
 from sizing.smooth import Value
-from solar.schema import Fraction, PositiveReal, Record, UnitInterval
+from solar.schema import Fraction, PositiveReal, Record, Text, UnitInterval
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Fine enough that integrating 1/rate over it by the trapezoidal rule errs by less than 1e-6 h.
@@ -167,9 +169,13 @@ class Battery(Record):
     """A battery pack described by its mass.
 
     Temperature, internal resistance and ageing are those of :mod:`sizing.energy.battery_condition`;
-    a battery without them is the same in any air and at any age.
+    a battery without them is the same in any air and at any age. ``cell`` names an entry of the
+    catalogue of batteries, which gives what the file does not; the specific energy of a cell counts
+    for the share ``cell_mass_fraction`` of the pack's mass.
     """
 
+    cell: Text | None = None
+    cell_mass_fraction: Fraction = 1.0
     mass_kg: PositiveReal
     specific_energy_wh_per_kg: Annotated[PositiveReal, Field(le=_HIGHEST_WH_PER_KG)]
     charge_efficiency: Fraction = 0.95
@@ -178,6 +184,21 @@ class Battery(Record):
     temperature: BatteryTemperature | None = None
     resistance: InternalResistance | None = None
     ageing: Ageing | None = None
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _from_catalogue(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
+        return filled(data, handler, "cell", "batteries")
+
+    @model_validator(mode="after")
+    def _check_cell(self) -> Battery:
+        if self.cell is None and "cell_mass_fraction" in self.model_fields_set:
+            raise PydanticCustomError(
+                "no_cell",
+                "goes with cell, an entry of the catalogue of batteries",
+                {"key": "cell_mass_fraction"},
+            )
+        return self
 
     @property
     def battery_energy_wh(self) -> float:

@@ -18,7 +18,7 @@ from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results.battery import battery_record
-from sizing.results.notes import extrapolation_records
+from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
@@ -144,6 +144,7 @@ class Analysis(Result):
         condition = battery_record(self.aircraft, self.mission)
         if condition is not None:
             result["battery_condition"] = condition
+        result |= catalogue_records(self.aircraft)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)
         return result

@@ -11,7 +11,7 @@ from missions.mission import Mission, latitude_label
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.results.analysis import Analysis, flight_record, scenario_record
 from sizing.results.battery import battery_line
-from sizing.results.notes import extrapolation_blocks
+from sizing.results.notes import catalogue_blocks, extrapolation_blocks
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 
@@ -50,6 +50,7 @@ def summary(analysis: Analysis) -> Summary:
     if slow is not None:
         blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
+    blocks += catalogue_blocks(analysis.aircraft)
     blocks.append(Line(uncertainty_line(record, analysis.mission), "faint"))
     return Summary(tuple(blocks))
 

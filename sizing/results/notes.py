@@ -1,10 +1,11 @@
-"""What results tell of the ranges of their models, each quantity once."""
+"""What results tell of the ranges of their models, and of where values of the file come from."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from sizing.aircraft import Aircraft
 from sizing.results.tables import Line
 from sizing.validity.ranges import Extrapolation
 
@@ -35,3 +36,28 @@ def extrapolation_caption(found: Sequence[Extrapolation]) -> str:
         return ""
     names = dict.fromkeys(one.label for one in found)
     return f"outside model range: {', '.join(names)}"
+
+
+def catalogue_blocks(aircraft: Aircraft) -> list[Any]:
+    """A line on the values that catalogues gave; none where the file names no entry."""
+    found = aircraft.from_catalogues()
+    if not found:
+        return []
+    labels = dict.fromkeys(one.label for one in found)
+    parts = []
+    for label in labels:
+        values = [f"{one.key} {_spelled(one.value)}" for one in found if one.label == label]
+        parts.append(f"{', '.join(values)} of {label}")
+    return [Line(f"From catalogues: {'; '.join(parts)}.", "faint")]
+
+
+def _spelled(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return " ".join(_spelled(one) for one in value.values())
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def catalogue_records(aircraft: Aircraft) -> dict[str, Any]:
+    """Key ``from_catalogues`` of a record, JSON-ready; no key where the file names no entry."""
+    found = aircraft.from_catalogues()
+    return {"from_catalogues": [one.to_dict() for one in found]} if found else {}

@@ -10,8 +10,8 @@ import numpy as np
 
 from missions.dates import date_code
 from missions.files.overrides import with_values
+from missions.files.texts import texts_as_read
 from missions.mission import Mission
-from sizing.aerodynamics.polar_table import tables_as_read
 from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables, FlightConditions, structure_assessment
 from sizing.limits import QUANTITIES, DesignInFlight
@@ -32,7 +32,7 @@ from sizing.performance import Performance, performance_of_designs
 from sizing.reliability import Reliability, check_reliability, size_reliably
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
-from sizing.results.notes import extrapolation_records
+from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, solar_day
@@ -123,7 +123,7 @@ class SizingStudy(Result):
         ValueError
             Where no optimum was found.
         """
-        with tables_as_read(self.aircraft.tables_read):
+        with texts_as_read(self.aircraft.texts_read):
             return Aircraft.model_validate(self._sized_data())
 
     def sized_mission(self) -> Mission:
@@ -190,6 +190,7 @@ class SizingStudy(Result):
             worst = self.result.simulated.worst_scenario()
             record["uncertainty"] = uncertainty_record(self.low, self.high, worst)
         record["extrapolations"] = extrapolation_records(self.extrapolations)
+        record |= catalogue_records(self.aircraft)
         if self.coverage is not None:
             record["range"] = _range_record(self.coverage)
         if self.status is SizingStatus.infeasible:

@@ -17,7 +17,7 @@ from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.battery import battery_line
 from sizing.results.constraint_words import constraint_words, parameter_words
-from sizing.results.notes import extrapolation_blocks
+from sizing.results.notes import catalogue_blocks, extrapolation_blocks
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
@@ -182,6 +182,7 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     condition = battery_line(study.aircraft, study.mission)
     blocks: list[Any] = [] if condition is None else [condition]
     blocks += extrapolation_blocks(study.extrapolations)
+    blocks += catalogue_blocks(study.aircraft)
     if record["uncertainty"] is not None:
         blocks.append(Line(uncertainty_line(record, study.mission), "faint"))
         low = record["uncertainty"]["excess_time_low_h"]

@@ -26,7 +26,10 @@ from pathlib import Path
 from typing import Any
 
 from missions.files.errors import file_error
+from missions.files.texts import read_folder
 from missions.files.writing import to_yaml, write_folder
+from missions.files.yaml import PATH_SUFFIXES
+from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
 from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
@@ -34,7 +37,7 @@ from solar.names import CORRECTION_NAMES, MODEL_NAMES
 __all__ = ["InputFile", "RunFolder", "RunInputs", "run_record", "write_run_folder"]
 
 AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
-POLAR = "polar.csv"
+POLAR = "polar"
 _LIBRARIES = ("casadi", "numpy", "pandas", "pydantic", "scipy", "xarray")
 
 
@@ -126,11 +129,11 @@ def write_run_folder(
     OutputError
         If the folder cannot be written.
     """
-    aircraft, polar = _with_polar(inputs.aircraft)
+    aircraft, named = _with_named_files(inputs.aircraft)
     files = dict(inputs.files)
-    if polar is not None:
-        extra = {**extra, POLAR: polar.read_bytes()}
-        files["airfoil"] = InputFile.of(polar)
+    for name, path in named.items():
+        extra = {**extra, name: _content(path)}
+        files["airfoil" if Path(name).stem == POLAR else Path(name).stem] = InputFile.of(path)
     contents = {
         AIRCRAFT: _described(aircraft, files["aircraft"]),
         MISSION: _described(inputs.mission, files["mission"]),
@@ -163,14 +166,33 @@ def _described(data: Mapping[str, Any], file: InputFile) -> bytes:
     return f"# Written by solar-uav {__version__} from {file.source}\n{to_yaml(data)}".encode()
 
 
-def _with_polar(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], Path | None]:
-    """Aircraft whose airfoil's table, if it has one of its own, lies beside it; and that table."""
-    airfoil = (aircraft["airframe"].get("aerodynamics") or {}).get("airfoil", "")
-    if not airfoil.endswith(".csv"):
-        return aircraft, None
+def _with_named_files(
+    aircraft: Mapping[str, Any],
+) -> tuple[Mapping[str, Any], dict[str, Path]]:
+    """Aircraft whose own files, such as an airfoil's table, lie beside it; and those files.
+
+    The files are named by their role, a folder of polars by the one file that holds them all.
+    """
     data = copy.deepcopy(dict(aircraft))
-    data["airframe"]["aerodynamics"]["airfoil"] = POLAR
-    return data, Path(airfoil)
+    found: dict[str, Path] = {}
+    airframe = data["airframe"]
+    for holder, key, role in (
+        (airframe.get("aerodynamics"), "airfoil", POLAR),
+        (airframe.get("propulsion"), "motor", "motor"),
+        (data["modules"], "cell", "cell"),
+        (data["battery"], "cell", "battery-cell"),
+    ):
+        path = (holder or {}).get(key)
+        if holder is None or not isinstance(path, str) or not path.endswith(PATH_SUFFIXES):
+            continue
+        suffix = ".txt" if path.endswith("/") else Path(path).suffix
+        holder[key] = f"{role}{suffix}"
+        found[holder[key]] = Path(path)
+    return (data, found) if found else (aircraft, found)
+
+
+def _content(path: Path) -> bytes:
+    return read_folder(str(path), POLAR_SUFFIXES).encode() if path.is_dir() else path.read_bytes()
 
 
 def run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, Any]:

@@ -104,6 +104,11 @@ def inputs_section(subject: Subject) -> Section:
         blocks.append(Items(subject.overrides))
     if subject.mission_is_default:
         blocks.append(Text("The mission is the default: nobody chose one.", "warning"))
+    taken = subject.aircraft.from_catalogues()
+    if taken:
+        columns = (Column("key"), Column("value"), Column("label", "product"), Column("source"))
+        rows = [(one.key, str(one.value), one.label, one.source) for one in taken]
+        blocks.append(Tables((Table("values from catalogues", columns, tuple(rows)),)))
     for title, data in (
         (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
         (f"mission {subject.mission.name}", subject.inputs.mission),

@@ -11,11 +11,11 @@ import numpy as np
 
 from missions.files.errors import InputError
 from missions.files.overrides import with_overrides
+from missions.files.texts import texts_as_read
 from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.flight_path import orbit
 from missions.mission import Mission
-from sizing.aerodynamics.polar_table import tables_as_read
 from sizing.aircraft import Aircraft, DesignSpace, Range
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import design_requirements
@@ -217,7 +217,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
     keys = [key for key in configuration.keys if key not in batch]
     for own, numbers in _groups(configuration, cells, batch).items():
         try:
-            with tables_as_read(configuration.tables):
+            with texts_as_read(configuration.tables):
                 aircraft, mission = varied_files(aircraft_file, mission_file, keys, own)
         except InputError as error:
             for number in numbers:
@@ -403,7 +403,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
         files = {key: value for key, value in given.items() if names[key] is None}
         fixed = {str(names[key]): value for key, value in given.items() if names[key] is not None}
         try:
-            with tables_as_read(configuration.tables):
+            with texts_as_read(configuration.tables):
                 aircraft, mission = varied_files(
                     aircraft_file, mission_file, list(files), list(files.values())
                 )

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.files.errors import InputError, Problem
+from missions.files.texts import texts_as_read
 from missions.files.yaml import Document
 from missions.mission import Mission
-from sizing.aerodynamics.polar_table import tables_as_read
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
@@ -239,7 +239,7 @@ def prepare(
         solar,
         _covers(aircraft, axes, objective, cover),
         objective,
-        aircraft.tables_read,
+        aircraft.texts_read,
     )
     each = _points_per_chunk(mission, axes, solar, objective)
     cells = [tuple(float(value) for value in table[i]) for i in order]
@@ -274,7 +274,7 @@ class _Files:
     def wrong(self, values: Mapping[str, float]) -> InputError | None:
         """What is wrong with values put into the files, none if nothing is."""
         try:
-            with tables_as_read(self.aircraft.tables_read):
+            with texts_as_read(self.aircraft.texts_read):
                 varied_files(
                     self.aircraft_file, self.mission_file, list(values), list(values.values())
                 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -13,9 +14,24 @@ from studies.cli.options import EXIT_BAD_INPUT, completes, print_json
 
 
 @command("solar-uav list", name="list")
+@click.option("--cells", "catalogue", flag_value="cells", help="List the solar cells instead.")
+@click.option("--batteries", "catalogue", flag_value="batteries", help="List the batteries.")
+@click.option("--motors", "catalogue", flag_value="motors", help="List the motors.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def list_(as_json: bool) -> None:
-    """List the aircraft, missions and weather records that ship with the package."""
+def list_(catalogue: Literal["cells", "batteries", "motors"] | None, as_json: bool) -> None:
+    """List the aircraft, missions and weather records that ship with the package.
+
+    With --cells, --batteries or --motors list what a catalogue has; --json has the sources.
+    """
+    if catalogue is not None:
+        from studies.output import terminal
+        from studies.output.catalogues import catalogue_record, catalogue_table
+
+        if as_json:
+            print_json(catalogue_record(catalogue))
+        else:
+            terminal.show(catalogue_table(catalogue))
+        return
     from missions.files.shipped import (
         find_document,
         record_description,

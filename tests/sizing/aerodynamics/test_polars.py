@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from source_tree import ROOT
 
 from missions.files.errors import InputError
+from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.parabolic import level_flight_power_w
 from sizing.aerodynamics.polar_table import (
@@ -23,7 +24,6 @@ from sizing.aerodynamics.polar_table import (
     parse_polar_table,
     shipped_airfoils,
     shipped_table,
-    tables_as_read,
 )
 from sizing.aerodynamics.wing_polar import WingPolar
 from studies.validation.make_polars import default_grid, main
@@ -346,7 +346,7 @@ def test_a_record_keeps_its_table_when_the_file_goes(tmp_path: Path) -> None:
     file.unlink()
     copied = pickle.loads(pickle.dumps(wing)).model_copy()
     assert copied.drag_at(0.8, 18.5, 158e3) == drag
-    with tables_as_read({str(file): wing.contents_read() or ""}):
+    with texts_as_read({str(file): wing.contents_read() or ""}):
         assert _wing(str(file)) == wing
 
 

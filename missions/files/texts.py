@@ -1,0 +1,123 @@
+"""Texts of files that a record names, such as tables: of bounded size, and as they were read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+
+from missions.files.errors import InputError, Problem, file_error, printable
+
+__all__ = ["FILE_MARK", "read_folder", "read_text", "texts_as_read"]
+
+# Begins a line that names the file of the lines below it, in the text of a whole folder.
+FILE_MARK = "#file "
+
+_MAX_BYTES = 5_000_000
+_MAX_FILES = 200
+# Texts of files by the path under which they were read, for records made anew from data.
+_READ: ContextVar[Mapping[str, str] | None] = ContextVar("texts that were read", default=None)
+
+
+@contextmanager
+def texts_as_read(texts: Mapping[str, str]) -> Iterator[None]:
+    """Within this context files have the text they had when they were read first.
+
+    A record that is made anew from the data of another, perhaps by a process of another machine,
+    shall describe the same aircraft even where the file has changed since, or is not there.
+
+    Parameters
+    ----------
+    texts : mapping
+        Contents of files, by path.
+    """
+    token = _READ.set({**(_READ.get() or {}), **texts})
+    try:
+        yield
+    finally:
+        _READ.reset(token)
+
+
+def read_text(path: str) -> str:
+    """Text of a file: what was read of it (:func:`texts_as_read`), else what the file holds.
+
+    Raises
+    ------
+    InputError
+        If it is no plain file of at most 5 MB of UTF-8 text.
+    OSError
+        If the file cannot be read.
+    """
+    known = (_READ.get() or {}).get(path)
+    return _decoded(_bytes(Path(path)), path) if known is None else known
+
+
+def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
+    """Text of all files of a folder, in the order of their names.
+
+    Each begins with a line of its own, :data:`FILE_MARK` and its name.
+
+    Parameters
+    ----------
+    path : str
+        Folder.
+    suffixes : tuple of str
+        How the names of the files end, in lower case; others are passed over.
+
+    Returns
+    -------
+    str
+        What was read of it (:func:`texts_as_read`), else what the files hold.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or too much of them.
+    OSError
+        If the folder or a file cannot be read.
+    """
+    known = (_READ.get() or {}).get(path)
+    if known is not None:
+        return known
+    files = sorted(one for one in Path(path).iterdir() if one.name.lower().endswith(suffixes))
+    if not files:
+        allowed = ", ".join(suffixes)
+        raise file_error(printable(path), f"has no files of that kind ({allowed})")
+    if len(files) > _MAX_FILES:
+        message = f"has {len(files)} files, at most {_MAX_FILES} are read"
+        raise file_error(printable(path), message)
+    parts, size = [], 0
+    for file in files:
+        raw = _bytes(file)
+        size += len(raw)
+        if size > _MAX_BYTES:
+            raise _too_large(path)
+        parts.append(f"{FILE_MARK}{printable(file.name)}\n{_decoded(raw, str(file))}\n")
+    return "".join(parts)
+
+
+def _bytes(file: Path) -> bytes:
+    if file.exists() and not file.is_file():  # a pipe would keep its reader waiting
+        raise file_error(printable(str(file)), "is not a plain file")
+    with file.open("rb") as opened:
+        raw = opened.read(_MAX_BYTES + 1)
+    if len(raw) > _MAX_BYTES:
+        raise _too_large(str(file))
+    return raw
+
+
+def _too_large(path: str) -> InputError:
+    return file_error(printable(path), f"is too large (at most {_MAX_BYTES // 1_000_000} MB)")
+
+
+def _decoded(raw: bytes, path: str) -> str:
+    """Text of bytes in UTF-8; a degree sign of an old Windows file is one as well."""
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        if raw[error.start : error.start + 1] == b"\xb0":
+            return _decoded(raw.replace(b"\xb0", "°".encode()), path)
+        line = raw.count(b"\n", 0, error.start) + 1
+        message = f"is not UTF-8 text (byte 0x{raw[error.start]:02x})"
+        raise InputError([Problem(printable(path), line, None, "", message)]) from error

@@ -1,0 +1,151 @@
+"""Records that name an entry of a catalogue take from it what they are not given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, TypeVar
+
+from pydantic_core import PydanticCustomError
+
+from missions.files.errors import InputError
+from missions.files.texts import read_text
+from sizing.catalogues.entries import Entry
+from sizing.catalogues.files import Kind, entry, is_entry_path
+from solar.schema import Record
+
+__all__ = ["Taken", "filled", "own_entries", "taken"]
+
+R = TypeVar("R", bound=Record)
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A value that a catalogue gave.
+
+    Attributes
+    ----------
+    key : str
+        In the aircraft's file.
+    value : Any
+        In the key's unit; the kind and the numbers of a charge limit.
+    entry, label : str
+        Name of the entry, or path of its file, and the product in words.
+    source : str
+        Data sheet, paper or report.
+    """
+
+    key: str
+    value: Any
+    entry: str
+    label: str
+    source: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return asdict(self)
+
+
+# Numbers of an entry that a parameter follows from, where it is none of them itself.
+_FOLLOWS_FROM = {
+    "specific_energy_wh_per_kg": "mass_kg",
+    "charge_limit": "maximum_charge_current_a",
+    "motor_efficiency": "resistance_ohm",
+}
+
+
+def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
+    """Validate the data of a record, with what the entry gives that it names.
+
+    What the data have wins. What the entry gave does not count as given: a copy of the record with
+    another entry takes the values of that one.
+
+    Parameters
+    ----------
+    data : Any
+        As a validator of the mode ``wrap`` receives them.
+    handler : callable
+        Validation of the record itself.
+    key : str
+        Key that names the entry.
+    kind : {"cells", "batteries", "motors"}
+        Catalogue.
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    PydanticCustomError
+        If there is no such entry, or it does not give what is needed.
+    """
+    name = data.get(key) if isinstance(data, Mapping) else None
+    if not isinstance(name, str):
+        return handler(data)
+    found = _entry(key, kind, name).parameters(data)
+    new = {one: value for one, value in found.items() if one not in data}
+    record = handler({**data, **new})
+    record.__pydantic_fields_set__.difference_update(new)
+    return record
+
+
+def _entry(key: str, kind: Kind, name: str) -> Entry:
+    try:
+        return entry(kind, name)
+    except InputError as error:
+        context: dict[str, Any] = {"key": key}
+        if is_entry_path(name):
+            # Places in that file; the validation of the aircraft's puts them in.
+            count = len(error.problems)
+            noun = "a mistake" if count == 1 else f"{count} mistakes"
+            context |= {"problems": error.problems, "why": f"that file has {noun}"}
+        else:
+            context["why"] = error.problems[0].message
+        raise PydanticCustomError("catalogue", "{why}", context) from error
+    except OSError as error:
+        raise PydanticCustomError(
+            "catalogue",
+            "cannot read {file}: {why}",
+            {"key": key, "file": repr(name), "why": str(error.strerror)},
+        ) from error
+
+
+def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
+    """Values of a record that are those of the entry it names.
+
+    Parameters
+    ----------
+    record : Record
+        Part of an aircraft.
+    key : str
+        Key that names the entry.
+    kind : {"cells", "batteries", "motors"}
+        Catalogue.
+    prefix : str
+        What stands before the record's keys in the aircraft's file, with the dot.
+
+    Returns
+    -------
+    list of Taken
+        Without those that something else has replaced since.
+    """
+    name = getattr(record, key)
+    if name is None:
+        return []
+    one = entry(kind, name)
+    given = {field: getattr(record, field) for field in record.model_fields_set}
+    found = []
+    for field, value in one.parameters(given).items():
+        now = getattr(record, field)
+        now = now.model_dump(exclude_unset=True) if isinstance(now, Record) else now
+        if now == value and field not in given:
+            number = field if field in one.numbers() else _FOLLOWS_FROM.get(field, field)
+            found.append(Taken(prefix + field, value, name, one.label, one.source_of(number)))
+    return found
+
+
+def own_entries(record: Record, key: str) -> dict[str, str]:
+    """Text of a user's own entry by its path, if the record names one."""
+    name = getattr(record, key)
+    return {name: read_text(name)} if name is not None and is_entry_path(name) else {}

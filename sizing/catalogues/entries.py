@@ -1,0 +1,319 @@
+"""Entries of the catalogues: what data sheets and papers say, and the parameters that follow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import sqrt
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from solar.modules import HIGHEST_EFFICIENCY, STC_IRRADIANCE_W_PER_M2
+from solar.schema import Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
+
+__all__ = ["BatteryEntry", "CellEntry", "Entry", "MotorEntry"]
+
+# Encapsulation and cables of AtlantikSolar's modules, of 0.59 kg/m2 in all (Oettershagen et al.).
+ENCAPSULATION_KG_PER_M2 = 0.20
+# Two numbers of one data sheet agree within rounding, and its typical with its guaranteed values.
+_AGREEMENT = 0.06
+
+_Efficiency = Annotated[Fraction, Field(le=HIGHEST_EFFICIENCY)]
+_Number = dict[str, float]
+
+
+class Entry(Record):
+    """What is known of a product.
+
+    ``source`` is where its numbers come from; ``sources`` names another one for single numbers.
+    """
+
+    # What an entry of this kind may be asked for that it need not have.
+    kind_of_entry: ClassVar[str]
+
+    label: Name
+    source: Text
+    sources: dict[str, Text] = Field(default_factory=dict)
+    note: Text | None = None
+
+    @model_validator(mode="after")
+    def _check_sources(self) -> Entry:
+        odd = [key for key in self.sources if key not in self.numbers()]
+        if odd:
+            raise PydanticCustomError(
+                "no_number",
+                "is no number of this entry (it has {numbers})",
+                {"key": f"sources.{odd[0]}", "numbers": ", ".join(self.numbers())},
+            )
+        return self
+
+    def numbers(self) -> _Number:
+        """Numbers that it has, by key."""
+        values = ((name, getattr(self, name)) for name in type(self).model_fields)
+        return {name: value for name, value in values if isinstance(value, float | int)}
+
+    def source_of(self, key: str) -> str:
+        """Where a number comes from."""
+        return self.sources.get(key, self.source)
+
+    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Keys of an aircraft's file, below the one that names the entry, and their values.
+
+        Parameters
+        ----------
+        given : mapping
+            What the file says beside the name.
+
+        Raises
+        ------
+        PydanticCustomError
+            If a parameter follows neither from the entry nor from the file.
+        """
+        raise NotImplementedError
+
+
+def _disagree(key: str, text: str, one: float, other: float) -> None:
+    """Refuse two values of one quantity that differ by more than data sheets round."""
+    if abs(one / other - 1.0) > _AGREEMENT:
+        raise PydanticCustomError(
+            "disagreement",
+            "{text}: {one} and {other} do not agree within {percent} %",
+            {
+                "key": key,
+                "text": text,
+                "one": f"{one:.4g}",
+                "other": f"{other:.4g}",
+                "percent": f"{100.0 * _AGREEMENT:.0f}",
+            },
+        )
+
+
+class CellEntry(Entry):
+    """A solar cell; currents, voltages and area are those of one cell.
+
+    ``efficiency_stc`` holds at 1000 W/m2 of the spectrum AM1.5 and 25 C. Cells made for space are
+    measured outside the atmosphere: ``efficiency_am0`` at ``am0_irradiance_w_per_m2``, 28 C.
+    """
+
+    kind_of_entry: ClassVar[str] = "solar cell"
+
+    efficiency_stc: _Efficiency | None = None
+    efficiency_am0: _Efficiency | None = None
+    am0_irradiance_w_per_m2: PositiveReal | None = None
+    temperature_coefficient_per_k: NonNegativeReal | None = None
+    area_m2: PositiveReal | None = None
+    mass_kg_per_m2: PositiveReal | None = None
+    mpp_voltage_v: PositiveReal | None = None
+    mpp_current_a: PositiveReal | None = None
+    open_circuit_voltage_v: PositiveReal | None = None
+    short_circuit_current_a: PositiveReal | None = None
+
+    @property
+    def mpp_power_w(self) -> float | None:
+        """Power of one cell at its maximum power point [W]."""
+        if self.mpp_voltage_v is None or self.mpp_current_a is None:
+            return None
+        return self.mpp_voltage_v * self.mpp_current_a
+
+    @model_validator(mode="after")
+    def _check_physics(self) -> CellEntry:
+        for less, more in (
+            ("mpp_voltage_v", "open_circuit_voltage_v"),
+            ("mpp_current_a", "short_circuit_current_a"),
+        ):
+            low, high = getattr(self, less), getattr(self, more)
+            if low is not None and high is not None and low >= high:
+                raise PydanticCustomError(
+                    "cell", "must be below {more}", {"key": less, "more": more}
+                )
+        for key, irradiance in (
+            ("efficiency_stc", STC_IRRADIANCE_W_PER_M2),
+            ("efficiency_am0", self.am0_irradiance_w_per_m2),
+        ):
+            efficiency, power, area = getattr(self, key), self.mpp_power_w, self.area_m2
+            if efficiency is None or irradiance is None or power is None or area is None:
+                continue
+            light_w = area * irradiance
+            _disagree(
+                key, "efficiency, and power over light on the area", efficiency, power / light_w
+            )
+        return self
+
+    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Efficiency, temperature coefficient, and mass with AtlantikSolar's encapsulation."""
+        if self.efficiency_stc is None and given.get("efficiency_stc") is None:
+            raise PydanticCustomError(
+                "no_efficiency",
+                "the catalogue has no efficiency under AM1.5 of {label} (only {am0}): "
+                "give efficiency_stc",
+                {
+                    "key": "cell",
+                    "label": self.label,
+                    "am0": "none"
+                    if self.efficiency_am0 is None
+                    else f"{self.efficiency_am0:g} outside the atmosphere",
+                },
+            )
+        mass = self.mass_kg_per_m2
+        found = {
+            "efficiency_stc": self.efficiency_stc,
+            "temperature_coefficient_per_k": self.temperature_coefficient_per_k,
+            "mass_kg_per_m2": None if mass is None else round(mass + ENCAPSULATION_KG_PER_M2, 6),
+        }
+        return {key: value for key, value in found.items() if value is not None}
+
+
+class BatteryEntry(Entry):
+    """A battery cell, or the whole pack of an aircraft.
+
+    ``energy_wh`` is voltage times capacity where it is not given. ``specific_energy_wh_per_kg``
+    stands where a source gives it and no mass.
+    """
+
+    kind_of_entry: ClassVar[str] = "battery"
+
+    kind: Literal["cell", "pack"] = "cell"
+    nominal_voltage_v: PositiveReal | None = None
+    capacity_ah: PositiveReal | None = None
+    energy_wh: PositiveReal | None = None
+    mass_kg: PositiveReal | None = None
+    specific_energy_wh_per_kg: PositiveReal | None = None
+    maximum_charge_current_a: PositiveReal | None = None
+    dc_resistance_ohm: PositiveReal | None = None
+
+    @model_validator(mode="after")
+    def _check_physics(self) -> BatteryEntry:
+        product = self._voltage_times_capacity
+        if self.energy_wh is not None and product is not None:
+            _disagree("energy_wh", "energy, and voltage times capacity", self.energy_wh, product)
+        if self._energy_over_mass is not None and self.specific_energy_wh_per_kg is not None:
+            _disagree(
+                "specific_energy_wh_per_kg",
+                "specific energy, and energy over mass",
+                self.specific_energy_wh_per_kg,
+                self._energy_over_mass,
+            )
+        if self._energy_over_mass is None and self.specific_energy_wh_per_kg is None:
+            raise PydanticCustomError(
+                "no_energy",
+                "or mass_kg with energy_wh (or with nominal_voltage_v and capacity_ah) is needed",
+                {"key": "specific_energy_wh_per_kg"},
+            )
+        return self
+
+    @property
+    def _voltage_times_capacity(self) -> float | None:
+        if self.nominal_voltage_v is None or self.capacity_ah is None:
+            return None
+        return self.nominal_voltage_v * self.capacity_ah
+
+    @property
+    def energy(self) -> float | None:
+        """Energy [Wh], None where it is not known."""
+        return self._voltage_times_capacity if self.energy_wh is None else self.energy_wh
+
+    @property
+    def _energy_over_mass(self) -> float | None:
+        energy = self.energy
+        return None if energy is None or self.mass_kg is None else energy / self.mass_kg
+
+    @property
+    def specific_energy(self) -> float:
+        """Energy over mass, else what the source gives [Wh/kg]."""
+        ratio = self._energy_over_mass
+        known = self.specific_energy_wh_per_kg if ratio is None else ratio
+        assert known is not None  # refused at validation
+        return known
+
+    @property
+    def charge_rate_per_h(self) -> float | None:
+        """Largest charge current over capacity [1/h]."""
+        if self.maximum_charge_current_a is None or self.capacity_ah is None:
+            return None
+        return self.maximum_charge_current_a / self.capacity_ah
+
+    @property
+    def loss_at_1c(self) -> float | None:
+        """Share of the voltage that the resistance takes at 1 C, ``R C / U`` [-]."""
+        resistance, voltage = self.dc_resistance_ohm, self.nominal_voltage_v
+        if resistance is None or voltage is None or self.capacity_ah is None:
+            return None
+        return resistance * self.capacity_ah / voltage
+
+    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Specific energy of the pack, and the charge limit where its current is known."""
+        share = given.get("cell_mass_fraction", 1.0)
+        if self.kind == "pack" and "cell_mass_fraction" in given:
+            raise PydanticCustomError(
+                "whole_pack",
+                "is of no use here: {label} is a whole pack, not a cell",
+                {"key": "cell_mass_fraction", "label": self.label},
+            )
+        number = isinstance(share, float | int) and not isinstance(share, bool)
+        energy = self.specific_energy * (share if number else 1.0)
+        found: dict[str, Any] = {"specific_energy_wh_per_kg": float(f"{energy:.6g}")}
+        if self.charge_rate_per_h is not None:
+            rate = float(f"{self.charge_rate_per_h:.6g}")
+            found["charge_limit"] = {"kind": "rule", "c_rate_per_h": rate}
+        return found
+
+
+class MotorEntry(Entry):
+    """An electric motor, by the constants of the first-order model."""
+
+    kind_of_entry: ClassVar[str] = "motor"
+
+    speed_constant_rpm_per_v: PositiveReal
+    resistance_ohm: PositiveReal
+    no_load_current_a: PositiveReal
+    nominal_voltage_v: PositiveReal | None = None
+    maximum_current_a: PositiveReal | None = None
+    mass_kg: PositiveReal | None = None
+
+    def best_efficiency(self, voltage_v: float) -> float:
+        """Efficiency at the current where it is greatest [-].
+
+        ``(1 - sqrt(I_0 R / U))^2``, at the current ``sqrt(U I_0 / R)``: Drela, M. (2007),
+        First-Order DC Electric Motor Model, MIT Aero & Astro, from its equations for the torque and
+        the speed. At any other current it is less, in level flight as well.
+
+        Parameters
+        ----------
+        voltage_v
+            Voltage at the motor [V].
+
+        Raises
+        ------
+        PydanticCustomError
+            If the motor would not turn at that voltage.
+        """
+        least = self.no_load_current_a * self.resistance_ohm
+        if voltage_v <= least:
+            raise PydanticCustomError(
+                "stalled",
+                "must be above {least} V, at which {label} begins to turn (got {voltage})",
+                {
+                    "key": "motor_voltage_v",
+                    "least": f"{least:.3g}",
+                    "label": self.label,
+                    "voltage": f"{voltage_v:g}",
+                },
+            )
+        return (1.0 - sqrt(least / voltage_v)) ** 2
+
+    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Motor efficiency at the voltage of the file, else at the motor's nominal one."""
+        voltage = given.get("motor_voltage_v")
+        voltage = self.nominal_voltage_v if voltage is None else voltage
+        if voltage is None:
+            if given.get("motor_efficiency") is not None:
+                return {}
+            raise PydanticCustomError(
+                "no_voltage",
+                "required key is missing: {label} has no nominal voltage",
+                {"key": "motor_voltage_v", "label": self.label},
+            )
+        if not isinstance(voltage, float | int) or isinstance(voltage, bool):
+            return {}  # refused by the record
+        return {"motor_efficiency": float(f"{self.best_efficiency(voltage):.6g}")}

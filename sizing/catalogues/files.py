@@ -1,0 +1,86 @@
+"""Reading the shipped catalogues, and users' own entries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import cache
+from importlib import resources
+from types import MappingProxyType
+from typing import Literal, TypeVar
+
+from missions.files.errors import file_error, printable, shortened
+from missions.files.texts import read_text
+from missions.files.validation import validate
+from missions.files.yaml import Document, parse_yaml
+from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
+
+__all__ = ["KINDS", "Kind", "entries", "entry", "is_entry_path"]
+
+Kind = Literal["cells", "batteries", "motors"]
+
+KINDS: Mapping[Kind, type[Entry]] = MappingProxyType(
+    {"cells": CellEntry, "batteries": BatteryEntry, "motors": MotorEntry}
+)
+_SUFFIXES = (".yaml", ".yml")
+# Names that a message lists.
+_LISTED = 3
+
+E = TypeVar("E", bound=Entry)
+
+
+def is_entry_path(name: str) -> bool:
+    """Whether a name is the path of a user's own entry and not a name of the catalogue."""
+    return name.lower().endswith(_SUFFIXES)
+
+
+@cache
+def _documents(kind: Kind) -> Mapping[str, Document]:
+    """Data of every shipped entry by its name."""
+    file = resources.files("sizing").joinpath("data", "catalogues", f"{kind}.yaml")
+    whole = parse_yaml(file.read_text(encoding="utf-8"), f"{kind}.yaml")
+    return {name: Document(f"{kind}.yaml {name}", data) for name, data in whole.data.items()}
+
+
+@cache
+def _shipped(kind: Kind, name: str) -> Entry:
+    return validate(_documents(kind)[name], KINDS[kind])
+
+
+def entries(kind: Kind) -> dict[str, Entry]:
+    """All entries of a shipped catalogue by their names, in the order of its file."""
+    return {name: _shipped(kind, name) for name in _documents(kind)}
+
+
+def entry(kind: Kind, name: str) -> Entry:
+    """Entry of the shipped catalogue, or a user's own by the path of its file.
+
+    Parameters
+    ----------
+    kind : {"cells", "batteries", "motors"}
+        Catalogue.
+    name : str
+        Name of an entry, or path of a YAML file.
+
+    Returns
+    -------
+    Entry
+
+    Raises
+    ------
+    InputError
+        If there is none, or the file is not an entry of that kind.
+    OSError
+        If the file cannot be read.
+    """
+    if is_entry_path(name):
+        return validate(parse_yaml(read_text(name), printable(name)), KINDS[kind])
+    names = list(_documents(kind))
+    if name in names:
+        return _shipped(kind, name)
+    near = get_close_matches(name.lower(), names, n=_LISTED, cutoff=0.5)
+    meant = f"; did you mean {', '.join(near)}?" if near else ""
+    shown = printable(shortened(name))
+    raise file_error(
+        "", f"the catalogue of {kind} has no {shown!r}{meant} (solar-uav list --{kind} has all)"
+    )

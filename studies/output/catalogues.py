@@ -1,0 +1,98 @@
+"""Tables of the catalogues, for the terminal and for the documentation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
+from sizing.catalogues.files import Kind, entries
+from sizing.results.tables import Column, Table
+
+__all__ = ["catalogue_record", "catalogue_table", "sources_table"]
+
+_TITLES: dict[Kind, str] = {
+    "cells": "solar cells: modules.cell",
+    "batteries": "batteries: battery.cell",
+    "motors": "motors: airframe.propulsion.motor",
+}
+_NOTES: dict[Kind, str] = {
+    "cells": "Mass with 0.20 kg/m2 of encapsulation and cables.",
+    "batteries": "Wh/kg of the cells; battery.cell_mass_fraction is their share of a pack.",
+    "motors": "Best efficiency, at the voltage; more current or less of it costs.",
+}
+_COLUMNS: dict[Kind, tuple[Column, ...]] = {
+    "cells": (
+        Column("efficiency_stc", "efficiency", "%", ".1f"),
+        Column("efficiency_am0", "AM0", "%", ".1f"),
+        Column("temperature_coefficient_per_k", "temp. coeff.", "%/K", ".2f"),
+        Column("mass_kg_per_m2", "mass", "kg/m2", ".2f"),
+    ),
+    "batteries": (
+        Column("specific_energy_wh_per_kg", "energy", "Wh/kg", ".0f"),
+        Column("capacity_ah", "capacity", "Ah", ".3g"),
+        Column("charge_rate_per_h", "charge", "1/h", ".2f"),
+        Column("loss_at_1c", "loss at 1 C", "%", ".1f"),
+    ),
+    "motors": (
+        Column("mass_kg", "mass", "kg", ".3f"),
+        Column("speed_constant_rpm_per_v", "speed", "rpm/V", ".0f"),
+        Column("resistance_ohm", "resist.", "ohm", ".3f"),
+        Column("no_load_current_a", "no-load", "A", ".2f"),
+        Column("efficiency_24_v", "at 24 V", "%", ".0f"),
+    ),
+}
+
+
+def catalogue_table(kind: Kind) -> Table:
+    """Entries of a catalogue with what they give, a row each."""
+    columns = (Column("name"), Column("label", "product"), *_COLUMNS[kind])
+    rows = tuple((name, one.label, *_values(one)) for name, one in entries(kind).items())
+    return Table(_TITLES[kind], columns, rows, (_NOTES[kind],))
+
+
+def _values(one: Entry) -> Sequence[float | None]:
+    if isinstance(one, CellEntry):
+        mass = one.parameters({"efficiency_stc": 1.0}).get("mass_kg_per_m2")
+        return (
+            *map(_percent, (one.efficiency_stc, one.efficiency_am0)),
+            _percent(one.temperature_coefficient_per_k),
+            mass,
+        )
+    if isinstance(one, BatteryEntry):
+        return (
+            one.specific_energy,
+            one.capacity_ah,
+            one.charge_rate_per_h,
+            _percent(one.loss_at_1c),
+        )
+    assert isinstance(one, MotorEntry)
+    return (
+        one.mass_kg,
+        one.speed_constant_rpm_per_v,
+        one.resistance_ohm,
+        one.no_load_current_a,
+        100.0 * one.best_efficiency(24.0),
+    )
+
+
+def _percent(value: float | None) -> float | None:
+    return None if value is None else 100.0 * value
+
+
+def sources_table(kind: Kind) -> Table:
+    """Where the numbers of a catalogue come from, a row for each entry."""
+    columns = (Column("name"), Column("numbers"), Column("source"), Column("note"))
+    rows = []
+    for name, one in entries(kind).items():
+        others = [f"{key}: {text}" for key, text in one.sources.items()]
+        numbers = ", ".join(f"{key} {value:g}" for key, value in one.numbers().items())
+        rows.append((f"`{name}`", numbers, "; ".join([one.source, *others]), one.note or ""))
+    return Table("", columns, tuple(rows))
+
+
+def catalogue_record(kind: Kind) -> dict[str, Any]:
+    """Entries of a catalogue by their names, JSON-ready: numbers, sources and parameters."""
+    return {
+        name: one.model_dump(mode="json", exclude_none=True) for name, one in entries(kind).items()
+    }

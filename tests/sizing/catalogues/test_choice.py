@@ -1,0 +1,194 @@
+"""Aircraft that name entries of catalogues: what they take, from where, and what wins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from missions.files.errors import InputError
+from missions.files.overrides import with_values
+from missions.files.texts import texts_as_read
+from missions.files.writing import to_yaml
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.energy.battery import NoChargeLimit, RuleChargeLimit
+from sizing.library import load_aircraft
+from studies.sweeps.points import plain_data
+
+DESIGN = "atlantiksolar-design"
+CELL = """\
+label: Cell of a friend
+source: measured in the garden
+efficiency_stc: 0.21
+mass_kg_per_m2: 0.5
+"""
+
+
+def written(folder: Path, **changes: Any) -> Path:
+    """File of the shipped design without what catalogues give, and with changes by section."""
+    data = plain_data(load_aircraft(DESIGN))
+    for key in ("efficiency_stc", "temperature_coefficient_per_k", "mass_kg_per_m2"):
+        del data["modules"][key]
+    del data["battery"]["charge_limit"], data["battery"]["specific_energy_wh_per_kg"]
+    del data["airframe"]["propulsion"]["motor_efficiency"]
+    data["battery"]["cell"] = "panasonic-ncr18650b"
+    data["modules"] |= changes.get("modules", {})
+    data["battery"] |= changes.get("battery", {})
+    data["airframe"]["propulsion"] |= changes.get("propulsion", {})
+    path = folder / "aircraft.yaml"
+    path.write_text(to_yaml(data), encoding="utf-8")
+    return path
+
+
+def test_names_give_parameters_and_say_where_they_come_from(tmp_path: Path) -> None:
+    path = written(
+        tmp_path,
+        modules={"cell": "sunpower-e60"},
+        propulsion={"motor": "axi-4130-16", "motor_voltage_v": 22.2},
+    )
+    aircraft = load_aircraft(path)
+    assert aircraft.modules.efficiency_stc == 0.237
+    assert aircraft.modules.temperature_coefficient_per_k == 0.003
+    assert aircraft.modules.mass_kg_per_m2 == pytest.approx(0.59)
+    assert aircraft.battery.specific_energy_wh_per_kg == 243.0
+    limit = aircraft.battery.charge_limit
+    assert isinstance(limit, RuleChargeLimit)
+    assert limit.c_rate_per_h == pytest.approx(1.625 / 3.35, rel=1e-5)
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    expected = (1.0 - (1.3 * 0.063 / 22.2) ** 0.5) ** 2
+    assert aircraft.airframe.propulsion.motor_efficiency == pytest.approx(expected, rel=1e-5)
+    taken = {one.key: one for one in aircraft.from_catalogues()}
+    assert set(taken) == {
+        "modules.efficiency_stc",
+        "modules.temperature_coefficient_per_k",
+        "modules.mass_kg_per_m2",
+        "battery.specific_energy_wh_per_kg",
+        "battery.charge_limit",
+        "airframe.propulsion.motor_efficiency",
+    }
+    assert "High-Fidelity" in taken["modules.temperature_coefficient_per_k"].source
+    assert taken["battery.charge_limit"].label == "Panasonic NCR18650B"
+
+
+def test_what_the_file_gives_wins_over_the_entry(tmp_path: Path) -> None:
+    path = written(
+        tmp_path,
+        modules={"cell": "sunpower-e60", "efficiency_stc": 0.2},
+        battery={"charge_limit": {"kind": "none"}},
+        propulsion={"motor": "axi-4130-16", "motor_efficiency": 0.8},
+    )
+    aircraft = load_aircraft(path)
+    assert aircraft.modules.efficiency_stc == 0.2
+    assert aircraft.battery.charge_limit == NoChargeLimit()
+    assert aircraft.airframe.propulsion.motor_efficiency == 0.8  # type: ignore[union-attr]
+    keys = {one.key for one in aircraft.from_catalogues()}
+    assert keys == {
+        "modules.temperature_coefficient_per_k",
+        "modules.mass_kg_per_m2",
+        "battery.specific_energy_wh_per_kg",
+    }
+
+
+def test_an_aircraft_without_names_is_as_before() -> None:
+    aircraft = load_aircraft(DESIGN)
+    assert aircraft.from_catalogues() == []
+    assert aircraft.texts_read == {}
+    assert aircraft.modules.cell is None
+
+
+def test_an_entry_named_by_an_override_replaces_what_the_file_says() -> None:
+    aircraft = load_aircraft(DESIGN, {"modules.cell": "sunpower-c60"})
+    assert aircraft.modules.efficiency_stc == 0.225
+    assert aircraft.modules.temperature_coefficient_per_k == 0.003  # the default of modules
+    # Whatever else is overridden stays, in any order.
+    for overrides in (
+        ["modules.cell=sunpower-c60", "modules.efficiency_stc=0.23"],
+        ["modules.efficiency_stc=0.23", "modules.cell=sunpower-c60"],
+    ):
+        assert load_aircraft(DESIGN, overrides).modules.efficiency_stc == 0.23
+    limited = ["battery.charge_limit.c_rate_per_h=0.3", "battery.cell=samsung-35e"]
+    limit = load_aircraft(DESIGN, limited).battery.charge_limit
+    assert isinstance(limit, RuleChargeLimit)
+    assert limit.c_rate_per_h == 0.3
+
+
+def test_a_copy_with_another_entry_takes_that_ones_values(tmp_path: Path) -> None:
+    aircraft = load_aircraft(written(tmp_path, modules={"cell": "sunpower-e60"}))
+    other = with_values(aircraft, {"modules.cell": "sky-sailor-silicon"})
+    assert other.modules.efficiency_stc == 0.169
+    # A record made anew from its data, with or without what was not given, is the same.
+    assert Aircraft.model_validate(aircraft.model_dump()) == aircraft
+    assert Aircraft.model_validate(aircraft.model_dump(exclude_unset=True)) == aircraft
+
+
+def test_cells_count_for_their_share_of_the_pack(tmp_path: Path) -> None:
+    aircraft = load_aircraft(written(tmp_path, battery={"cell_mass_fraction": 0.9}))
+    assert aircraft.battery.specific_energy_wh_per_kg == pytest.approx(0.9 * 243.0)
+    again = with_values(aircraft, {"battery.cell_mass_fraction": 0.8})
+    assert again.battery.specific_energy_wh_per_kg == pytest.approx(0.8 * 243.0)
+
+
+def test_a_file_of_ones_own_beside_the_aircraft(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.yaml"
+    cell.write_text(CELL, encoding="utf-8")
+    path = written(tmp_path, modules={"cell": "cell.yaml"})
+    aircraft = load_aircraft(path)
+    assert aircraft.modules.efficiency_stc == 0.21
+    assert aircraft.modules.mass_kg_per_m2 == pytest.approx(0.7)
+    (efficiency, mass) = aircraft.from_catalogues()[:2]
+    assert (efficiency.key, efficiency.source) == ("modules.efficiency_stc", SOURCE)
+    assert mass.entry == str(cell)
+    # Where the file is gone the aircraft is made anew from what was read.
+    texts = aircraft.texts_read
+    cell.unlink()
+    with texts_as_read(texts):
+        assert Aircraft.model_validate(aircraft.model_dump()) == aircraft
+
+
+SOURCE = "measured in the garden"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"modules": {"cell": "sunpower-c6"}}, r"modules\.cell: .*did you mean sunpower-c60"),
+        ({"modules": {"cell": "x" * 500}}, r"modules\.cell: the catalogue of cells has no 'xxx"),
+        ({"modules": {"cell": "azur-3g30c"}}, "give efficiency_stc"),
+        ({"modules": {"cell": 3}}, r"modules\.cell: must be text"),
+        ({"modules": {"cell": "nothing.yaml"}}, "cannot read .*nothing.yaml"),
+        ({"battery": {"cell": "solong-pack", "cell_mass_fraction": 0.9}}, "whole pack"),
+        ({"propulsion": {"motor": "axi-4130-16"}}, "motor_voltage_v: required key is missing"),
+        (
+            {"propulsion": {"motor": "axi-4130-16", "motor_voltage_v": 0.05}},
+            "motor_voltage_v: must be above 0.0819 V",
+        ),
+        ({"propulsion": {"motor": "maxon-re40-148867", "motor_voltage_v": "24"}}, "a number"),
+    ],
+)
+def test_mistakes_are_told_at_their_line(
+    tmp_path: Path, changes: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        load_aircraft(written(tmp_path, **changes))
+    assert all(problem.line is not None for problem in caught.value.problems)
+    assert len(str(caught.value)) < 600
+
+
+def test_mistakes_of_ones_own_file_have_the_lines_of_that_file(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.yaml"
+    cell.write_text("label: mine\nefficiency_stc: 2\nmas: 1\n", encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_aircraft(written(tmp_path, modules={"cell": "cell.yaml"}))
+    of_cell = {p.line: p.message for p in caught.value.problems if p.source == str(cell)}
+    assert "at most" in of_cell[2]
+    assert "did you mean" in of_cell[3] or "unknown key" in of_cell[3]
+    assert any("3 mistakes" in p.message for p in caught.value.problems)
+    cell.write_text("a: [" * 50, encoding="utf-8")
+    with pytest.raises(InputError, match=r"cell\.yaml:1"):
+        load_aircraft(tmp_path / "aircraft.yaml")
+
+
+def test_a_share_of_cells_needs_a_cell() -> None:
+    with pytest.raises(InputError, match="goes with cell"):
+        load_aircraft(DESIGN, {"battery.cell_mass_fraction": 0.9})

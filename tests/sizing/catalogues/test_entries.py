@@ -1,0 +1,151 @@
+"""Entries of the catalogues: a source for every number, and physics that no product escapes."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
+from sizing.catalogues.files import KINDS, Kind, entries
+from sizing.parameters import parameter
+
+ALL: list[tuple[Kind, str, Entry]] = [
+    (kind, name, one) for kind in get_args(Kind) for name, one in entries(kind).items()
+]
+CELLS = [one for _, _, one in ALL if isinstance(one, CellEntry)]
+BATTERIES = [one for _, _, one in ALL if isinstance(one, BatteryEntry)]
+MOTORS = [one for _, _, one in ALL if isinstance(one, MotorEntry)]
+
+
+def label(one: Any) -> str:
+    return one.label if isinstance(one, Entry) else ""
+
+
+def test_every_catalogue_has_entries_of_its_kind() -> None:
+    assert set(get_args(Kind)) == set(KINDS)
+    assert len(CELLS) >= 8
+    assert len(BATTERIES) >= 20
+    assert len(MOTORS) >= 10
+    labels = [one.label for _, _, one in ALL]
+    assert len(set(labels)) == len(labels)
+
+
+@pytest.mark.parametrize(("kind", "name", "one"), ALL, ids=lambda value: label(value) or value)
+def test_every_number_has_a_source_that_says_what_it_is(kind: Kind, name: str, one: Entry) -> None:
+    assert isinstance(one, KINDS[kind])
+    assert one.numbers()
+    for key in one.numbers():
+        assert len(one.source_of(key)) > 15
+    assert name == name.lower()
+    assert "." not in name
+
+
+@pytest.mark.parametrize("cell", CELLS, ids=label)
+def test_cells_obey_detailed_balance_and_their_own_data_sheet(cell: CellEntry) -> None:
+    # Shockley and Queisser (1961), one junction under one sun: 33.7 %. De Vos (1980), three
+    # junctions under one sun: 49 %.
+    space = cell.efficiency_am0 is not None
+    for efficiency, limit in ((cell.efficiency_stc, 0.337), (cell.efficiency_am0, 0.49)):
+        assert efficiency is None or 0.1 < efficiency < limit
+    assert space or cell.efficiency_stc is not None
+    power, area = cell.mpp_power_w, cell.area_m2
+    if power is not None and area is not None:
+        light = (cell.am0_irradiance_w_per_m2 if space else 1000.0) or np.nan
+        efficiency = cell.efficiency_am0 if space else cell.efficiency_stc
+        # Efficiencies have three digits.
+        assert power == pytest.approx(efficiency * area * light, rel=0.005)
+    voltage, current = cell.open_circuit_voltage_v, cell.short_circuit_current_a
+    if power is not None and voltage is not None and current is not None:
+        assert 0.7 < power / (voltage * current) < 0.9  # fill factor
+    assert cell.mass_kg_per_m2 is None or 0.05 < cell.mass_kg_per_m2 < 1.0
+
+
+@pytest.mark.parametrize("battery", BATTERIES, ids=label)
+def test_specific_energy_is_voltage_times_capacity_over_mass(battery: BatteryEntry) -> None:
+    # Lithium cells of today and of aircraft that flew.
+    assert 150.0 < battery.specific_energy < 520.0
+    if battery.nominal_voltage_v and battery.capacity_ah:
+        energy = battery.nominal_voltage_v * battery.capacity_ah
+        # Molicel's typical energy is 2 % more than the product, LG's 3 %.
+        assert battery.energy == pytest.approx(energy, rel=0.035)
+        if battery.mass_kg:
+            assert battery.specific_energy == pytest.approx(energy / battery.mass_kg, rel=0.035)
+        if battery.kind == "cell":
+            assert 3.2 <= battery.nominal_voltage_v <= 3.9
+    rate = battery.charge_rate_per_h
+    assert rate is None or 0.3 < rate <= 5.0
+    loss = battery.loss_at_1c
+    low = parameter("battery.resistance.loss_at_1c")
+    assert loss is None or low.minimum <= loss <= low.maximum
+
+
+@pytest.mark.parametrize("motor", MOTORS, ids=label)
+def test_best_efficiency_is_the_maximum_over_the_current(motor: MotorEntry) -> None:
+    voltage = motor.nominal_voltage_v or 22.2
+    current = np.linspace(1.001 * motor.no_load_current_a, voltage / motor.resistance_ohm, 200_001)
+    loaded = voltage - current * motor.resistance_ohm
+    efficiency = (current - motor.no_load_current_a) * loaded / (current * voltage)
+    best = motor.best_efficiency(voltage)
+    assert best == pytest.approx(float(efficiency.max()), rel=1e-6)
+    at = sqrt(voltage * motor.no_load_current_a / motor.resistance_ohm)
+    assert at == pytest.approx(float(current[efficiency.argmax()]), rel=1e-2)
+    assert 0.75 < best < 0.95
+    assert motor.best_efficiency(2.0 * voltage) > best
+
+
+def test_motor_of_a_data_sheet_with_its_maximum_efficiency() -> None:
+    # maxon, RE 40, 148867: maximum efficiency 92 %, no-load 7580 rpm, stall 80.2 A, at 24 V.
+    motor = entries("motors")["maxon-re40-148867"]
+    assert isinstance(motor, MotorEntry)
+    assert motor.best_efficiency(24.0) == pytest.approx(0.92, abs=0.005)
+    no_load_rpm = motor.speed_constant_rpm_per_v * (
+        24.0 - motor.no_load_current_a * motor.resistance_ohm
+    )
+    assert no_load_rpm == pytest.approx(7580.0, rel=0.005)
+    assert 24.0 / motor.resistance_ohm == pytest.approx(80.2, rel=0.005)
+
+
+SOUND = {"label": "mine", "source": "measured on the bench"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "words"),
+    [
+        (CellEntry, {"efficiency_stc": 0.9}, "0.868"),
+        (CellEntry, {"mpp_voltage_v": 0.7, "open_circuit_voltage_v": 0.6}, "must be below"),
+        (
+            CellEntry,
+            {"efficiency_stc": 0.25, "area_m2": 0.015, "mpp_voltage_v": 0.6, "mpp_current_a": 5.0},
+            "do not agree within 6 %",
+        ),
+        (BatteryEntry, {"mass_kg": 0.05}, "is needed"),
+        (
+            BatteryEntry,
+            {"mass_kg": 0.05, "energy_wh": 11.0, "specific_energy_wh_per_kg": 300.0},
+            "do not agree",
+        ),
+        (
+            BatteryEntry,
+            {"energy_wh": 20.0, "nominal_voltage_v": 3.6, "capacity_ah": 3.0, "mass_kg": 0.05},
+            "do not agree",
+        ),
+        (CellEntry, {"efficiency_stc": 0.2, "sources": {"area_m2": "a paper"}}, "no number"),
+    ],
+)
+def test_what_contradicts_itself_is_refused(
+    kind: type[Entry], data: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(ValidationError, match=words):
+        kind.model_validate({**SOUND, **data})
+
+
+def test_a_number_may_have_a_source_of_its_own() -> None:
+    cell = CellEntry(
+        **SOUND, efficiency_stc=0.2, area_m2=0.01, sources={"area_m2": "a drawing of the cell"}
+    )
+    assert cell.source_of("area_m2") == "a drawing of the cell"
+    assert cell.source_of("efficiency_stc") == SOUND["source"]
