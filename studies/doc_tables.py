@@ -8,17 +8,20 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
+from sizing.catalogues.files import KINDS, Kind
 from sizing.energy.battery_condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
 from sizing.results.tables import Column, Table
 from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.transfer import transfer_table, transferred_errors
+from studies.output.catalogues import catalogue_table, sources_table
 from studies.validation import altitude_tables, clear_sky_comparison, found_designs
 from studies.validation.flights.published_flights import facts_table
 from studies.validation.flights.season import seasons
@@ -75,6 +78,12 @@ def _battery_life() -> str:
     return _markdown(Table("", columns, tuple(rows)))
 
 
+def _catalogue(kind: Kind) -> str:
+    table = catalogue_table(kind)
+    rows = tuple((f"`{name}`", *others) for name, *others in table.rows)
+    return _markdown(replace(table, title="", rows=rows))
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", lambda: _markdown(published().table())),
     "flights": ("validation.md", lambda: _markdown(facts_table())),
@@ -95,6 +104,10 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     ),
     "light": ("altitude.md", _light),
     "battery-life": ("battery.md", _battery_life),
+    "catalogue-cells": ("catalogues.md", partial(_catalogue, "cells")),
+    "catalogue-batteries": ("catalogues.md", partial(_catalogue, "batteries")),
+    "catalogue-motors": ("catalogues.md", partial(_catalogue, "motors")),
+    "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(sources_table, KINDS))),
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),

@@ -146,6 +146,19 @@ def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
 
 
 def own_entries(record: Record, key: str) -> dict[str, str]:
-    """Text of a user's own entry by its path, if the record names one."""
+    """Text of a user's own entry by its path, if the record names one.
+
+    Parameters
+    ----------
+    record : Record
+        Part of an aircraft.
+    key : str
+        Key that names the entry.
+
+    Returns
+    -------
+    dict
+        Empty for an entry of the shipped catalogue.
+    """
     name = getattr(record, key)
     return {name: read_text(name)} if name is not None and is_entry_path(name) else {}

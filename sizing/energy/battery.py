@@ -192,7 +192,7 @@ class Battery(Record):
 
     @model_validator(mode="after")
     def _check_cell(self) -> Battery:
-        if self.cell is None and "cell_mass_fraction" in self.model_fields_set:
+        if self.cell is None and self.cell_mass_fraction != 1.0:
             raise PydanticCustomError(
                 "no_cell",
                 "goes with cell, an entry of the catalogue of batteries",

@@ -21,7 +21,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         [
             [AS2, "--mission", "rafz-28h"],
             [AS2, "--set", "mission.climb={ceiling_m: 1000}"],
-            [AS2, "--set", "battery.ageing.cycles=180"],
+            [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
         ],
         set(),
     ),
@@ -32,7 +32,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             ["sky-sailor", *SUMMER, "--required-excess-time", "12"],
             [
                 *(DESIGN, *SUMMER, "--set", "mission.uncertainty_margins.battery_capacity=0.9"),
-                *("--set", "battery.ageing.cycles=180"),
+                *("--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"),
             ],
             [DESIGN, "--mission", "rafz-july", "--reliability", "0.4"],
         ],

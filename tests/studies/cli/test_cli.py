@@ -96,6 +96,17 @@ def test_list(run: Run) -> None:
             assert set(description.split()) <= set(outcome.out.split())
 
 
+@pytest.mark.parametrize("kind", ["cells", "batteries", "motors"])
+def test_list_of_a_catalogue(run: Run, kind: str) -> None:
+    outcome = run("list", f"--{kind}")
+    assert (outcome.code, outcome.err) == (0, "")
+    record = run("list", f"--{kind}", "--json").json()
+    for name, one in record.items():
+        assert name in outcome.out
+        assert one["label"]
+        assert one["source"]
+
+
 def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
     shipped = run("list", "--json").json()
     for name in (*shipped["aircraft"], *shipped["mission"]):

@@ -244,3 +244,20 @@ def test_a_name_with_control_characters_is_refused(run: Run) -> None:
     assert outcome.code == 2
     assert "must not hold control characters" in outcome.err
     assert "\x1b" not in outcome.err
+
+
+def test_entries_of_ones_own_go_with_the_folder(run: Run, tmp_path: Path) -> None:
+    text = "label: mine\nsource: measured by us\nefficiency_stc: 0.21\n"
+    (tmp_path / "cell.yaml").write_text(text)
+    chosen = ("--set", "modules.cell=cell.yaml", "--set", "battery.cell=samsung-35e")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *chosen, "--out", "found", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    taken = {one["key"]: one for one in outcome.json()["from_catalogues"]}
+    assert taken["modules.efficiency_stc"]["source"] == "measured by us"
+    assert (tmp_path / "found" / "cell.yaml").read_text() == text
+    (tmp_path / "cell.yaml").unlink()
+    again = run("analyse", "found", "--json")
+    assert (again.code, again.err) == (0, "")
+    assert again.json()["from_catalogues"][0]["value"] == 0.21
+    record = json.loads((tmp_path / "found" / "run.json").read_text())
+    assert record["inputs"]["cell"]["sha256"] == hashlib.sha256(text.encode()).hexdigest()
