@@ -16,8 +16,9 @@ import numpy as np
 from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.sunlight import SolarModel
+from studies.engine.dask_pool import DaskPool
 from studies.engine.run import Columns, run
-from studies.engine.workers import DaskPool, LocalPool, Pool, available_cores
+from studies.engine.workers import LocalPool, Pool, available_cores
 from studies.maps.resized import prepare
 
 _REPEATS = 2

@@ -18,7 +18,7 @@ from studies.cli.options import EXIT_FAILED
 from studies.cli.progress import progress_of
 from studies.engine.chunk_store import ChunkStore, parts_folder
 from studies.engine.run import Job, Outcome, Stopped, run
-from studies.engine.workers import pool_of
+from studies.engine.workers import WorkersUnavailableError, pool_of
 
 __all__ = ["WorkOptions", "completed"]
 
@@ -91,7 +91,7 @@ def completed(
             opened = ChunkStore(folder).opened(job.size_bytes, len(job.chunks))
             store = stack.enter_context(opened)
         try:
-            pool = pool_of(options.workers, options.scheduler)
+            pool = pool_of(options.workers, options.scheduler, _tell)
             with progress_of(unit) as progress:
                 outcome = run(job, pool, store, progress)
             trouble = outcome.trouble(unit)
@@ -104,7 +104,7 @@ def completed(
             number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
             click.echo(f"stopped; {_kept(job, store)}", err=True)
             sys.exit(128 + number)
-        except OutputError as error:
+        except (OutputError, WorkersUnavailableError) as error:
             click.echo(f"solar-uav: {error}; {_kept(job, store)}", err=True)
             sys.exit(EXIT_FAILED)
         if store is not None and not options.keep_parts and not outcome.failures:
@@ -112,6 +112,10 @@ def completed(
     if trouble is not None:
         click.echo(f"solar-uav: the result is not complete: {trouble}", err=True)
         sys.exit(EXIT_FAILED)
+
+
+def _tell(text: str) -> None:
+    click.echo(f"solar-uav: {text}", err=True)
 
 
 def _kept(job: Job, store: ChunkStore | None) -> str:

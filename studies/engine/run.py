@@ -25,7 +25,7 @@ import threading
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -382,9 +382,7 @@ class _Run:
     def _part(self, future: Future[Part]) -> Part | None:
         """Result of a task; none if its worker died."""
         try:
-            return future.result()
-        except CancelledError:
-            raise WorkersUnavailableError("the scheduler dropped the work") from None
+            return self.pool.result(future)
         except self.pool.deaths:
             return None
 

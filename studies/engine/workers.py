@@ -17,19 +17,20 @@ from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import Any, Protocol, TypeVar
 
-__all__ = ["DaskPool", "LocalPool", "Pool", "WorkersUnavailableError", "available_cores", "pool_of"]
+__all__ = [
+    "LocalPool",
+    "Pool",
+    "WorkersUnavailableError",
+    "available_cores",
+    "for_children",
+    "pool_of",
+]
 
 T = TypeVar("T")
-
-LOCAL_CLUSTER = "local-cluster"
 
 # Processes are started when the work left would take this process longer [s]: each of them first
 # spends about a second on imports.
 _PAYS_S = 3.0
-_CONNECT_S = 20.0
-_LOOK_S = 5.0
-# How long a cluster may be without a worker: the time in which one that died is started again.
-_WITHOUT_WORKERS_S = 60.0
 _STARTS = 3  # that may fail one after the other
 # One process for each core is enough: threads of the linear algebra would only get in each other's
 # way.
@@ -72,6 +73,9 @@ class Pool(Protocol):
             What the function returns or raises.
         """
 
+    def result(self, future: Future[T]) -> T:
+        """Result of a task that is done; raises what the task did, or one of ``deaths``."""
+
     def check(self) -> None:
         """Raise :class:`WorkersUnavailableError` if nobody is left to compute."""
 
@@ -79,7 +83,11 @@ class Pool(Protocol):
         """End the workers, in the middle of their tasks if need be."""
 
 
-def pool_of(workers: int | None = None, scheduler: str | None = None) -> Pool:
+def pool_of(
+    workers: int | None = None,
+    scheduler: str | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> Pool:
     """Pool that the options ``--workers`` and ``--scheduler`` ask for.
 
     Parameters
@@ -88,6 +96,8 @@ def pool_of(workers: int | None = None, scheduler: str | None = None) -> Pool:
         1 for this process alone, more for so many processes; None for what pays.
     scheduler : str or None
         Address of a dask scheduler, or ``local-cluster``.
+    tell : callable, optional
+        Called with what the user should know while the work waits.
 
     Returns
     -------
@@ -99,7 +109,11 @@ def pool_of(workers: int | None = None, scheduler: str | None = None) -> Pool:
     WorkersUnavailableError
         If dask is not installed, or no worker is there.
     """
-    return LocalPool(workers) if scheduler is None else DaskPool(scheduler, workers)
+    if scheduler is None:
+        return LocalPool(workers)
+    from studies.engine.dask_pool import DaskPool
+
+    return DaskPool(scheduler, workers, tell)
 
 
 def available_cores() -> int:
@@ -151,7 +165,7 @@ class LocalPool:
         """
         if self.in_process:
             return self._computed(work, task)
-        with _for_children():
+        with for_children():
             if self._executor is not None:
                 with suppress(BrokenExecutor):  # a worker died since
                     return self._executor.submit(work, task)
@@ -191,6 +205,10 @@ class LocalPool:
         self._started = self._executor.submit(os.getpid)
         return self._executor
 
+    def result(self, future: Future[T]) -> T:
+        """Result of a task."""
+        return future.result()
+
     def check(self) -> None:
         """Nothing to raise: a process that ends breaks its executor, which says so by itself."""
 
@@ -202,93 +220,6 @@ class LocalPool:
             for process in set(multiprocessing.active_children()) - self._others:
                 process.kill()
         self._executor.shutdown(wait=True, cancel_futures=at_once)
-
-
-class DaskPool:
-    """Workers of a dask cluster: one that runs already, or one of this machine for the occasion.
-
-    The scheduler itself moves the tasks of a dead worker to others; it gives up on a task that has
-    ended several (`distributed.scheduler.allowed-failures`).
-    """
-
-    in_process = False
-
-    def __init__(self, scheduler: str, workers: int | None = None) -> None:
-        try:
-            import distributed
-        except ImportError:
-            raise WorkersUnavailableError(
-                "--scheduler needs dask: pip install distributed (the extra 'cluster')"
-            ) from None
-        self.deaths: tuple[type[BaseException], ...] = (distributed.KilledWorker,)
-        self._cluster: Any = None
-        self._client: Any = None
-        with _for_children():
-            if scheduler == LOCAL_CLUSTER:
-                self._cluster = distributed.LocalCluster(
-                    n_workers=available_cores() if workers is None else workers,
-                    threads_per_worker=1,
-                    dashboard_address=None,
-                    silence_logs="ERROR",
-                )
-            address = scheduler if self._cluster is None else self._cluster
-            try:
-                self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
-                self._client.wait_for_workers(1, timeout=_CONNECT_S)
-            except (OSError, TimeoutError, ValueError) as error:
-                self.close(at_once=True)
-                raise WorkersUnavailableError(
-                    f"no worker at the scheduler {scheduler}: {error}"
-                ) from error
-        self._executor: Executor = self._client.get_executor(pure=False)
-        self._threads, self._looked_s = 1, -_LOOK_S
-        self._last_seen_s = time.monotonic()
-
-    def size(self, tasks_left: int) -> int:
-        """Two for each thread of the cluster, so that none waits for the network."""
-        self._look()
-        return max(2 * self._threads, 1)
-
-    def check(self) -> None:
-        """Raise if the cluster has had no worker for a while; one that died is started again."""
-        self._look()
-        if time.monotonic() - self._last_seen_s > _WITHOUT_WORKERS_S:
-            raise WorkersUnavailableError(
-                f"the scheduler has had no worker for {_WITHOUT_WORKERS_S:.0f} s"
-            )
-
-    def _look(self) -> None:
-        now = time.monotonic()
-        if now - self._looked_s <= _LOOK_S:
-            return
-        self._looked_s = now
-        with suppress(OSError, TimeoutError):
-            self._threads = sum(self._client.nthreads().values())
-            if self._threads:
-                self._last_seen_s = now
-
-    def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Send the task to the scheduler.
-
-        Parameters
-        ----------
-        work : callable
-            Function of the task; importable by name, for workers in other processes.
-        task : Any
-            Its argument.
-
-        Returns
-        -------
-        Future
-            What the function returns or raises.
-        """
-        return self._executor.submit(work, task)
-
-    def close(self, *, at_once: bool) -> None:
-        """Leave the cluster, and end the one that was started here."""
-        for one in (self._client, self._cluster):
-            if one is not None:
-                one.close()
 
 
 def _prepare_worker() -> None:
@@ -306,7 +237,7 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def _for_children() -> Iterator[None]:
+def for_children() -> Iterator[None]:
     """Start processes that compute with one thread each and never see Ctrl-C.
 
     Nor do they import what lies in the current folder, where a ``socket.py`` would be taken for

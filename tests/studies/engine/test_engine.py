@@ -21,13 +21,9 @@ from missions.files.writing import OutputError
 from studies.engine import chunk_store
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore, Part, check_target, parts_folder
+from studies.engine.dask_pool import DaskPool
 from studies.engine.run import Job, Outcome, Stopped
-from studies.engine.workers import (
-    DaskPool,
-    LocalPool,
-    Pool,
-    WorkersUnavailableError,
-)
+from studies.engine.workers import LocalPool, Pool, WorkersUnavailableError
 
 KEY = "0123456789abcdef" * 2 + "01234567"
 SUPPORT = Path(__file__).parent / "engine_support"
@@ -573,14 +569,14 @@ def test_a_deadly_cell_fails_alone_on_dask(functions: Any) -> None:
 @pytest.mark.slow
 def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("studies.engine.workers._CONNECT_S", 1.0)
-    with pytest.raises(WorkersUnavailableError, match="no worker at the scheduler tcp"):
+    monkeypatch.setattr("studies.engine.dask_pool._CONNECT_S", 1.0)
+    with pytest.raises(WorkersUnavailableError, match="no answer of the scheduler tcp"):
         DaskPool("tcp://127.0.0.1:1")
 
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[Callable[[int], tuple[DaskPool, list[Any]]]]:
-    """Pool on a scheduler with so many workers that nobody starts again, and their processes."""
+    """Pool on a scheduler with so many workers that nobody starts again; scheduler, workers."""
     pytest.importorskip("distributed")
     started = []
 
@@ -597,7 +593,7 @@ def cluster(tmp_path: Path) -> Iterator[Callable[[int], tuple[DaskPool, list[Any
         started.extend(dask("worker", *worker, "--name", str(n)) for n in range(workers))
         pool = DaskPool(address)
         pool._client.wait_for_workers(workers, timeout=60)
-        return pool, started[1:]
+        return pool, started
 
     yield start
     for process in started:
@@ -612,7 +608,7 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
     log = tmp_path / "log"
     log.mkdir()
     job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
-    pool, workers = cluster(2)
+    pool, (_, *workers) = cluster(2)
     threading.Timer(1.0, workers[0].kill).start()
     outcome = run(job, pool)
     assert workers[0].wait(timeout=10) == -signal.SIGKILL
@@ -625,12 +621,39 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
 def test_a_cluster_without_workers_ends_the_work_with_a_reason(
     functions: Any, cluster: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("studies.engine.workers._WITHOUT_WORKERS_S", 2.0)
-    monkeypatch.setattr("studies.engine.workers._LOOK_S", 0.5)
-    pool, workers = cluster(1)
-    threading.Timer(1.0, workers[0].kill).start()
-    with pytest.raises(WorkersUnavailableError, match="has had no worker for 2 s"):
+    monkeypatch.setattr("studies.engine.dask_pool._WITHOUT_WORKERS_S", 2.0)
+    monkeypatch.setattr("studies.engine.dask_pool._TOLD_AFTER_S", 1.0)
+    monkeypatch.setattr("studies.engine.dask_pool._LOOK_S", 0.5)
+    pool, (_, worker) = cluster(1)
+    told: list[str] = []
+    pool._tell = told.append
+    threading.Timer(1.0, worker.kill).start()
+    with pytest.raises(WorkersUnavailableError, match="no worker for 2 s; start one with"):
         run(functions.job(functions.Settings(pause_s=0.5), cells=60, each=2), pool)
+    (text,) = told
+    assert "has no worker left; waiting 1 s; start one with: dask worker tcp://" in text
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_killed_ends_the_work_in_words(
+    functions: Any, tmp_path: Path, cluster: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pool, (scheduler, _) = cluster(1)
+    job = functions.job(functions.Settings(pause_s=0.1), cells=60, each=2)
+    killed = threading.Event()
+
+    def progress(done: int, total: int) -> None:
+        if done and not killed.is_set():
+            scheduler.kill()
+            killed.set()
+
+    with (
+        ChunkStore(tmp_path / "parts").opened() as store,
+        pytest.raises(WorkersUnavailableError, match=r"the scheduler tcp.* is gone"),
+    ):
+        engine.run(job, pool, store, progress)
+    assert capfd.readouterr().err == ""
+    assert len(list((tmp_path / "parts").glob("*.part"))) >= 1
 
 
 def dask(*arguments: str) -> subprocess.Popen[bytes]:

@@ -1,0 +1,47 @@
+"""Attacks by faults: signals, full disks, folders that vanish, damaged files, dead workers.
+
+Linux alone: processes are found in ``/proc``, small disks are mounted where the user may do so.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+from benchmarks.reliability.faults import stops
+from benchmarks.reliability.faults.processes import own_folder
+from benchmarks.reliability.record import Row, of_cases
+
+__all__ = ["attacks"]
+
+_KINDS = (stops,)
+
+
+def attacks(count: int | None, seed: int, only: str) -> Iterator[Row]:
+    """Run the cases kind by kind.
+
+    Parameters
+    ----------
+    count : int or None
+        Cases of each kind; None for as many as the page is made of.
+    seed : int
+        Of the cases that are drawn.
+    only : str
+        Text that the name of a kind must hold.
+
+    Yields
+    ------
+    Row
+    """
+    for module in _KINDS:
+        for fault in module.faults():
+            name = f"{fault.subject}: {fault.attack}"
+            if only not in name:
+                continue
+            found = []
+            for number in range(count or fault.cases):
+                rng = random.Random(f"{seed}/{name}/{number}")
+                with own_folder() as folder:
+                    wrong = fault.case(rng, folder)
+                found.append(None if wrong is None else f"{name}, case {number}: {wrong}")
+            yield of_cases(fault.subject, fault.attack, found)

@@ -1,0 +1,222 @@
+"""Workers of a dask cluster, with words for the user where dask has a page of its log."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import suppress
+from typing import Any, TypeVar, cast
+
+from studies.engine.workers import WorkersUnavailableError, available_cores, for_children
+
+__all__ = ["LOCAL_CLUSTER", "DaskPool"]
+
+T = TypeVar("T")
+
+LOCAL_CLUSTER = "local-cluster"
+
+_CONNECT_S = 20.0
+_LOOK_S = 5.0
+_ANSWER_S = 1.0
+# How long a cluster may be without a worker: the time in which one that died is started again.
+_WITHOUT_WORKERS_S = 60.0
+_TOLD_AFTER_S = 10.0
+_LOGGERS = ("distributed", "tornado")
+
+
+class DaskPool:
+    """Workers of a dask cluster: one that runs already, or one of this machine for the occasion.
+
+    The scheduler itself moves the tasks of a dead worker to others; it gives up on a task that has
+    ended several (`distributed.scheduler.allowed-failures`).
+
+    Parameters
+    ----------
+    scheduler : str
+        Its address, or ``local-cluster``.
+    workers : int, optional
+        Of a cluster of this machine.
+    tell : callable, optional
+        Called with what the user should know while the work waits.
+
+    Raises
+    ------
+    WorkersUnavailableError
+        If dask is not installed, or no scheduler or no worker is there.
+    """
+
+    in_process = False
+
+    def __init__(
+        self,
+        scheduler: str,
+        workers: int | None = None,
+        tell: Callable[[str], None] | None = None,
+    ) -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise WorkersUnavailableError(
+                "--scheduler needs dask: pip install distributed (the extra 'cluster')"
+            ) from None
+        self.deaths: tuple[type[BaseException], ...] = (distributed.KilledWorker,)
+        self._tell = tell or (lambda text: None)
+        self._cluster, self._client = cast("tuple[Any, Any]", (None, None))
+        self._executor: Executor
+        self._local = scheduler == LOCAL_CLUSTER
+        self._name = "the cluster of this machine" if self._local else f"the scheduler {scheduler}"
+        self._remedy = "" if self._local else f"; start one with: dask worker {scheduler}"
+        self._levels = _silenced()
+        try:
+            with for_children():
+                self._connect(distributed, scheduler, workers)
+                self._await_worker()
+        except BaseException:  # a signal, too, leaves no process
+            self.close(at_once=True)
+            raise
+        self._executor = self._client.get_executor(pure=False)
+        self._threads, self._looked_s = 1, -_LOOK_S
+        self._last_seen_s, self._told = time.monotonic(), False
+
+    def _connect(self, distributed: Any, scheduler: str, workers: int | None) -> None:
+        if self._local:
+            self._cluster = distributed.LocalCluster(
+                n_workers=available_cores() if workers is None else workers,
+                threads_per_worker=1,
+                # Any free port: that of a cluster that runs already would be warned of.
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL,
+            )
+        address = self._cluster or scheduler
+        try:
+            self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            reason = str(error).partition("\n")[0]
+            raise WorkersUnavailableError(
+                f"no answer of {self._name}: {reason}; start it with: dask scheduler, "
+                "or compute on this machine with --workers"
+            ) from None
+
+    def _await_worker(self) -> None:
+        if not self._client.nthreads():
+            self._tell(f"{self._name} has no worker; waiting {_CONNECT_S:.0f} s{self._remedy}")
+        try:
+            self._client.wait_for_workers(1, timeout=_CONNECT_S)
+        except (OSError, TimeoutError):
+            raise self._without_workers(_CONNECT_S) from None
+
+    def _without_workers(self, time_s: float) -> WorkersUnavailableError:
+        return WorkersUnavailableError(
+            f"{self._name} has had no worker for {time_s:.0f} s{self._remedy}"
+        )
+
+    def _lost(self) -> WorkersUnavailableError:
+        return WorkersUnavailableError(
+            f"{self._name} is gone, or has dropped the work; start it and its workers again, "
+            "or compute on this machine with --workers"
+        )
+
+    def size(self, tasks_left: int) -> int:
+        """Two for each thread of the cluster, so that none waits for the network."""
+        self._look()
+        return max(2 * self._threads, 1)
+
+    def check(self) -> None:
+        """Tell that the cluster has no worker; raise if it has had none for a while."""
+        self._look()
+        without_s = time.monotonic() - self._last_seen_s
+        if without_s > _WITHOUT_WORKERS_S:
+            raise self._without_workers(_WITHOUT_WORKERS_S)
+        if without_s > _TOLD_AFTER_S and not self._told:
+            self._told = True
+            left_s = _WITHOUT_WORKERS_S - without_s
+            self._tell(f"{self._name} has no worker left; waiting {left_s:.0f} s{self._remedy}")
+
+    def _look(self) -> None:
+        now = time.monotonic()
+        if now - self._looked_s <= _LOOK_S:
+            return
+        self._looked_s = now
+        # A scheduler that does not answer must not keep a signal waiting.
+        with suppress(OSError, TimeoutError, AttributeError):  # without a connection
+            threads = self._client.nthreads(callback_timeout=_ANSWER_S)
+            self._threads = sum(threads.values())
+            if self._threads:
+                self._last_seen_s, self._told = time.monotonic(), False
+
+    def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
+        """Send the task to the scheduler.
+
+        Parameters
+        ----------
+        work : callable
+            Function of the task; importable by name, for workers in other processes.
+        task : Any
+            Its argument.
+
+        Returns
+        -------
+        Future
+            What the function returns or raises.
+
+        Raises
+        ------
+        WorkersUnavailableError
+            If the scheduler is gone.
+        """
+        try:
+            return self._executor.submit(work, task)
+        except Exception:
+            if self._client.status == "running":
+                raise
+            raise self._lost() from None
+
+    def result(self, future: Future[T]) -> T:
+        """Result of a task.
+
+        Parameters
+        ----------
+        future : Future
+            Of :meth:`submit`, done.
+
+        Returns
+        -------
+        Any
+            What the task has returned.
+
+        Raises
+        ------
+        WorkersUnavailableError
+            If the scheduler has dropped the task.
+        """
+        try:
+            return future.result()
+        except CancelledError:
+            raise self._lost() from None
+
+    def close(self, *, at_once: bool) -> None:
+        """Leave the cluster, and end the one that was started here."""
+        for one in (self._client, self._cluster):
+            if one is not None:
+                with suppress(OSError, TimeoutError):  # of a scheduler that is gone
+                    one.close()
+        for name, level in self._levels.items():
+            logging.getLogger(name).setLevel(level)
+
+
+def _silenced() -> dict[str, int]:
+    """Silence the log of dask, which has a traceback for all that is told in words here.
+
+    Returns
+    -------
+    dict
+        Levels of before, by the name of the logger.
+    """
+    levels = {}
+    for name, logger in list(logging.root.manager.loggerDict.items()):
+        if name.partition(".")[0] in _LOGGERS and isinstance(logger, logging.Logger):
+            levels[name] = logger.level
+            logger.setLevel(logging.CRITICAL + 1)
+    return levels
