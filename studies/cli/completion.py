@@ -119,7 +119,7 @@ class Bash(BashComplete):
         parts = os.environ["COMP_WORDS"].split("\n")
         parts = parts if len(parts) > 1 else os.environ["COMP_WORDS"].split(" ")
         words: list[str] = []
-        for place, part in enumerate(parts[: int(os.environ["COMP_CWORD"]) + 1]):
+        for place, part in enumerate(parts[: _place() + 1]):
             glued = part[:1] in ("=", ":") or (place > 0 and parts[place - 1][-1:] in ("=", ":"))
             if glued and words:
                 words[-1] += part
@@ -171,7 +171,21 @@ class Zsh(ZshComplete):
     )
 
 
+def _place() -> int:
+    """Number of the word that is completed."""
+    return int(os.environ["COMP_CWORD"])
+
+
 def prepare() -> None:
-    """Register what the shells ask with."""
+    """Register what the shells ask with; a request that no shell makes asks for nothing."""
+    fish = os.environ["_SOLAR_UAV_COMPLETE"].startswith("fish")  # gives the word, not its number
+    os.environ.setdefault("COMP_WORDS", "")
+    os.environ.setdefault("COMP_CWORD", "" if fish else "0")
+    try:
+        usable = fish or _place() >= 0
+    except ValueError:
+        usable = False
+    if not usable:
+        os.environ["COMP_CWORD"] = "0"
     add_completion_class(Bash)
     add_completion_class(Zsh)

@@ -156,10 +156,28 @@ def note_last(reached: float, last: float, written: str) -> None:
 
 
 class RealRange(click.FloatRange):
-    """Numbers of a range; unlike click's own it refuses NaN, which passes every comparison."""
+    """Numbers of a range; unlike click's own it refuses NaN, which passes every comparison.
 
-    def __init__(self, lowest: float, highest: float, *, unit: str) -> None:
-        super().__init__(lowest, highest)
+    Parameters
+    ----------
+    lowest, highest : float
+        What is allowed.
+    unit : str
+        For messages.
+    above, below : bool
+        Whether numbers must lie above the lowest, and below the highest.
+    """
+
+    def __init__(
+        self,
+        lowest: float,
+        highest: float,
+        *,
+        unit: str,
+        above: bool = False,
+        below: bool = False,
+    ) -> None:
+        super().__init__(lowest, highest, min_open=above, max_open=below)
         self.unit = unit
 
     def convert(

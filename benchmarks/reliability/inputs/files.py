@@ -24,6 +24,7 @@ from studies.cli.completion_keys import Key, known_keys
 __all__ = ["aircraft_file", "folder", "mission_file", "override", "polar_table"]
 
 _TEMPLATES = {"aircraft": "aircraft.yaml", "mission": "mission.yaml"}
+_Dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 _MEASURED, _PARAMETRIC = "atlantiksolar-as2", "atlantiksolar-design"
 
 
@@ -150,7 +151,9 @@ def _document(kind: str, rng: random.Random) -> bytes:
 
 def _dumped(data: Any) -> bytes:
     try:
-        text: str = yaml.safe_dump(data, allow_unicode=True, sort_keys=False, width=10**6)
+        text: str = yaml.dump(
+            data, Dumper=_Dumper, allow_unicode=True, sort_keys=False, width=10**6
+        )
     except (yaml.YAMLError, ValueError):  # an integer of too many digits to be written
         return b"name: [1"
     return text.encode("utf-8", "surrogatepass")

@@ -28,6 +28,7 @@ _LONGEST_S = 10.0  # processor time of a case
 _LONGEST_WAIT_S = 90.0  # without any news of a case, whatever it does
 _MOST_BYTES = 1_000_000_000
 _CASES_A_PROCESS = 400
+_SCRATCH = "/dev/shm" if Path("/dev/shm").is_dir() else None  # memory: most of the time else
 
 
 class Told(NamedTuple):
@@ -154,7 +155,7 @@ def run_case(number: int, case: Case, *, keep: Path | None = None) -> Told:
     -------
     Told
     """
-    folder = Path(tempfile.mkdtemp(prefix="inputs-")) if keep is None else keep
+    folder = Path(tempfile.mkdtemp(prefix="inputs-", dir=_SCRATCH)) if keep is None else keep
     here = Path.cwd()
     _forget_peak()
     begun, start_mb = time.process_time(), _memory_mb("VmRSS")

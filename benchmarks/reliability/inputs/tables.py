@@ -117,7 +117,7 @@ def _topics(rng: random.Random) -> dict[str, dict[str, Any]]:
             found[topic][field] = values.copy()
             found[topic][field][where] = odd
         else:
-            whole = np.roll(values, 1) if way < 0.6 else values * rng.choice((0, 1, 1000, 10**12))
+            whole = np.roll(values, 1) if way < 0.6 else values * np.int64(rng.choice((0, 1, 1000)))
             found[topic][field] = whole.astype(values.dtype)
     return found
 
@@ -203,13 +203,15 @@ def _seeds() -> dict[str, tuple[str, bytes]]:
     days = writers.clear_record(days=3)
     minutes = writers.clear_record(days=1, first="2001-06-20", interval_s=600.0)
     utc = writers.clear_record(days=3, site=replace(writers.SITE, utc_offset_h=0.0))
+    # pvlib's reader takes whole years alone.
+    year = writers.clear_record(days=365, first="2001-01-01", site=utc.site)
     made: dict[str, tuple[str, bytes]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for layout, name, write, record in (
             ("CSV", "w.csv", writers.write_plain, days),
             ("EPW", "w.epw", writers.write_epw, days),
             ("PVGIS EPW", "p.epw", writers.write_pvgis_tmy_epw, days),
-            ("PVGIS typical year", "t.csv", writers.write_pvgis_tmy, utc),
+            ("PVGIS typical year", "t.csv", writers.write_pvgis_tmy, year),
             ("PVGIS typical year, JSON", "t.json", writers.write_pvgis_tmy_json, utc),
             ("PVGIS hourly", "h.csv", writers.write_pvgis_hourly, utc),
             ("NSRDB PSM", "n.csv", writers.write_psm, minutes),
@@ -235,12 +237,12 @@ def _tmy2(record: Any) -> bytes:
     """TMY2, fixed columns: Marion and Urban (1995), User's Manual for TMY2s, table 3-2."""
     lines = [" 13963 SOMEWHERE              ZH   1 N 46 48 E   6 54   491"]
     for t, g, b, d in zip(_local(record), record.ghi, record.dni, record.dhi, strict=True):
-        line = f" {t.year % 100:02d}{t.month:2d}{t.day:2d}{t.hour + 1:2d}{1300:4d}{1000:4d}"
+        line = f" {t.year % 100:2d}{t.month:2d}{t.day:2d}{t.hour + 1:2d}{1300:4d}{1000:4d}"
         for value in (g, b, d):
             line += f"{round(value):4d}A7"
         line += "".join(f"{0:4d}A7" for _ in range(4))  # four illuminances
-        line += "00A700A7" + " 150A7  50A7050A70950A7180A7 30A702410A777777A7"
-        line += "0999999999200E7050F8000A700A7"
+        line += " 0A7 0A7 150A7  50A7 50A7 950A7180A7 30A7 241A777777A7"
+        line += "9999999999200E7 50F8  0A7 0A7"
         lines.append(line)
     return ("\n".join(lines) + "\n").encode()
 

@@ -97,7 +97,7 @@ def _check_weather(objective: Objective, survive: float, others: Mapping[str, bo
 )
 @click.option(
     "--reliability",
-    type=RealRange(0.0, 1.0, unit="the interval from 0 to 1"),
+    type=RealRange(0.0, 1.0, unit="the interval from 0 to 1", above=True, below=True),
     metavar="PROBABILITY",
     help="Least probability of the required excess time in every scenario when the uncertain "
     "inputs of aircraft and mission scatter, for instance 0.95.",
@@ -113,7 +113,7 @@ def _check_weather(objective: Objective, survive: float, others: Mapping[str, bo
 )
 @click.option(
     "--survive",
-    type=RealRange(0.0, 1.0, unit="the interval from 0 to 1"),
+    type=RealRange(0.0, 1.0, unit="the interval from 0 to 1", above=True),
     metavar="SHARE",
     help="Least share of the days of the weather record that close, for instance 0.9.",
 )

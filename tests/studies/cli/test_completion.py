@@ -157,3 +157,20 @@ def test_completion_imports_nothing_heavy() -> None:
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@pytest.mark.parametrize("place", ["", "-1", "x", "99", "9" * 5000, None])
+def test_a_request_that_no_shell_makes_is_no_mistake_of_ours(
+    shell: str, place: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("_SOLAR_UAV_COMPLETE", f"{shell}_complete")
+    monkeypatch.setenv("COMP_WORDS", "solar-uav ana")
+    if place is None:
+        monkeypatch.delenv("COMP_CWORD", raising=False)
+        monkeypatch.delenv("COMP_WORDS")
+    else:
+        monkeypatch.setenv("COMP_CWORD", place)
+    monkeypatch.setattr(sys, "argv", ["solar-uav"])
+    with pytest.raises(SystemExit):
+        main.main()

@@ -314,7 +314,7 @@ def test_reliability_is_kept_in_the_folder(
     ("asked", "message"),
     [
         (("--reliability", "1.5"), "1.5 is not in the range"),
-        (("--reliability", "1"), "must be above 0 and below 1"),
+        (("--reliability", "1"), "1.0 is not in the range 0.0<x<1.0"),
         (("--reliability", "0.9", "--sensitivities"), "know of no --reliability"),
     ],
 )

@@ -36,8 +36,8 @@ def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
     [
         (("--survive", "0.9"), "--survive needs --weather as well"),
         (("--weather", "colorado-2023"), "--weather needs --survive as well"),
-        (("--weather", "colorado-2023", "--survive", "1.5"), "1.5 is not in the range 0.0<=x<=1.0"),
-        (("--weather", "colorado-2023", "--survive", "0"), "must be above 0 and at most 1"),
+        (("--weather", "colorado-2023", "--survive", "1.5"), "1.5 is not in the range 0.0<x<=1.0"),
+        (("--weather", "colorado-2023", "--survive", "0"), "0.0 is not in the range 0.0<x<=1.0"),
         (("--weather", "none.epw", "--survive", "0.5"), "there is no such file"),
         (
             ("--weather", "colorado-2023", "--survive", "0.5", "--reliability", "0.9"),

@@ -1,5 +1,6 @@
 """The explorer's server: who is let in, what is refused in words, and what comes back."""
 
+import asyncio
 import contextlib
 import http.client
 import json
@@ -290,6 +291,22 @@ def test_too_much_is_refused(server: Server) -> None:
     assert server.post("/api/view", b" " * (MAXIMUM_BODY_BYTES + 1)).status == 413
     assert server.get("/?token=" + "x" * 600).status == 414
     assert server.post("/api/view", b"{}", content_length="-1").status in (400, 413)
+
+
+def test_a_length_of_thousands_of_digits_is_refused(server: Server) -> None:
+    # Of a server that passes it on; ours refuses the header itself.
+    host = server.host.encode()
+    headers = [(b"host", host), (b"authorization", b"Bearer " + server.token.encode())]
+    scope = {"type": "http", "method": "GET", "path": "/", "query_string": b""}
+    scope["headers"] = [*headers, (b"content-length", b"9" * 5000)]
+    sent: list[Any] = []
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    guarded = server.explorer.application(port=server.port, token=server.token)
+    asyncio.run(guarded(scope, None, send))
+    assert sent[0]["status"] == 413
 
 
 def test_body_longer_than_allowed_is_cut_though_its_header_is_silent(server: Server) -> None:
