@@ -102,8 +102,10 @@ def _order(problem: Problem) -> tuple[float, float]:
 
 
 def printable(text: str) -> str:
-    """Escape what would break a one-line message (line breaks, lone surrogates)."""
-    return text if text.isprintable() else text.encode("unicode_escape").decode("ascii")
+    """Escape what would break a one-line message or steer a terminal; the rest stays readable."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def shortened(text: str) -> str:

@@ -7,10 +7,10 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from missions.files.errors import InputError, Problem, file_error, printable
+from missions.files.reading import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import first_few
 from missions.logs.units import UNITS
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _NAMES = {"\t": "tabs", ",": "commas", ";": "semicolons", "|": "bars"}
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?\s*")
+_MOST_BYTES = 100_000_000
+_LONGEST_LINE = 100_000  # the module csv takes no field of more than 131072 characters
 _LOOKED_AT = 50  # rows that a guess is made from
 
 
@@ -122,14 +124,15 @@ def read_text(source: str, layout: ColumnMap) -> Text:
 def _text_lines(source: str) -> tuple[list[str], list[int]]:
     """Lines that are not blank, and their numbers counted from 1."""
     try:
-        text = Path(source).read_bytes().decode("utf-8-sig")
+        text = read_plain_file(source, most_bytes=_MOST_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise file_error(source, f"is not UTF-8 text (byte {error.start})") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise file_error(source, f"cannot be read: {str(reason).lower()}") from None
     # Only line breaks: str.splitlines would also break at other control characters.
     every = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    long = next((i for i, line in enumerate(every, start=1) if len(line) > _LONGEST_LINE), None)
+    if long is not None:
+        message = f"is longer than {_LONGEST_LINE} characters"
+        raise InputError([Problem(source, long, None, "", message)])
     kept = [(line, number) for number, line in enumerate(every, start=1) if line.strip()]
     return [line for line, _ in kept], [number for _, number in kept]
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error, shown
+from missions.weather.air import MAXIMUM_IMPOSSIBLE, TEMPERATURE, WIND, checked_air
 from missions.weather.raw import END, RawTable
 from missions.weather.record import (
     SECONDS_PER_DAY,
@@ -80,6 +81,10 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     repairs += _filled(light, sun, interval_s, source, grid.start_s)
     if sum(float(np.sum(part)) for part in light.values()) <= 0.0:
         raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
+    temperature_c, left_out = checked_air(TEMPERATURE, grid.values, grid.lines, source)
+    repairs += left_out
+    wind_m_per_s, left_out = checked_air(WIND, grid.values, grid.lines, source)
+    repairs += left_out
     weather = Weather(
         source=source,
         layout=raw.layout,
@@ -89,8 +94,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         ghi=light["ghi"],
         dni=light["dni"],
         dhi=light["dhi"],
-        temperature_c=_auxiliary(grid.values.get("temp_air"), -90.0, 70.0),
-        wind_m_per_s=_auxiliary(grid.values.get("wind_speed"), 0.0, 120.0),
+        temperature_c=temperature_c,
+        wind_m_per_s=wind_m_per_s,
         typical=typical,
     )
     return replace(weather, repairs=tuple(repairs))
@@ -101,7 +106,11 @@ def _numbers(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArr
     import pandas as pd
 
     column = raw.table[name]
-    values = np.asarray(pd.to_numeric(column, errors="coerce"), float)
+    try:
+        numbers = pd.to_numeric(column, errors="coerce")
+    except OverflowError:  # an integer of hundreds of digits
+        numbers = pd.to_numeric(column.astype(str), errors="coerce")
+    values = np.asarray(numbers, float)
     text = np.flatnonzero(np.isnan(values) & column.notna().to_numpy())
     if len(text):
         at = int(text[0])
@@ -278,7 +287,7 @@ def _without_impossible(
         wrong |= bad
         values[bad] = np.nan
     count = int(np.count_nonzero(wrong))
-    if count > 0.01 * len(up):
+    if count > MAXIMUM_IMPOSSIBLE * len(up):
         first = int(np.flatnonzero(wrong)[0])
         message = (
             f"{count} of {len(up)} rows have light that cannot be (first here): is the time zone "
@@ -420,14 +429,3 @@ def _from_next_day(share: FloatArray, begin: int, stop: int, per_day: int) -> Fl
     rest = np.isnan(found)
     found[rest] = _bridged(share, begin, stop)[rest]
     return found
-
-
-def _auxiliary(values: FloatArray | None, lowest: float, highest: float) -> FloatArray | None:
-    """Temperature or wind without gaps; None where a fifth of it is missing or impossible."""
-    if values is None:
-        return None
-    with np.errstate(invalid="ignore"):
-        known = np.flatnonzero((values >= lowest) & (values <= highest))
-    if len(known) < 0.8 * len(values):
-        return None
-    return np.interp(np.arange(len(values)), known, values[known])

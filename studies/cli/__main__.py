@@ -13,9 +13,8 @@ import click
 
 from solar._version import __version__
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
+from studies.cli.telling import tell_error
 from studies.engine.signals import Signals, interruptible
-
-_LONGEST_WORD, _MOST_LINES = 200, 30
 
 
 class _Lazy(NamedTuple):
@@ -165,8 +164,9 @@ def _code(signals: Signals) -> int:
 def _told(error: BaseException) -> int:
     """Print a mistake of the user, and return the exit code; raise what is ours."""
     if isinstance(error, click.ClickException):
-        vars(error)["message"] = _brief(error.message)
-        error.show()
+        shown = io.StringIO()  # with the usage and the hint of the command
+        error.show(shown)
+        tell_error(shown.getvalue().rstrip())
         return error.exit_code
     if isinstance(error, click.Abort):
         return 128 + signal.SIGINT
@@ -174,22 +174,12 @@ def _told(error: BaseException) -> int:
     from sizing.design import ImpossibleDesignError
 
     if isinstance(error, InputError):
-        click.echo(_brief(str(error)), err=True)
+        tell_error(str(error))
         return EXIT_BAD_INPUT
     if isinstance(error, ImpossibleDesignError | OSError):
-        click.echo(f"solar-uav: {_brief(str(error))}", err=True)
+        tell_error(f"solar-uav: {error}")
         return EXIT_FAILED
     raise error
-
-
-def _brief(message: str) -> str:
-    """Message that fits a screen: the first mistakes, and no word that goes on for pages."""
-    lines = [
-        " ".join(w if len(w) <= _LONGEST_WORD else f"{w[:_LONGEST_WORD]}..." for w in s.split(" "))
-        for s in message.splitlines()
-    ]
-    more = len(lines) - _MOST_LINES
-    return "\n".join(lines if more <= 0 else [*lines[:_MOST_LINES], f"... and {more} more"])
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ import click
 from missions.files.writing import OutputError
 from studies.cli.options import EXIT_FAILED
 from studies.cli.progress import progress_of
+from studies.cli.telling import tell_error
 from studies.engine.chunk_store import ChunkStore, parts_folder
 from studies.engine.run import Job, Outcome, Stopped, run
 from studies.engine.workers import WorkersUnavailableError, pool_of
@@ -96,21 +97,21 @@ def completed(
                 outcome = run(job, pool, store, progress)
             trouble = outcome.trouble(unit)
             if trouble is not None:
-                click.echo(f"solar-uav: {trouble}", err=True)
+                tell_error(f"solar-uav: {trouble}")
             if outcome.all_failed:
                 sys.exit(EXIT_FAILED)
             yield outcome
         except KeyboardInterrupt as stopped:
             number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
-            click.echo(f"stopped; {_kept(job, store)}", err=True)
+            tell_error(f"stopped; {_kept(job, store)}")
             sys.exit(128 + number)
         except (OutputError, WorkersUnavailableError) as error:
-            click.echo(f"solar-uav: {error}; {_kept(job, store)}", err=True)
+            tell_error(f"solar-uav: {error}; {_kept(job, store)}")
             sys.exit(EXIT_FAILED)
         if store is not None and not options.keep_parts and not outcome.failures:
             store.remove_parts(job.keys())
     if trouble is not None:
-        click.echo(f"solar-uav: the result is not complete: {trouble}", err=True)
+        tell_error(f"solar-uav: the result is not complete: {trouble}")
         sys.exit(EXIT_FAILED)
 
 

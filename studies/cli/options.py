@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import click
 
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
+from studies.cli.telling import tell_error
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions, TooManyDotsError
 from studies.output.formats import IMAGE_FORMATS, image_format
 
@@ -152,7 +153,7 @@ def note_last(reached: float, last: float, written: str) -> None:
     """
     if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
         text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
-        click.echo(f"solar-uav: {text}", err=True)
+        tell_error(f"solar-uav: {text}")
 
 
 class RealRange(click.FloatRange):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from missions.files.errors import printable
 from missions.files.writing import write_files_atomically
 from sizing.results.tables import Line, Result, Summary, Table
 from studies.cli.files import DEFAULT_MISSION, Case
@@ -66,7 +67,7 @@ def tell(
 def suggest(step: str | None) -> None:
     """Say on standard error what to do next, where somebody reads along: on a terminal alone."""
     if step is not None and sys.stdout.isatty() and sys.stderr.isatty():
-        click.secho(f"next: {step}", err=True, dim="NO_COLOR" not in os.environ)
+        click.secho(printable(f"next: {step}"), err=True, dim="NO_COLOR" not in os.environ)
 
 
 def call(verb: str, *others: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from missions.files.errors import printable
 from sizing.results.layout import RULE
 
 if TYPE_CHECKING:
@@ -58,7 +59,8 @@ def tell_line(text: str, emphasis: Emphasis = "plain") -> None:
 
 
 def _printable(text: str) -> str:
-    """Text with plain rules where the terminal has no lines to draw with."""
+    """Text without control characters, and with plain rules where a terminal has no lines."""
+    text = printable(text)
     try:
         RULE.encode(sys.stdout.encoding or "ascii")
     except UnicodeEncodeError:

@@ -19,7 +19,7 @@ class Kind(NamedTuple):
 
     reader: str
     attack: str
-    count: int
+    cases: int
     maker: Maker | None  # None: requests of the explorer
 
 
@@ -101,9 +101,7 @@ def _asked(number: int, rng: random.Random) -> Told:
     return Told(number, code, wrong, 0, time.process_time() - begun)
 
 
-def campaign(
-    names: list[str], count: int | None, seed: int, *, first: int = 0
-) -> Iterator[Result]:
+def campaign(names: list[str], count: int | None, seed: int, *, first: int = 0) -> Iterator[Result]:
     """Run cases kind by kind.
 
     Parameters
@@ -125,7 +123,7 @@ def campaign(
     for name in names:
         kind = KINDS[name]
         begun = time.monotonic()
-        told = list(in_processes(range(first, first + (count or kind.count)), work_of(name, seed)))
+        told = list(in_processes(range(first, first + (count or kind.cases)), work_of(name, seed)))
         yield Result(
             name,
             kind,

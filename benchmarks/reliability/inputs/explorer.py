@@ -66,7 +66,9 @@ def _body(path: str, rng: random.Random) -> Any:
         return rng.choice((None, [], 1, "text", {}, {"settings": None}, {"a": {}}, [[]] * 50))
     body: dict[str, Any] = {"settings": _settings(rng)}
     if path == "/api/view":
-        body["season"] = rng.choices(("none", "coarse", "exact", "odd", None, []), (6, 6, 1, 1, 1, 1))[0]
+        body["season"] = rng.choices(
+            ("none", "coarse", "exact", "odd", None, []), (6, 6, 1, 1, 1, 1)
+        )[0]
         body |= {"client": rng.choice(("a", "", "x" * 65, 5)), "sequence": rng.randrange(9)}
     if rng.random() < 0.1:
         body[rng.choice(HOSTILE)] = rng.choice((1, None, rng.choice(HOSTILE), [1]))
@@ -87,7 +89,9 @@ def _settings(rng: random.Random) -> Any:
         if key.endswith("day_of_year") and rng.random() < 0.9:
             value = round(value)
         if rng.random() < 0.06:
-            value = rng.choice((None, True, "1", [], {}, 10**400, 1e308, -1e308, 5e-324, float("nan")))
+            value = rng.choice(
+                (None, True, "1", [], {}, 10**400, 1e308, -1e308, 5e-324, float("nan"))
+            )
         elif rng.random() < 0.03:
             value = number_text(rng)
         found[key] = value
@@ -106,7 +110,9 @@ def _spoil(headers: list[tuple[bytes, bytes]], rng: random.Random) -> None:
     elif way < 0.8:
         headers.append(headers[at])
     else:
-        length = rng.choice((b"-1", b"99999999999999999999", b"1e3", b"\xb2", b"+5", b"", b"9" * 5000))
+        length = rng.choice(
+            (b"-1", b"99999999999999999999", b"1e3", b"\xb2", b"+5", b"", b"9" * 5000)
+        )
         headers.append((b"content-length", length))
 
 
@@ -116,7 +122,10 @@ def _served() -> Any:
     from studies.explorer.app import Explorer
     from studies.explorer.session import Session
 
-    documents = find_document("aircraft", "atlantiksolar-design"), find_document("mission", "rafz-july")
+    documents = (
+        find_document("aircraft", "atlantiksolar-design"),
+        find_document("mission", "rafz-july"),
+    )
     explorer = Explorer(Session(*documents))
     return explorer, explorer.application(port=_PORT, token=_TOKEN)
 

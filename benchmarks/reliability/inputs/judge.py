@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 import re
 from collections.abc import Iterable
@@ -59,7 +58,9 @@ def mistake(case: Case, outcome: Outcome, before: Iterable[str], folder: Path) -
     if "Warning: " in told:
         line = next(line for line in told.splitlines() if "Warning: " in line)
         return f"warning of a library printed: {line.strip()[-160:]}"
-    if code and not told.strip() and not case.environment:  # a shell wants no words
+    if (
+        code and not (told + outcome.printed).strip() and not case.environment
+    ):  # a shell wants no words
         return f"exit code {code} without a word"
     if len(told) > _LONGEST_MESSAGE:
         return f"message of {len(told)} characters"
@@ -114,7 +115,8 @@ def _wrong_content(path: Path) -> str | None:
         return "ends amid its content"
     if path.suffix != ".csv":
         return None
-    rows = list(csv.reader(io.StringIO(content.decode())))
+    lines = [line for line in content.decode().splitlines() if not line.startswith("# {")]
+    rows = list(csv.reader(lines))  # trade studies tell in a comment what they are of
     if len({len(row) for row in rows}) != 1:
         return "rows of different lengths"
     for row in rows[1:]:

@@ -203,20 +203,23 @@ def _called(case: Case) -> Outcome:
     code: Any = 0
     signal.setitimer(signal.ITIMER_PROF, _LONGEST_S, 1.0)
     try:
-        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(told):
-            with warnings.catch_warnings():
-                for kind in (RuntimeWarning, UserWarning, FutureWarning, ResourceWarning):
-                    warnings.simplefilter("always", kind)
-                try:
-                    main()
-                except SystemExit as end:
-                    code = end.code
+        with (
+            contextlib.redirect_stdout(printed),
+            contextlib.redirect_stderr(told),
+            warnings.catch_warnings(),
+        ):
+            for kind in (RuntimeWarning, UserWarning, FutureWarning):
+                warnings.simplefilter("always", kind)
+            try:
+                main()
+            except SystemExit as end:
+                code = end.code
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         sys.argv = arguments
         os.environ.clear()
         os.environ.update(environment)
-    text = [stream.buffer.getvalue().decode("utf-8") for stream in (printed, told)]  # type: ignore[attr-defined]
+    text = [stream.buffer.getvalue().decode("utf-8") for stream in (printed, told)]
     return Outcome(code if isinstance(code, int) else 0 if code is None else 1, *text)
 
 

@@ -149,7 +149,9 @@ def _ulog(content: dict[str, dict[str, Any]]) -> bytes:
 
 
 def _packed(layout: str, values: tuple[Any, ...]) -> bytes:
-    return struct.pack(layout, *(float(np.float32(v)) if isinstance(v, float) else v for v in values))
+    return struct.pack(
+        layout, *(float(np.float32(v)) if isinstance(v, float) else v for v in values)
+    )
 
 
 # ---- weather
@@ -230,7 +232,9 @@ def _of_a_month(writers: Any) -> Any:
 
 
 def _local(record: Any) -> Any:
-    return (record.start_s + 3600.0 * record.site.utc_offset_h).astype("datetime64[s]").astype(object)
+    return (
+        (record.start_s + 3600.0 * record.site.utc_offset_h).astype("datetime64[s]").astype(object)
+    )
 
 
 def _tmy2(record: Any) -> bytes:

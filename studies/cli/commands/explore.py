@@ -6,6 +6,7 @@ import click
 
 from studies.cli.help_texts import command
 from studies.cli.options import EXIT_FAILED, aircraft_argument, mission_option, model_options
+from studies.cli.telling import tell_error
 
 _NEEDS = "explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
 
@@ -58,9 +59,10 @@ def explore(
     if static_file is not None:
         from missions.files.writing import write_text_atomically
         from studies.explorer.offline.page import offline_page
+        from studies.output.terminal import tell_line
 
         write_text_atomically(static_file, offline_page(session))
-        click.echo(f"written to {static_file}")
+        tell_line(f"written to {static_file}")
         return
     from studies.explorer.serve import ADDRESS, bound_socket, serve
 
@@ -68,12 +70,12 @@ def explore(
         listening = bound_socket(port)
     except OSError as error:
         reason = f"cannot listen on {ADDRESS}:{port}: {error.strerror}; try --port 0"
-        click.echo(f"solar-uav: {reason}", err=True)
+        tell_error(f"solar-uav: {reason}")
         raise SystemExit(EXIT_FAILED) from None
 
     def tell(address: str) -> None:
         click.echo(address)  # which flushes, so that a program that started us can read it
-        click.echo(f"{case.title}; Ctrl-C ends it", err=True)
+        tell_error(f"{case.title}; Ctrl-C ends it")
 
     serve(session, listening, tell=tell, browser=not no_browser)
 

@@ -11,6 +11,7 @@ import click
 
 from studies.cli.help_texts import command
 from studies.cli.options import EXIT_BAD_INPUT, completes, print_json
+from studies.cli.telling import tell_error
 
 
 @command("solar-uav list", name="list")
@@ -87,7 +88,7 @@ def init(name: str) -> None:
 @click.argument("files", nargs=-1, required=True, shell_complete=completes("files"))
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""
-    from missions.files.errors import InputError
+    from missions.files.errors import InputError, printable
     from missions.files.shipped import document_kind
     from missions.files.validation import validate as check
     from missions.files.yaml import read_yaml
@@ -105,10 +106,10 @@ def validate(files: tuple[str, ...]) -> None:
                 check(document, Aircraft)
             else:
                 check(document, Mission)
-            click.echo(f"{file}: valid {kind}")
+            click.echo(f"{printable(file)}: valid {kind}")
             valid.setdefault(kind, file)
         except InputError as error:
-            click.echo(str(error), err=True)
+            tell_error(str(error))
             wrong = True
     if wrong:
         sys.exit(EXIT_BAD_INPUT)

@@ -59,6 +59,7 @@ def report(
         subject_of,
         write_report,
     )
+    from studies.output.terminal import tell_line
 
     check_report(out_file, with_pdf=with_pdf)
     case = load(aircraft, mission, overrides, model=model, correction=correction)
@@ -76,4 +77,4 @@ def report(
         print_json(subject.results())
         return
     for path in written:
-        click.echo(f"written to {path}")
+        tell_line(f"written to {path}")

@@ -24,6 +24,7 @@ from studies.cli.options import (
     solar_options,
     work_options,
 )
+from studies.cli.telling import tell_error
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
@@ -199,7 +200,7 @@ def sweep(
             next_step=f"{call('explore')} (the same with sliders)",
         )
         if trouble is not None:
-            click.echo(f"solar-uav: no chart: {trouble}", err=True)
+            tell_error(f"solar-uav: no chart: {trouble}")
     if trouble is not None:
         sys.exit(EXIT_FAILED)
 

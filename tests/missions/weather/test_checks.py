@@ -158,3 +158,45 @@ def test_text_among_numbers_and_impossible_years_name_their_line(tmp_path, name,
 
     with pytest.raises(InputError, match=message):
         load(tmp_path, clear_record(2), rows=changed)
+
+
+def beside(temperature, wind):
+    """Rows with temperature and wind beside the light."""
+
+    def rows(table):
+        values = zip(table, temperature, wind, strict=True)
+        return [f"{row},{t},{w}" for row, t, w in values]
+
+    return rows
+
+
+def loaded_beside(tmp_path, temperature, wind):
+    record = clear_record(3)
+    head = ["# latitude_deg: 46.8", "# longitude_deg: 6.9", "# altitude_m: 491"]
+    head.append("time_utc,ghi,dni,dhi,temperature_c,wind_m_per_s")
+    return load(tmp_path, record, header=head, rows=beside(temperature, wind))
+
+
+@pytest.mark.parametrize(
+    ("temperature", "wind", "expected"),
+    [
+        (-272.0, 3.0, r"a.csv:5: temp_air: 72 of 72 rows have a temperature outside of -90 to 70"),
+        (288.0, 3.0, "is the unit wrong"),
+        (15.0, 500.0, r"a.csv:5: wind_speed: 72 of 72 rows have a wind speed outside of 0 to 120"),
+        (15.0, -1.0, "wind speed outside"),
+        ("9" * 400, 3.0, "temperature outside"),
+    ],
+)
+def test_air_that_cannot_be_is_refused(tmp_path, temperature, wind, expected):
+    with pytest.raises(InputError, match=expected):
+        loaded_beside(tmp_path, [temperature] * 72, [wind] * 72)
+
+
+def test_what_is_left_out_of_the_air_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr("missions.weather.air.MAXIMUM_IMPOSSIBLE", 0.02)
+    found = loaded_beside(tmp_path, [-9999, *([15.0] * 71)], [500.0, *([3.0] * 71)])
+    assert found.repairs == ("1 rows with a wind speed outside of 0 to 120 m/s taken out",)
+    assert (found.temperature_c.max(), found.wind_m_per_s.max()) == (15.0, 3.0)
+    found = loaded_beside(tmp_path, [15.0] * 72, [999] * 20 + [3.0] * 52)
+    assert found.repairs == ("wind speed not used: it lacks in 20 rows",)
+    assert found.wind_m_per_s is None

@@ -1,0 +1,74 @@
+"""What is told: no message steers a terminal, and none goes on for pages."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from studies.cli.__main__ import main
+from studies.cli.telling import brief
+
+ESCAPES = "\x1b]0;title\x07\x9b31m\u202e"
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["solar-uav", *words])
+        with pytest.raises(SystemExit):
+            main()
+    printed = capsys.readouterr()
+    return printed.out + printed.err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("show", ESCAPES),
+        ("show", "sky-sailor", ESCAPES),
+        ("init", ESCAPES),
+        ("validate", ESCAPES),
+        ("analyse", ESCAPES),
+        ("analyse", "sky-sailor", f"--{ESCAPES}"),
+        ("analyse", "sky-sailor", "--model", ESCAPES),
+        ("analyse", "sky-sailor", "--weather", ESCAPES),
+        ("analyse", "sky-sailor", "--set", f"{ESCAPES}=1"),
+        ("analyse", "sky-sailor", "--set", f"name={ESCAPES}"),
+        ("analyse", "sky-sailor", "--csv", f"{ESCAPES}/a.csv"),
+        ("analyse", "sky-sailor", "--plot", ESCAPES),
+        ("map", "sky-sailor", "--latitudes", ESCAPES),
+        ("verify", "sky-sailor", ESCAPES),
+        (ESCAPES,),
+    ],
+)
+def test_no_control_character_of_the_command_line_is_printed(
+    words: tuple[str, ...],
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = said(capsys, *words)
+    assert found.replace("\n", "").isprintable()
+    assert found.strip()
+
+
+def test_no_control_character_of_a_file_is_printed(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "w.csv").write_text(f"# name: {ESCAPES}\n# latitude_deg: {ESCAPES}\n{ESCAPES},1\n")
+    (tmp_path / "a.yaml").write_text(f'name: "\\e[31m"\n"{ESCAPES[1:8]}": "\\e"\n', "utf-8")
+    for words in (("analyse", "sky-sailor", "--weather", "w.csv"), ("validate", "a.yaml")):
+        assert said(capsys, *words).replace("\n", "").isprintable()
+
+
+def test_a_message_fits_a_screen() -> None:
+    told = brief("\n".join(["a mistake"] * 500 + ["x" * 5000]))
+    assert told.splitlines()[-1] == "... and 471 more"
+    assert max(map(len, brief("x" * 5000).splitlines())) < 300
+
+
+def test_words_of_any_language_stay_readable() -> None:
+    assert brief("Zürich\xa0日本\x1b[0m") == "Zürich\\xa0日本\\x1b[0m"
