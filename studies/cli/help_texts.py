@@ -14,8 +14,8 @@ _SUBJECTS = {
     "Solar power model, changes of the files": ("--model", "--correction", "--set"),
     "Output": (
         "--json",
-        "--csv",
-        "--csv-years",
+        "--table",
+        "--table-years",
         "--markdown",
         "--plot",
         "--pareto",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -14,7 +14,13 @@ import click
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 from studies.cli.telling import tell_error
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions, TooManyDotsError
-from studies.output.formats import IMAGE_FORMATS, image_format
+from studies.output.formats import (
+    IMAGE_FORMATS,
+    TABLE_FORMATS,
+    image_format,
+    missing_writer,
+    table_format,
+)
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -339,6 +345,62 @@ def out_option(contents: str) -> Callable[[Command], Command]:
     """Option ``--out`` of commands that write a folder."""
     text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
     return click.option("--out", "out_dir", type=click.Path(), help=text)
+
+
+def table_option(
+    contents: str, name: str = "--table", *, older: str = "--csv"
+) -> Callable[[Command], Command]:
+    """Option ``--table FILE`` of commands that write a table.
+
+    Parameters
+    ----------
+    contents : str
+        What the table holds, for the help text.
+    name : str
+        The option; the command has its file as ``table_file``, or ``table_years`` and the like.
+    older : str
+        What it was called when CSV was all that it wrote.
+
+    Returns
+    -------
+    callable
+        Decorator.
+    """
+
+    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
+        if path:
+            check_table(path, table_format(path), TABLE_FORMATS, name)
+        return path
+
+    return click.option(
+        *(name, older),
+        "table_file" if name == "--table" else name.removeprefix("--").replace("-", "_"),
+        type=click.Path(),
+        metavar="FILE",
+        callback=checked,
+        help=f"Write {contents} ({', '.join(TABLE_FORMATS)}).",
+    )
+
+
+def check_table(path: str, found: str | None, allowed: Iterable[str], option: str) -> None:
+    """Refuse the name of a table's file if its format is not one that can be written.
+
+    Parameters
+    ----------
+    path : str
+    found : str or None
+        Its format, none where it is not one of the allowed.
+    allowed : iterable of str
+        Formats of the command.
+    option : str
+        Where the name was given, for the message.
+    """
+    missing = missing_writer(found)
+    if found is None:
+        endings = ", ".join(f".{name}" for name in allowed)
+        missing = f"{path!r} must end in {endings}"
+    if missing is not None:
+        raise click.BadParameter(missing, param_hint=option)
 
 
 def figure_options(command: Command) -> Command:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
+import io
+from collections.abc import Mapping
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -9,12 +12,107 @@ if TYPE_CHECKING:
     import pandas as pd
 
 IMAGE_FORMATS = ("png", "svg", "pdf")
+TABLE_FORMATS = ("csv", "parquet", "xlsx")
+# Libraries that are not installed with the package, and the extra that brings each.
+_WRITERS = {"parquet": ("Parquet", "pyarrow", "parquet"), "xlsx": ("Excel", "xlsxwriter", "excel")}
+# Excel's own limits: rows of a sheet, and characters of its name and those that it may not have.
+_MOST_ROWS = 1_048_575
+_LONGEST_SHEET, _NOT_IN_SHEETS = 31, "[]:*?/\\"
 
 
 def image_format(path: str) -> str | None:
     """Image format of a file name, none if it is not one that can be drawn."""
     suffix = PurePath(path).suffix.lstrip(".").lower()
     return suffix if suffix in IMAGE_FORMATS else None
+
+
+def table_format(path: str) -> str | None:
+    """Format of a table's file name, none if it is not one that can be written.
+
+    A name without an ending, such as ``/dev/stdout``, means CSV.
+    """
+    suffix = PurePath(path).suffix.lstrip(".").lower()
+    return "csv" if not suffix else suffix if suffix in TABLE_FORMATS else None
+
+
+def missing_writer(file_format: str | None) -> str | None:
+    """What to install before a format can be written; None where nothing is missing."""
+    if file_format not in _WRITERS:
+        return None
+    name, library, extra = _WRITERS[file_format]
+    if importlib.util.find_spec(library) is not None:
+        return None
+    return f"{name} needs {library}: pip install {library} (the extra '{extra}')"
+
+
+def table_bytes(table: pd.DataFrame, path: str | None, *, title: str = "table") -> bytes:
+    """Table without its index in the format that the name of its file asks for.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+    path : str or None
+        Of one of :data:`TABLE_FORMATS`; anything else gives CSV.
+    title : str
+        Name of the sheet of a workbook.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    ImportError
+        For a format whose library is not installed.
+    OutputError
+        For a table with more rows than a sheet of Excel has.
+    """
+    file_format = None if path is None else table_format(path)
+    if file_format == "xlsx":
+        return workbook_bytes({title: table})
+    if file_format != "parquet":
+        return csv_bytes(table)
+    buffer = io.BytesIO()
+    table.to_parquet(buffer, index=False, engine="pyarrow")
+    return buffer.getvalue()
+
+
+def workbook_bytes(tables: Mapping[str, pd.DataFrame]) -> bytes:
+    """Tables as the sheets of an Excel workbook; text stays text, whatever it begins with.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables by the names of their sheets.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    ImportError
+        Without xlsxwriter.
+    OutputError
+        For a table with more rows than a sheet of Excel has.
+    """
+    import pandas as pd
+
+    from missions.files.writing import OutputError  # help texts import this module alone
+
+    for name, table in tables.items():
+        if len(table) > _MOST_ROWS:
+            message = f"{name}: {len(table)} rows; a sheet of Excel holds {_MOST_ROWS}: write CSV"
+            raise OutputError(message)
+    buffer = io.BytesIO()
+    plain = {"strings_to_formulas": False, "strings_to_urls": False, "in_memory": True}
+    with pd.ExcelWriter(buffer, engine="xlsxwriter", engine_kwargs={"options": plain}) as writer:
+        for name, table in tables.items():
+            sheet = "".join(c for c in name if c not in _NOT_IN_SHEETS)[:_LONGEST_SHEET] or "table"
+            table.to_excel(writer, sheet_name=sheet, index=False, inf_rep="unlimited")
+            writer.sheets[sheet].freeze_panes(1, 0)
+            writer.sheets[sheet].autofit()
+    return buffer.getvalue()
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:

@@ -1,18 +1,20 @@
-"""Trade studies as files: NetCDF, CSV and Parquet, the whole configuration inside each."""
+"""Trade studies as files: NetCDF, CSV, Parquet and Excel, the whole configuration inside each."""
 
 from __future__ import annotations
 
-import io
 import json
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from studies.output.formats import TABLE_FORMATS, csv_bytes, table_bytes, workbook_bytes
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 __all__ = ["FORMATS", "table_format", "to_bytes"]
 
-FORMATS = ("nc", "csv", "parquet")
+FORMATS = ("nc", *TABLE_FORMATS)
 
 
 def table_format(path: str) -> str | None:
@@ -25,13 +27,13 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
     """Content of a file.
 
     A CSV file has the configuration as JSON in its first line, behind ``#``; a Parquet file in the
-    table's attributes.
+    table's attributes; a workbook in a sheet of its own.
 
     Parameters
     ----------
     data : xarray.Dataset
         Trade study.
-    file_format : {"nc", "csv", "parquet"}
+    file_format : {"nc", "csv", "parquet", "xlsx"}
         NetCDF, or the points as a table.
 
     Returns
@@ -41,18 +43,25 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
     Raises
     ------
     ImportError
-        For Parquet without pyarrow.
+        For Parquet without pyarrow, and Excel without xlsxwriter.
     """
     if file_format == "nc":
         from studies.output.columns import to_netcdf_bytes
 
         return to_netcdf_bytes(data)
-    from studies.output.formats import csv_bytes
     from studies.sweeps.study import to_table
 
     table = to_table(data)
     if file_format == "csv":
         return f"# {json.dumps(table.attrs)}\n".encode() + csv_bytes(table)
-    buffer = io.BytesIO()
-    table.to_parquet(buffer, index=False, engine="pyarrow")
-    return buffer.getvalue()
+    if file_format == "xlsx":
+        return workbook_bytes({"points": table, "configuration": _configuration(table.attrs)})
+    return table_bytes(table, f"table.{file_format}")
+
+
+def _configuration(attrs: dict[Any, Any]) -> pd.DataFrame:
+    """Whole configuration as keys and values."""
+    import pandas as pd
+
+    texts = [value if isinstance(value, str) else json.dumps(value) for value in attrs.values()]
+    return pd.DataFrame({"key": [str(key) for key in attrs], "value": texts})

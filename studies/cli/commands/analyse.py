@@ -19,6 +19,7 @@ from studies.cli.options import (
     figure_options,
     mission_option,
     solar_options,
+    table_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -88,17 +89,8 @@ class Latitude(ParamType[float]):
     metavar="FILE",
     help="Fly through a weather record: EPW, TMY2, TMY3, PVGIS, NSRDB PSM, BSRN or plain CSV.",
 )
-@click.option(
-    "--csv",
-    "csv_file",
-    type=click.Path(),
-    help="Write the cycle over time, or the days of the weather record, as CSV.",
-)
-@click.option(
-    "--csv-years",
-    type=click.Path(),
-    help="Write the years of the weather record as CSV, a row a year.",
-)
+@table_option("the cycle over time, or the days of the weather record")
+@table_option("the years of the weather record, a row a year", "--table-years", older="--csv-years")
 @click.option(
     "--plot",
     "plot_file",
@@ -115,8 +107,8 @@ def analyse(
     date: int | None,
     days: int | None,
     weather_file: str | None,
-    csv_file: str | None,
-    csv_years: str | None,
+    table_file: str | None,
+    table_years: str | None,
     plot_file: str | None,
     figure: FigureOptions,
     model: str,
@@ -130,7 +122,7 @@ def analyse(
     from studies.cli.checks import check_outputs, require_climber, require_path
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
-    from studies.output.formats import csv_bytes
+    from studies.output.formats import table_bytes
     from studies.output.plots import plot_cycle, plot_flight
 
     if day_of_year is not None and date is not None:
@@ -142,10 +134,10 @@ def analyse(
     if weather_file is not None and (day_of_year is not None or date is not None):
         option = "--date" if date is not None else "--day-of-year"
         raise click.UsageError(f"a weather record has its own days: give {option} or --weather")
-    if csv_years is not None and weather_file is None:
-        raise click.UsageError("--csv-years needs --weather: years are those of a weather record")
+    if table_years is not None and weather_file is None:
+        raise click.UsageError("--table-years needs --weather: years are those of a weather record")
     check_image(plot_file)
-    check_outputs(**{"csv": csv_file, "csv-years": csv_years, "plot": plot_file})
+    check_outputs(**{"table": table_file, "table-years": table_years, "plot": plot_file})
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     moved: dict[str, Any] = {} if latitude is None else {"latitude_deg": latitude}
     day = day_of_year if day_of_year is not None else date
@@ -158,7 +150,7 @@ def analyse(
         raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
     require_path(case)
     if weather_file is not None:
-        _in_weather(case, weather_file, csv_file, csv_years, plot_file, figure, as_json=as_json)
+        _in_weather(case, weather_file, table_file, table_years, plot_file, figure, as_json=as_json)
         return
     require_climber(case)
     solar = case.solar
@@ -167,8 +159,8 @@ def analyse(
     )
     flight = result.flight
     write_results(
-        csv_file,
-        lambda: csv_bytes(result.trajectory()),
+        table_file,
+        lambda: table_bytes(result.trajectory(), table_file, title="cycle"),
         plot_file,
         lambda: (
             plot_cycle(result, figure=figure)
@@ -179,7 +171,7 @@ def analyse(
     tell(
         *(case, case.named(result.to_dict()), result),
         as_json=as_json,
-        files=(csv_file, plot_file),
+        files=(table_file, plot_file),
         next_step=_next_step(case, perpetual=bool(result.performance.cycle.perpetual.all())),
     )
 
@@ -198,8 +190,8 @@ def _next_step(case: Case, *, perpetual: bool) -> str:
 def _in_weather(
     case: Case,
     weather_file: str,
-    csv_file: str | None,
-    csv_years: str | None,
+    table_file: str | None,
+    table_years: str | None,
     plot_file: str | None,
     figure: FigureOptions,
     *,
@@ -210,12 +202,12 @@ def _in_weather(
     from sizing.results.analysis import analyse as run_analysis
     from sizing.results.weather import analyse_weather
     from studies.cli.outputs import tell, write_results
-    from studies.output.formats import csv_bytes
+    from studies.output.formats import table_bytes
     from studies.weather.plots import plot_weather
 
     weather = load_weather(weather_file)
-    if csv_years is not None and weather.typical:
-        raise click.UsageError("--csv-years needs a record of years: this is a typical year")
+    if table_years is not None and weather.typical:
+        raise click.UsageError("--table-years needs a record of years: this is a typical year")
     result = analyse_weather(
         case.aircraft,
         case.mission,
@@ -224,10 +216,12 @@ def _in_weather(
         correction=case.solar.correction,
         mission_chosen=not case.mission_is_default,
     )
-    write_results(csv_years, lambda: csv_bytes(result.to_years_frame()))
     write_results(
-        csv_file,
-        lambda: csv_bytes(result.to_frame()),
+        table_years, lambda: table_bytes(result.to_years_frame(), table_years, title="years")
+    )
+    write_results(
+        table_file,
+        lambda: table_bytes(result.to_frame(), table_file, title="days"),
         plot_file,
         lambda: plot_weather(result, figure=figure),
     )
@@ -241,5 +235,5 @@ def _in_weather(
             replay=False,
         )
         record = clear_day.to_dict() | record
-    files = (csv_file, csv_years, plot_file)
+    files = (table_file, table_years, plot_file)
     tell(case, case.named(record), result, as_json=as_json, files=files)

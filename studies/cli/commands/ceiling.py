@@ -13,6 +13,7 @@ from studies.cli.options import (
     figure_options,
     mission_option,
     solar_options,
+    table_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -40,7 +41,7 @@ _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
     metavar="METRES",
     help="Spacing of the altitudes that are tried.",
 )
-@click.option("--csv", "csv_file", type=click.Path(), help="Write the altitudes as CSV.")
+@table_option("the altitudes")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw them (png, svg, pdf).")
 @solar_options
 @figure_options
@@ -49,7 +50,7 @@ def ceiling(
     mission: str,
     highest_m: float,
     step_m: float,
-    csv_file: str | None,
+    table_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
     model: str,
@@ -63,10 +64,10 @@ def ceiling(
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.cli.progress import progress_of
-    from studies.output.formats import csv_bytes
+    from studies.output.formats import table_bytes
 
     check_image(plot_file)
-    check_outputs(csv=csv_file, plot=plot_file)
+    check_outputs(table=table_file, plot=plot_file)
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     refuse_climb(case, "ceiling")
     refuse_polar_night(case)
@@ -85,11 +86,11 @@ def ceiling(
             progress=progress,
         )
     write_results(
-        csv_file,
-        lambda: csv_bytes(result.to_frame()),
+        table_file,
+        lambda: table_bytes(result.to_frame(), table_file, title="altitudes"),
         plot_file,
         lambda: plot_ceiling(result, figure=figure),
     )
-    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
+    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(table_file, plot_file))
     if result.found.highest is None:
         raise SystemExit(EXIT_FAILED)

@@ -29,6 +29,7 @@ from studies.cli.options import (
     out_option,
     required_time_option,
     set_option,
+    table_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -96,7 +97,7 @@ class Names(ParamType["tuple[str, ...]"]):
         return tuple(name for name in self.allowed if name in found)
 
 
-@command("solar-uav compare atlantiksolar-design --objective min_mass --csv models.csv")
+@command("solar-uav compare atlantiksolar-design --objective min_mass --table models.csv")
 @aircraft_argument()
 @mission_option()
 @click.option(
@@ -123,7 +124,7 @@ class Names(ParamType["tuple[str, ...]"]):
 @set_option
 @json_option
 @out_option("figure")
-@click.option("--csv", "csv_file", type=click.Path(), help="Write the table as CSV.")
+@table_option("the table")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the figure (png, svg, pdf).")
 @figure_options
 def compare(
@@ -137,7 +138,7 @@ def compare(
     overrides: tuple[str, ...],
     as_json: bool,
     out_dir: str | None,
-    csv_file: str | None,
+    table_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
 ) -> None:
@@ -150,13 +151,13 @@ def compare(
     from studies.models.comparison import compare as compare_models
     from studies.models.plots import plot_comparison
     from studies.models.solar_models import attitude_is_known
-    from studies.output.formats import csv_bytes
+    from studies.output.formats import csv_bytes, table_bytes
     from studies.output.run_folder import write_run_folder
 
-    if out_dir is not None and (csv_file is not None or plot_file is not None):
-        raise click.UsageError("give --out, or --csv and --plot, not both")
+    if out_dir is not None and (table_file is not None or plot_file is not None):
+        raise click.UsageError("give --out, or --table and --plot, not both")
     check_image(plot_file)
-    check_outputs(csv=csv_file, plot=plot_file)
+    check_outputs(table=table_file, plot=plot_file)
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
     case = load(aircraft, mission, overrides)
@@ -180,8 +181,8 @@ def compare(
     record = case.named(found.to_dict())
     if out_dir is None:
         write_results(
-            csv_file,
-            lambda: csv_bytes(found.to_frame()),
+            table_file,
+            lambda: table_bytes(found.to_frame(), table_file, title="models"),
             plot_file,
             lambda: plot_comparison(found, figure=figure),
         )
@@ -191,7 +192,7 @@ def compare(
             "comparison.png": figure_bytes(plot_comparison(found, figure=figure), "comparison.png"),
         }
         write_run_folder(Path(out_dir), case.inputs(), record, contents)
-    files = () if out_dir is not None else (csv_file, plot_file)
+    files = () if out_dir is not None else (table_file, plot_file)
     tell(case, record, found, as_json=as_json, out_dir=out_dir, files=files)
     sized = [one.built for one in found.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -18,6 +17,7 @@ from studies.cli.options import (
     Parsed,
     aircraft_argument,
     check_image,
+    check_table,
     completes,
     figure_options,
     mission_option,
@@ -75,7 +75,9 @@ _TOP = 40
     help="Number of points that lhs and sobol draw.",
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="For drawing.")
-@click.option("--out", "out_file", type=click.Path(), help="Write all points (nc, csv, parquet).")
+@click.option(
+    "--out", "out_file", type=click.Path(), help="Write all points (nc, csv, parquet, xlsx)."
+)
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the study (png, svg, pdf).")
 @click.option(
     "--pareto",
@@ -153,7 +155,7 @@ def sweep(
     check_image(plot_file)
     file_format = None if out_file is None else table_format(out_file)
     if out_file is not None:
-        _check_format(out_file, file_format, FORMATS)
+        check_table(out_file, file_format, FORMATS, "--out")
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     refuse_climb(case, "sweep")
     require_path(case)
@@ -211,14 +213,3 @@ def _check_names(option: str, names: Sequence[str], allowed: list[str]) -> None:
         if name not in allowed:
             known = ", ".join(dict.fromkeys(allowed))
             raise click.BadParameter(f"{name!r} is not one of {known}", param_hint=option)
-
-
-def _check_format(path: str, found: str | None, allowed: Iterable[str]) -> None:
-    """Refuse a file whose name asks for a format that cannot be written."""
-    if found is None:
-        endings = ", ".join(f".{name}" for name in allowed)
-        raise click.BadParameter(f"{path!r} must end in {endings}", param_hint="--out")
-    if found == "parquet" and importlib.util.find_spec("pyarrow") is None:
-        raise click.BadParameter(
-            "Parquet needs pyarrow: pip install pyarrow (the extra 'parquet')", param_hint="--out"
-        )

@@ -11,6 +11,7 @@ from studies.cli.options import (
     figure_options,
     mission_option,
     solar_options,
+    table_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -37,7 +38,7 @@ from studies.output.figures.options import FigureOptions
     is_flag=True,
     help="Leave out the error of the solar power model, which is an input by itself.",
 )
-@click.option("--csv", "csv_file", type=click.Path(), help="Write the draws as CSV.")
+@table_option("the draws")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw them (png, svg, pdf).")
 @solar_options
 @figure_options
@@ -47,7 +48,7 @@ def uncertainty(
     samples: int,
     seed: int,
     no_model_error: bool,
-    csv_file: str | None,
+    table_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
     model: str,
@@ -65,11 +66,11 @@ def uncertainty(
     )
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
-    from studies.output.formats import csv_bytes
+    from studies.output.formats import table_bytes
     from studies.uncertainty.plots import plot_uncertainty
 
     check_image(plot_file)
-    check_outputs(csv=csv_file, plot=plot_file)
+    check_outputs(table=table_file, plot=plot_file)
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     refuse_climb(case, "uncertainty")
     require_path(case)
@@ -84,9 +85,9 @@ def uncertainty(
             model_error=not no_model_error,
         )
     write_results(
-        csv_file,
-        lambda: csv_bytes(result.to_frame()),
+        table_file,
+        lambda: table_bytes(result.to_frame(), table_file, title="draws"),
         plot_file,
         lambda: plot_uncertainty(result, figure=figure),
     )
-    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(csv_file, plot_file))
+    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(table_file, plot_file))

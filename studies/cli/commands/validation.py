@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -21,6 +22,7 @@ from studies.cli.options import (
     out_option,
     print_json,
     set_option,
+    table_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -33,19 +35,20 @@ from studies.output.figures.options import FigureOptions
 )
 @click.option("--season", is_flag=True, help="Show what changes the season of perpetual flight.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-@click.option("--csv", "csv_file", type=click.Path(), help="Write the table as CSV.")
+@table_option("the table")
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
 def published(
     explain: bool,
     season: bool,
     as_json: bool,
-    csv_file: str | None,
+    table_file: str | None,
     markdown_file: str | None,
 ) -> None:
     """Compare published numbers with computed ones; exit code 1 if one is missed."""
     from missions.files.writing import write_files_atomically
     from studies.cli.checks import check_outputs
     from studies.cli.progress import progress_of
+    from studies.output.formats import table_bytes
     from studies.output.terminal import show
     from studies.validation import published as numbers
     from studies.validation.flights import season as of_season
@@ -53,7 +56,7 @@ def published(
 
     if explain and season:
         raise click.UsageError("give --explain or --season, not both")
-    check_outputs(csv=csv_file, markdown=markdown_file)
+    check_outputs(table=table_file, markdown=markdown_file)
     result: numbers.Published | single_inputs.Explanations | of_season.Seasons
     if explain:
         with progress_of("differences", lines=False) as progress:
@@ -63,10 +66,13 @@ def published(
     else:
         result = numbers.published()
     page = result.page() if isinstance(result, single_inputs.Explanations) else result.table()
-    forms = {csv_file: result.table().to_csv, markdown_file: page.to_markdown}
-    write_files_atomically(
-        {name: form().encode() for name, form in forms.items() if name is not None}
-    )
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    if table_file is not None:
+        table = result.table().to_frame()
+        contents[table_file] = table_bytes(table, table_file, title="published")
+    if markdown_file is not None:
+        contents[markdown_file] = page.to_markdown().encode()
+    write_files_atomically(contents)
     if as_json:
         print_json(result.to_dict())
     else:
@@ -112,14 +118,14 @@ def loiter_correction(
 @aircraft_argument()
 @mission_option("rafz-loiter")
 @set_option
-@click.option("--csv", "csv_file", type=click.Path(), help="Write the table over time as CSV.")
+@table_option("the table over time")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw it (png, svg, pdf).")
 @figure_options
 def efficiencies(
     aircraft: str,
     mission: str,
     overrides: tuple[str, ...],
-    csv_file: str | None,
+    table_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
 ) -> None:
@@ -128,21 +134,21 @@ def efficiencies(
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.models import component_efficiencies as study
-    from studies.output.formats import csv_bytes
+    from studies.output.formats import table_bytes
 
     check_image(plot_file)
-    check_outputs(csv=csv_file, plot=plot_file)
+    check_outputs(table=table_file, plot=plot_file)
     case = load(aircraft, mission, overrides)
     require_path(case, "--model FM")
     refuse_polar_night(case)
     data = study.component_efficiencies(case.aircraft, case.mission)
     write_results(
-        csv_file,
-        lambda: csv_bytes(data.to_dataframe().reset_index()),
+        table_file,
+        lambda: table_bytes(data.to_dataframe().reset_index(), table_file, title="efficiencies"),
         plot_file,
         lambda: study.plot_efficiencies(data, figure=figure),
     )
-    tell(case, {}, study.efficiency_table(data), files=(csv_file, plot_file))
+    tell(case, {}, study.efficiency_table(data), files=(table_file, plot_file))
 
 
 @command("solar-uav reproduce-report --out reproduced", name="reproduce-report")

@@ -50,18 +50,18 @@ def test_options_without_effect_are_refused(run, tmp_path):
         told = run("analyse", AS2, option, value, "--weather", "colorado-2023")
         assert told.code == 2
         assert f"a weather record has its own days: give {option} or --weather" in told.err
-    told = run("analyse", AS2, "--csv-years", "years.csv")
-    assert (told.code, "--csv-years needs --weather" in told.err) == (2, True)
+    told = run("analyse", AS2, "--table-years", "years.csv")
+    assert (told.code, "--table-years needs --weather" in told.err) == (2, True)
     record = clear_record(59, first="2001-01-01", interval_s=3600.0)
     typical = write_epw(tmp_path / "typical.epw", record, years={1: 1996, 2: 1988})
-    told = run("analyse", AS2, "--weather", typical, "--csv-years", "years.csv")
+    told = run("analyse", AS2, "--weather", typical, "--table-years", "years.csv")
     assert (told.code, "this is a typical year" in told.err) == (2, True)
 
 
 def test_years_are_written_a_row_each(run, tmp_path):
     path = write_plain(tmp_path / "clear.csv", clear_record(6, first="2001-07-14"))
     table = tmp_path / "years.csv"
-    assert run("analyse", AS2, "--weather", path, "--csv-years", table).code == 0
+    assert run("analyse", AS2, "--weather", path, "--table-years", table).code == 0
     (row,) = csv.DictReader(io.StringIO(table.read_text()))
     assert (row["year"], row["days"], row["days_that_close"], row["whole"]) == (
         *("2001", "6", "6"),

@@ -313,19 +313,20 @@ def test_wrong_options_of_sizing(run: Run, options: list[str], said: str) -> Non
         ("--plot", "folder.png", "cannot write folder.png: it is a folder"),
         ("--csv", "no/a.csv", "cannot write no/a.csv: its folder does not exist"),
         ("--csv", "file/a.csv", "cannot write file/a.csv: a part of the path is a file"),
-        ("--csv", "folder.png", "cannot write folder.png: it is a folder"),
+        ("--table", "folder.csv", "cannot write folder.csv: it is a folder"),
     ],
 )
 def test_files_that_cannot_be_written(
     run: Run, tmp_path: Path, option: str, name: str, said: str
 ) -> None:
     (tmp_path / "file").write_text("old")
-    (tmp_path / "folder.png").mkdir()
+    for folder in ("folder.png", "folder.csv"):
+        (tmp_path / folder).mkdir()
     outcome = run("analyse", AS2, option, name)
     assert outcome.code == 1
     assert said in outcome.err
     assert outcome.err.count("\n") == 1
-    assert files(tmp_path) == {"file", "folder.png"}
+    assert files(tmp_path) == {"file", "folder.png", "folder.csv"}
     assert (tmp_path / "file").read_text() == "old"
 
 

@@ -329,9 +329,9 @@ def test_no_design_at_all_ends_with_1() -> None:
         (["--objective", "longest_season"], "'longest_season' is not one of 'min_wingspan'"),
         (["--required-excess-time", "nan"], "--required-excess-time"),
         (["--required-excess-time", "-1"], "--required-excess-time"),
-        (["--out", "x", "--csv", "y.csv"], "give --out, or --csv and --plot, not both"),
-        (["--csv", "a.png", "--plot", "./a.png"], "--csv and --plot name the same file"),
-        (["--csv", ""], "needs the name of a file"),
+        (["--out", "x", "--csv", "y.csv"], "give --out, or --table and --plot, not both"),
+        (["--table", "a.png"], "'a.png' must end in .csv, .parquet, .xlsx"),
+        (["--table", ""], "needs the name of a file"),
         (["--plot", "figure.doc"], "must end in .png, .svg, .pdf"),
     ],
 )
