@@ -1,6 +1,11 @@
 from .ceiling import Ceiling as Ceiling
 from .ceiling import perpetual_ceiling as perpetual_ceiling
 from .ceiling import plot_ceiling as plot_ceiling
+from .exchange.airplane import to_aerosandbox as to_aerosandbox
+from .exchange.difference import DesignDifference as DesignDifference
+from .exchange.difference import compare_designs as compare_designs
+from .exchange.files import export_design as export_design
+from .exchange.schema import file_schema as file_schema
 from .flight_logs.verification import Verification as Verification
 from .flight_logs.verification import verify as verify
 from .maps.feasibility import feasibility_map as feasibility_map

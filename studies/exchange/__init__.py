@@ -1,0 +1,8 @@
+"""Designs for other tools: geometry, tables of a design, differences, schemas of the files.
+
+* :mod:`.geometry`: lifting surfaces of an aircraft
+* :mod:`.airplane`: the same for AeroSandbox, AVL and OpenVSP
+* :mod:`.design_sheet`: quantities of a design as a table, in LaTeX and Excel
+* :mod:`.difference`: two designs side by side
+* :mod:`.schema`: JSON Schema of aircraft and mission files
+"""

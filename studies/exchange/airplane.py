@@ -1,0 +1,234 @@
+"""Geometry of an aircraft for AeroSandbox, AVL and OpenVSP.
+
+AeroSandbox, the extra ``exchange``, writes the files of AVL and OpenVSP. AVL is Mark Drela's vortex
+lattice code (Drela, M., and Youngren, H., AVL User Primer); its sections are given the lift slope
+of thin airfoils, 2 pi, which the models of this package take as well.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sizing.aircraft import Aircraft
+from studies.exchange.geometry import LiftingSurface, SectionShape, Surfaces, lifting_surfaces
+
+if TYPE_CHECKING:
+    import aerosandbox as asb
+
+__all__ = ["airplane_text", "missing_library", "to_aerosandbox"]
+
+_SPANWISE, _CHORDWISE = 24, 8  # vortices of a surface
+_NEUTRAL_SLOPE = 1.0  # factor on a section's slope of 2 pi
+
+
+def missing_library() -> str | None:
+    """What to install before an airplane can be made; None where nothing is missing."""
+    if find_spec("aerosandbox") is not None:
+        return None
+    return "needs AeroSandbox: pip install aerosandbox (the extra 'exchange')"
+
+
+def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
+    """Aircraft as an airplane of AeroSandbox: wing and tail planes, in its axes and units.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Parametric or measured; without its section in AeroSandbox's database the wing has a
+        symmetric one.
+
+    Returns
+    -------
+    aerosandbox.Airplane
+        With the reference quantities of the models, about the quarter chord of the wing.
+
+    Raises
+    ------
+    ImportError
+        Without AeroSandbox.
+    """
+    missing = missing_library()
+    if missing is not None:
+        raise ImportError(missing)
+    import aerosandbox as asb
+
+    found = lifting_surfaces(aircraft)
+    return asb.Airplane(
+        name=_plain(aircraft.name),
+        xyz_ref=[found.reference_x_m, 0.0, 0.0],
+        wings=[_wing(surface) for surface in found.surfaces],
+        s_ref=found.wing_area_m2,
+        c_ref=found.chord_m,
+        b_ref=found.wingspan_m,
+        analysis_specific_options={
+            asb.AVL: {"profile_drag_coefficient": found.other_drag_coefficient}
+        },
+    )
+
+
+def airplane_text(aircraft: Aircraft, file_format: str) -> str:
+    """Content of a file that holds the geometry of an aircraft.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+    file_format : {"avl", "vspscript", "py"}
+        AVL with the coordinates of its airfoils, OpenVSP, or a script that makes the airplane of
+        :func:`to_aerosandbox`.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ImportError
+        Without AeroSandbox, except for the script.
+    """
+    return _WRITERS[file_format](aircraft)
+
+
+def _avl(aircraft: Aircraft) -> str:
+    import aerosandbox as asb
+
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "wing.avl"
+        asb.AVL(to_aerosandbox(aircraft), asb.OperatingPoint()).write_avl(target)
+        text = target.read_text(encoding="utf-8")
+        # AVL looks for files of airfoils in its own folder, and goes on without a camber where it
+        # finds none: their coordinates go into the file.
+        for file in sorted(Path(folder).glob("wing.avl.*")):
+            _, _, points = file.read_text(encoding="utf-8").partition("\n")
+            text = text.replace(f"AFIL\n{file}\n", f"AIRFOIL\n{points.strip()}\n")
+    return _commented(text, "!", aircraft)
+
+
+def _vspscript(aircraft: Aircraft) -> str:
+    with tempfile.TemporaryDirectory() as folder:
+        text = to_aerosandbox(aircraft).export_OpenVSP_vspscript(Path(folder) / "wing.vspscript")
+    return _commented(text, "//", aircraft)
+
+
+def _script(aircraft: Aircraft) -> str:
+    """Python that makes the airplane: for those who go on from there."""
+    found = lifting_surfaces(aircraft)
+    lines = [
+        f"# {note}" for note in (f"{_plain(aircraft.name)}: wing and tail planes.", *found.notes)
+    ]
+    lines += ["import aerosandbox as asb"]
+    if any(surface.shape.airfoil is None for surface in found.surfaces):
+        families = "aerosandbox.geometry.airfoil.airfoil_families"
+        lines += [f"from {families} import get_NACA_coordinates"]
+    lines += ["", "wings = ["]
+    for surface in found.surfaces:
+        lines += _wing_lines(surface)
+    lines += [
+        "]",
+        "airplane = asb.Airplane(",
+        f"    name={_plain(aircraft.name)!r},",
+        f"    xyz_ref=[{found.reference_x_m:.6g}, 0.0, 0.0],",
+        "    wings=wings,",
+        f"    s_ref={found.wing_area_m2:.6g},",
+        f"    c_ref={found.chord_m:.6g},",
+        f"    b_ref={found.wingspan_m:.6g},",
+        ")",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+_WRITERS: dict[str, Callable[[Aircraft], str]] = {
+    "avl": _avl,
+    "vspscript": _vspscript,
+    "py": _script,
+}
+
+
+def _wing_lines(surface: LiftingSurface) -> list[str]:
+    shape = surface.shape
+    airfoil = f"asb.Airfoil({shape.airfoil!r})"
+    if shape.airfoil is None:
+        numbers = f"max_camber=0.0, camber_loc=0.4, thickness={shape.thickness_ratio:g}"
+        points = f"get_NACA_coordinates({numbers})"
+        airfoil = f'asb.Airfoil("symmetric", coordinates={points})'
+    lines = [
+        "    asb.Wing(",
+        f"        name={surface.name!r},",
+        f"        symmetric={surface.symmetric},",
+        "        xsecs=[",
+    ]
+    for x_m, y_m, z_m, chord_m, twist_deg in surface.sections:
+        lines += [
+            "            asb.WingXSec(",
+            f"                xyz_le=[{x_m:.6g}, {y_m:.6g}, {z_m:.6g}],",
+            f"                chord={chord_m:.6g},",
+            f"                twist={twist_deg:.6g},",
+            f"                airfoil={airfoil},",
+            "            ),",
+        ]
+    return [*lines, "        ],", "    ),"]
+
+
+def _wing(surface: LiftingSurface) -> asb.Wing:
+    import aerosandbox as asb
+
+    airfoil, options = _airfoil(surface.shape), _drag_options(surface)
+    slope = {asb.AVL: {"cl_alpha_factor": _NEUTRAL_SLOPE, **options}}
+    sections = [
+        asb.WingXSec(
+            xyz_le=[section.x_m, section.y_m, section.z_m],
+            chord=section.chord_m,
+            twist=section.twist_deg,
+            airfoil=airfoil,
+            analysis_specific_options=slope,
+        )
+        for section in surface.sections
+    ]
+    lattice = {"spanwise_resolution": _SPANWISE, "chordwise_resolution": _CHORDWISE, **options}
+    return asb.Wing(
+        name=surface.name,
+        symmetric=surface.symmetric,
+        xsecs=sections,
+        analysis_specific_options={asb.AVL: lattice},
+    )
+
+
+def _airfoil(shape: SectionShape) -> asb.Airfoil:
+    import aerosandbox as asb
+    from aerosandbox.geometry.airfoil.airfoil_families import get_NACA_coordinates
+
+    if shape.airfoil is not None:
+        return asb.Airfoil(shape.airfoil)
+    points = get_NACA_coordinates(max_camber=0.0, camber_loc=0.4, thickness=shape.thickness_ratio)
+    return asb.Airfoil(f"symmetric {100.0 * shape.thickness_ratio:g} %", coordinates=points)
+
+
+def _drag_options(surface: LiftingSurface) -> dict[str, Any]:
+    """Profile drag as AVL takes it; a drag of none is given at lift coefficients in order."""
+    lift, drag = (-1.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+    if surface.drag is not None:
+        lift, drag = surface.drag
+    numbers = range(1, 4)
+    lifts = {f"CL{i}": value for i, value in zip(numbers, lift, strict=True)}
+    drags = {f"CD{i}": value for i, value in zip(numbers, drag, strict=True)}
+    return {"drag_polar": lifts | drags}
+
+
+def _commented(text: str, mark: str, aircraft: Aircraft) -> str:
+    """Text with notes behind its first line, which in AVL is the title."""
+    first, _, rest = text.partition("\n")
+    notes = "".join(f"{mark} {note}\n" for note in _notes(lifting_surfaces(aircraft)))
+    return f"{first}\n{notes}{rest}" if mark == "!" else f"{notes}{text}"
+
+
+def _notes(found: Surfaces) -> tuple[str, ...]:
+    return tuple(note.encode("ascii", "replace").decode() for note in found.notes)
+
+
+def _plain(name: str) -> str:
+    """Name without characters that mean something in a script."""
+    return re.sub(r"[^A-Za-z0-9 _.-]", "_", name).strip() or "aircraft"

@@ -1,0 +1,224 @@
+"""Lifting surfaces of an aircraft, as other tools for aerodynamics describe them.
+
+Axes are those of AeroSandbox and AVL: x aft, y to the right, z up, from the leading edge of the
+wing root [m]. The planform is what the models of this package take: a rectangle, with the dihedral
+and the incidence of the module geometry where the file has one, and two rectangular tail planes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.aircraft import Aircraft, ParametricAirframe
+from studies.report.geometry import Drawing, aircraft_drawing
+
+__all__ = [
+    "LiftingSurface",
+    "ProfileDrag",
+    "Section",
+    "SectionShape",
+    "Surfaces",
+    "lifting_surfaces",
+]
+
+_TAIL_THICKNESS = 0.08  # as WingPolar's default, where the file has none
+_QUARTER = 0.25
+
+
+class Section(NamedTuple):
+    """Section of a surface: its leading edge, chord [m] and twist, nose up [deg]."""
+
+    x_m: float
+    y_m: float
+    z_m: float
+    chord_m: float
+    twist_deg: float
+
+
+class SectionShape(NamedTuple):
+    """Shape of the sections: an airfoil by its name, or a symmetric one of a thickness ratio."""
+
+    airfoil: str | None
+    thickness_ratio: float
+
+
+class ProfileDrag(NamedTuple):
+    """Profile drag of a section at three lift coefficients, in ascending order, as AVL takes it."""
+
+    lift_coefficients: tuple[float, float, float]
+    drag_coefficients: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class LiftingSurface:
+    """Wing or tail plane.
+
+    Attributes
+    ----------
+    name : str
+    symmetric : bool
+        Whether the sections are those of the right half.
+    sections : tuple of Section
+        From root to tip.
+    shape : SectionShape
+    drag : ProfileDrag or None
+    """
+
+    name: str
+    symmetric: bool
+    sections: tuple[Section, ...]
+    shape: SectionShape
+    drag: ProfileDrag | None = None
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """All lifting surfaces, what coefficients refer to, and where the numbers come from.
+
+    Attributes
+    ----------
+    surfaces : tuple of LiftingSurface
+        Wing first.
+    wing_area_m2, chord_m, wingspan_m : float
+        Reference quantities.
+    reference_x_m : float
+        Quarter chord of the wing, which moments refer to.
+    other_drag_coefficient : float
+        Drag of everything but the wing, on the wing area [-].
+    notes : tuple of str
+    """
+
+    surfaces: tuple[LiftingSurface, ...]
+    wing_area_m2: float
+    chord_m: float
+    wingspan_m: float
+    reference_x_m: float
+    other_drag_coefficient: float
+    notes: tuple[str, ...]
+
+
+def lifting_surfaces(aircraft: Aircraft) -> Surfaces:
+    """Wing and tail planes of an aircraft.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+
+    Returns
+    -------
+    Surfaces
+    """
+    drawing = aircraft_drawing(aircraft)
+    shape, shape_note = _wing_shape(aircraft, drawing)
+    wing = LiftingSurface(
+        "wing", True, tuple(_wing_sections(drawing)), shape, _profile_drag(aircraft)
+    )
+    tail_shape = SectionShape(None, _tail_thickness(aircraft))
+    notes = [
+        "Wing: a rectangle of wingspan and aspect ratio, as all models take it.",
+        shape_note,
+        *(note for note in drawing.notes if note.startswith(("Tail", "Dihedral"))),
+        "Drag: profile drag of the wing, all else as a constant, from the file's drag polar."
+        if wing.drag is not None
+        else "Drag: induced drag alone, as a measured aircraft has no drag polar.",
+        "No fuselage, no control surfaces, no centre of gravity: the models have none.",
+    ]
+    span, chord = drawing.wingspan_m, drawing.chord_m
+    return Surfaces(
+        surfaces=(wing, *_tail_surfaces(drawing, tail_shape)),
+        wing_area_m2=span * chord,
+        chord_m=chord,
+        wingspan_m=span,
+        reference_x_m=_QUARTER * chord,
+        other_drag_coefficient=_other_drag(aircraft),
+        notes=tuple(notes),
+    )
+
+
+def _wing_sections(drawing: Drawing) -> list[Section]:
+    """Root, where the dihedral begins, and tip; the chord line is set at its incidence."""
+    half = drawing.wingspan_m / 2.0
+    places = [0.0, half]
+    if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < half:
+        places.insert(1, drawing.dihedral_from_m)
+    return [
+        Section(0.0, y, drawing.height_m(y), drawing.chord_m, drawing.incidence_deg) for y in places
+    ]
+
+
+def _tail_surfaces(drawing: Drawing, shape: SectionShape) -> list[LiftingSurface]:
+    tail = drawing.tail
+    half, height = 0.5 * tail.horizontal_span_m, tail.height_m
+    horizontal = tuple(
+        Section(tail.horizontal_aft_m, y, height, tail.horizontal_chord_m, 0.0) for y in (0.0, half)
+    )
+    root = tail.boom_height_m
+    ends = sorted((root, root + tail.vertical_height_m))
+    vertical = tuple(Section(tail.vertical_aft_m, 0.0, z, tail.vertical_chord_m, 0.0) for z in ends)
+    return [
+        LiftingSurface("horizontal tail", True, horizontal, shape),
+        LiftingSurface("vertical tail", False, vertical, shape),
+    ]
+
+
+def _wing_shape(aircraft: Aircraft, drawing: Drawing) -> tuple[SectionShape, str]:
+    """Airfoil of the polar; else a symmetric section, for the files have no camber."""
+    airframe = aircraft.airframe
+    polar = airframe.aerodynamics if isinstance(airframe, ParametricAirframe) else None
+    thickness = drawing.thickness_ratio
+    if isinstance(polar, WingPolar) and polar.contents_read() is None:
+        return SectionShape(polar.airfoil, thickness), f"Section: {polar.airfoil}."
+    why = "the table has no coordinates" if isinstance(polar, WingPolar) else "the file names none"
+    note = (
+        f"Section: symmetric, {100.0 * thickness:g} % thick, as {why}: angles of attack count from "
+        "zero lift."
+    )
+    return SectionShape(None, thickness), note
+
+
+def _tail_thickness(aircraft: Aircraft) -> float:
+    polar = getattr(aircraft.airframe, "aerodynamics", None)
+    return polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
+
+
+def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
+    """Profile drag of the wing's section; none for a measured aircraft.
+
+    A parabolic polar has one for all lift, taken at its reference Reynolds number; a wing's polar
+    is taken at zero lift, at its least drag and at the stall, at the design's Reynolds number.
+    """
+    polar = getattr(aircraft.airframe, "aerodynamics", None)
+    if polar is None:
+        return None
+    if not isinstance(polar, WingPolar):
+        drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
+        return ProfileDrag((-highest, 0.0, highest), (drag, drag, drag))
+    lift = np.linspace(0.0, polar.section_lift_ratio * polar.maximum_lift_coefficient, 101)
+    drags = polar.calibration * np.asarray(polar.polar.profile_drag(lift, _reynolds(polar)))
+    least = 1 + int(np.argmin(drags[1:-1]))
+    ends = (0, least, len(lift) - 1)
+    low, middle, high = (float(drags[i]) for i in ends)
+    return ProfileDrag(
+        (0.0, float(lift[least]), float(lift[-1])), (max(low, middle), middle, max(high, middle))
+    )
+
+
+def _other_drag(aircraft: Aircraft) -> float:
+    """Drag coefficient of everything but the wing, on the wing area [-]; 0 where unknown."""
+    polar = getattr(aircraft.airframe, "aerodynamics", None)
+    if polar is None:
+        return 0.0
+    if not isinstance(polar, WingPolar):
+        return float(polar.parasitic_drag_coefficient)
+    lift = polar.flight_lift_coefficient
+    parts = polar.build_up(lift, polar.design_aspect_ratio, _reynolds(polar))
+    return float(polar.calibration * (parts.tail + parts.fuselage + parts.parasitic))
+
+
+def _reynolds(polar: WingPolar) -> float:
+    """Reynolds number of level flight at the design point [-]."""
+    return float(polar.design_reynolds * polar.flight_lift_coefficient**-0.5)

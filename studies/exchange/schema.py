@@ -1,0 +1,68 @@
+"""JSON Schema of aircraft and mission files, for completion and checks in an editor.
+
+The schema is that of the classes that read the files, with labels and units of the catalogue of
+parameters. It refuses nothing that ``solar-uav validate`` accepts; the reverse does not hold, as
+rules between keys have no place in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.parameters import MISSION_PREFIX, Parameter, catalogue
+from solar._version import __version__
+
+__all__ = ["file_schema"]
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_CLASSES: dict[str, tuple[type[Aircraft] | type[Mission], str]] = {
+    "aircraft": (Aircraft, ""),
+    "mission": (Mission, MISSION_PREFIX),
+}
+
+
+def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
+    """JSON Schema, draft 2020-12, of a file.
+
+    Parameters
+    ----------
+    kind : {"aircraft", "mission"}
+
+    Returns
+    -------
+    dict
+        JSON-ready.
+    """
+    record, prefix = _CLASSES[kind]
+    schema = record.model_json_schema()
+    for key, known in catalogue().items():
+        if key.startswith(MISSION_PREFIX) == bool(prefix) and "." in prefix + key:
+            _describe(schema, schema, key.removeprefix(prefix).split("."), known)
+    text = f"{kind.capitalize()} file of solar-uav {__version__}."
+    return {"$schema": _DIALECT, **schema, "title": f"solar-uav {kind}", "description": text}
+
+
+def _describe(root: Mapping[str, Any], node: Any, parts: list[str], known: Parameter) -> None:
+    """Give a key its label and unit wherever it stands among the alternatives."""
+    for found in _alternatives(root, node):
+        place = found.get("properties", {}).get(parts[0])
+        if place is None:
+            continue
+        if len(parts) > 1:
+            _describe(root, place, parts[1:], known)
+        else:
+            unit = "" if known.unit == "1" else f" [{known.unit}]"
+            place["description"] = f"{known.label[:1].upper()}{known.label[1:]}{unit}"
+
+
+def _alternatives(root: Mapping[str, Any], node: Any) -> list[dict[str, Any]]:
+    """Objects that a part of the schema stands for, references followed."""
+    if not isinstance(node, dict):
+        return []
+    if "$ref" in node:
+        return _alternatives(root, root["$defs"][node["$ref"].rsplit("/", 1)[-1]])
+    some = [*node.get("anyOf", ()), *node.get("oneOf", ()), *node.get("allOf", ())]
+    return [node, *(one for other in some for one in _alternatives(root, other))]
