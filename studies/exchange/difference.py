@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -179,6 +180,8 @@ def difference(one: float | str | None, two: float | str | None) -> float | None
     if one == two:
         return 0.0
     step = two - one
+    if math.isinf(step):
+        return step
     return 0.0 if abs(step) <= _EQUAL * max(abs(one), abs(two)) else step
 
 
@@ -189,7 +192,7 @@ def _told(one: float | str | None, two: float | str | None) -> tuple[str, str]:
         return MISSING, MISSING
     if step == 0.0:
         return "=", ""
-    if abs(step) == float("inf"):
+    if math.isinf(step):
         return MISSING, MISSING
     sign = "+" if step > 0 else "-"
     share = 100.0 * step / abs(float(one)) if one else float("nan")
@@ -200,7 +203,7 @@ def _told(one: float | str | None, two: float | str | None) -> tuple[str, str]:
 def _changed_keys(
     prefix: str, first: Aircraft | Mission, second: Aircraft | Mission
 ) -> Iterator[ChangedKey]:
-    one, two = (record.model_dump(mode="json") for record in (first, second))
+    one, two = (record.model_dump(mode="json", by_alias=True) for record in (first, second))
     for name in _NOT_COMPARED:
         one.pop(name, None)
         two.pop(name, None)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import io
+import zipfile
 
 import pandas as pd
+import pytest
 
-from studies.output.formats import csv_bytes
+from missions.files.writing import OutputError
+from studies.output import formats
+from studies.output.formats import csv_bytes, table_bytes, table_format, workbook_bytes
 
 
 def test_text_that_a_spreadsheet_would_compute_is_quoted() -> None:
@@ -16,3 +20,39 @@ def test_text_that_a_spreadsheet_would_compute_is_quoted() -> None:
     assert read["text"].tolist() == [*(f"'{text}" for text in texts[:5]), "plain", ""]
     assert read["number"].tolist() == table["number"].tolist()
     assert table["text"].tolist() == texts
+
+
+def test_text_of_a_workbook_is_never_a_formula() -> None:
+    pytest.importorskip("xlsxwriter")
+    texts = ["=1+1", "https://example.org", "plain"]
+    table = pd.DataFrame({"text": texts, "number": [1.5, float("inf"), 3.0]})
+    with zipfile.ZipFile(io.BytesIO(workbook_bytes({"a/b:c": table}))) as book:
+        sheet = book.read("xl/worksheets/sheet1.xml").decode()
+        strings = book.read("xl/sharedStrings.xml").decode()
+        assert 'name="abc"' in book.read("xl/workbook.xml").decode()
+    assert "<f>" not in sheet
+    assert "<hyperlink" not in sheet
+    for text in (*texts, "unlimited"):
+        assert f"<t>{text}</t>" in strings
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [
+        ("a.csv", "csv"),
+        ("a.XLSX", "xlsx"),
+        ("a.parquet", "parquet"),
+        ("/dev/stdout", "csv"),
+        ("a.txt", None),
+        ("a.b/c", "csv"),
+    ],
+)
+def test_format_of_a_name(path: str, found: str | None) -> None:
+    assert table_format(path) == found
+
+
+def test_a_sheet_has_room_for_a_million_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("xlsxwriter")
+    monkeypatch.setattr(formats, "_MOST_ROWS", 2)
+    with pytest.raises(OutputError, match="3 rows; a sheet of Excel holds 2: write CSV"):
+        table_bytes(pd.DataFrame({"a": [1, 2, 3]}), "a.xlsx")

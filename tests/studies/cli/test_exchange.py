@@ -1,0 +1,122 @@
+"""Tests of ``solar-uav export``, ``diff`` and ``schema``, and of tables in other formats."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import zipfile
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from command_line import Run, files
+
+AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+
+
+def test_export_of_numbers(run: Run, tmp_path: Path) -> None:
+    names = ("d.tex", "d.csv", "d.py")
+    done = run("export", DESIGN, *(word for name in names for word in ("--out", name)))
+    assert (done.code, done.err) == (0, "")
+    assert [line.rpartition(" ")[2] for line in done.out.splitlines()] == list(names)
+    assert files(tmp_path) == set(names)
+    table = pd.read_csv(tmp_path / "d.csv").set_index("key")["value"]
+    analysed = run("analyse", DESIGN, "--json").json()
+    assert float(table["excess_time_h"]) == pytest.approx(analysed["excess_time_h"])
+    assert float(table["total_mass_kg"]) == pytest.approx(analysed["total_mass_kg"])
+    compile((tmp_path / "d.py").read_text(), "d.py", "exec")
+
+
+def test_export_of_a_workbook(run: Run, tmp_path: Path) -> None:
+    pytest.importorskip("xlsxwriter")
+    assert run("export", AS2, "--out", "d.xlsx").code == 0
+    with zipfile.ZipFile(tmp_path / "d.xlsx") as book:
+        sheets = book.read("xl/workbook.xml").decode()
+    for name in ("design", "scenarios", "cycle"):
+        assert f'name="{name}"' in sheets
+
+
+def test_export_for_avl(run: Run, tmp_path: Path) -> None:
+    pytest.importorskip("aerosandbox")
+    assert run("export", AS2, "--out", "w.avl", "--out", "w.vspscript").code == 0
+    assert files(tmp_path) == {"w.avl", "w.vspscript"}
+    text = (tmp_path / "w.avl").read_text()
+    # AVL reads no other file: none could be missing.
+    assert "AIRFOIL" in text
+    assert "AFIL" not in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("export", AS2, "--out", "d.doc"), "must end in .avl, .vspscript, .py, .tex"),
+        (("export", AS2, "--out", ""), "needs the name of a file"),
+        (("export", AS2), "Missing option '--out'"),
+        (("diff", AS2), "Missing argument 'OTHER'"),
+        (("diff", AS2, "nothing.yaml"), "nothing.yaml"),
+        (("diff", AS2, DESIGN, "--table", "a.doc"), "must end in .csv, .parquet, .xlsx"),
+        (("schema", "weather"), "'weather' is not one of 'aircraft', 'mission'"),
+    ],
+)
+def test_wrong_calls(run: Run, tmp_path: Path, arguments: tuple[str, ...], said: str) -> None:
+    done = run(*arguments)
+    assert done.code == 2
+    assert said in done.err
+    assert files(tmp_path) == set()
+
+
+@pytest.mark.parametrize(
+    ("library", "arguments"),
+    [
+        ("aerosandbox", ("export", AS2, "--out", "a.avl")),
+        ("xlsxwriter", ("export", AS2, "--out", "a.xlsx")),
+        ("xlsxwriter", ("analyse", AS2, "--table", "a.xlsx")),
+    ],
+)
+def test_libraries_that_are_missing_are_named(
+    run: Run,
+    tmp_path: Path,
+    library: str,
+    arguments: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    find = importlib.util.find_spec
+    for module in ("importlib.util", "studies.exchange.airplane"):
+        monkeypatch.setattr(
+            f"{module}.find_spec",
+            lambda name, *rest: None if name == library else find(name, *rest),
+        )
+    done = run(*arguments)
+    assert done.code == 2
+    assert f"pip install {library}" in done.err
+    assert files(tmp_path) == set()
+
+
+def test_difference_of_a_sized_design(run: Run, tmp_path: Path) -> None:
+    assert run("size", DESIGN, "-m", "rafz-july", "--out", "sized").code == 0
+    done = run("diff", DESIGN, "sized", "--json", "--table", "d.csv")
+    assert (done.code, done.err) == (0, "")
+    record = done.json()
+    assert {"a", "b", "quantities", "keys"} == record.keys()
+    changed = {one["key"] for one in record["keys"]}
+    assert {"airframe.wingspan_m", "battery.mass_kg", "modules.area_m2"} <= changed
+    assert len(pd.read_csv(tmp_path / "d.csv")) == len(record["quantities"])
+    assert run("diff", "sized", "sized").out.endswith("No key of the files differs.\n")
+
+
+def test_schema_is_printed_and_written(run: Run, tmp_path: Path) -> None:
+    printed = json.loads(run("schema", "mission").out)
+    assert run("schema", "mission", "--out", "m.json").code == 0
+    assert json.loads((tmp_path / "m.json").read_text()) == printed
+
+
+def test_tables_by_the_ending_of_their_name(run: Run, tmp_path: Path) -> None:
+    assert run("analyse", AS2, "--table", "a.csv").code == 0
+    expected = pd.read_csv(tmp_path / "a.csv")
+    if importlib.util.find_spec("pyarrow") is not None:
+        assert run("analyse", AS2, "--table", "a.parquet").code == 0
+        read = pd.read_parquet(tmp_path / "a.parquet")
+        pd.testing.assert_frame_equal(read, expected, check_dtype=False)
+    if importlib.util.find_spec("xlsxwriter") is not None:
+        assert run("analyse", AS2, "--table", "a.xlsx").code == 0
+        assert zipfile.is_zipfile(tmp_path / "a.xlsx")

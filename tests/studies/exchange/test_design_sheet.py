@@ -1,0 +1,79 @@
+"""Tests of a design as a table, and of its LaTeX."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from builders import AS2, DESIGN, SKY_SAILOR, mission
+
+from sizing.results.analysis import analyse
+from studies.exchange.design_sheet import design_sheet, number_text
+from studies.exchange.latex import escaped, latex_table
+
+SHEETS = [
+    design_sheet(analyse(craft, mission(), replay=False)) for craft in (AS2, DESIGN, SKY_SAILOR)
+]
+
+
+@pytest.mark.parametrize("sheet", SHEETS, ids=lambda sheet: sheet.title)
+def test_quantities_agree_with_each_other(sheet) -> None:  # type: ignore[no-untyped-def]  # parametrised
+    values = {q.key: q.value for q in sheet.quantities}
+    parts = [
+        q.value for q in sheet.quantities if q.group == "masses" and q.label.startswith("mass:")
+    ]
+    assert sum(parts) == pytest.approx(values["total_mass_kg"])
+    assert values["wing_loading_kg_per_m2"] == pytest.approx(
+        values["total_mass_kg"] / values["wing_area_m2"]
+    )
+    assert values["wing_area_m2"] == pytest.approx(values["wingspan_m"] * values["chord_m"])
+    assert values["battery_energy_wh"] == pytest.approx(
+        values["battery_mass_kg"] * values["battery.specific_energy_wh_per_kg"]
+    )
+    assert len(values) == len(sheet.quantities)  # every key once
+
+
+@pytest.mark.parametrize("sheet", SHEETS, ids=lambda sheet: sheet.title)
+def test_latex_is_balanced_and_has_four_columns(sheet) -> None:  # type: ignore[no-untyped-def]  # parametrised
+    text = latex_table(sheet)
+    bare = re.sub(r"\\.", "", text)
+    assert bare.count("{") == bare.count("}")
+    assert bare.count("$") % 2 == 0
+    rows = [line for line in text.splitlines() if line.endswith(r"\\")]
+    assert len(rows) == len(sheet.quantities) + 1
+    assert all(row.count("&") == 3 for row in rows)
+    assert text.isascii()
+
+
+def test_latex_is_drawn_by_mathtext() -> None:
+    # Matplotlib reads the same symbols; what it cannot read, LaTeX is not given.
+    from matplotlib.mathtext import MathTextParser
+
+    parser = MathTextParser("path")
+    for sheet in SHEETS:
+        for quantity in sheet.quantities:
+            parser.parse(f"${quantity.symbol}$")
+
+
+def test_special_characters() -> None:
+    assert escaped("50 % of A_B & {C} #1 ~^\\ $") == (
+        r"50 \% of A\_B \& \{C\} \#1 \textasciitilde{}\textasciicircum{}\textbackslash{} \$"
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0.000"),
+        (5.65, "5.650"),
+        (151316.2, "151316"),
+        (1e-9, "1e-09"),
+        (2e8, "2e+08"),
+        (1234.5, "1234"),
+        (float("inf"), "unlimited"),
+        (None, "-"),
+        (-0.25, "-0.2500"),
+    ],
+)
+def test_numbers_have_four_digits(value: float | None, text: str) -> None:
+    assert number_text(value) == text
