@@ -1,8 +1,8 @@
-"""What a sizing may be for."""
+"""What a sizing may be for, and how it may end."""
 
 from __future__ import annotations
 
-from enum import StrEnum
+from enum import IntEnum, StrEnum
 
 from sizing import parameters
 
@@ -63,3 +63,30 @@ _VARIABLES = {
     Objective.longest_season: "season_days",
     Objective.widest_latitude_band: "latitude_band_deg",
 }
+
+
+class SizingStatus(IntEnum):
+    """How a sizing ends; the numbers are the flags of gridded results, the names those of JSON.
+
+    ``failed`` stands for an error of the program, ``invalid`` for values that no aircraft or
+    mission can have, ``not_converged`` says nothing about feasibility. An optimum is one that the
+    simulator confirms; it is ``cross_checked`` where neighbouring designs were tried and none is
+    better.
+    """
+
+    failed = -1
+    optimal = 0
+    infeasible = 1
+    not_converged = 2
+    invalid = 3
+    cross_checked = 4
+
+    @property
+    def label(self) -> str:
+        """Name in words."""
+        return self.name.replace("_", " ")
+
+    @property
+    def sized(self) -> bool:
+        """Whether there is a design."""
+        return self in (SizingStatus.optimal, SizingStatus.cross_checked)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 
 from sizing.design import Design, Masses
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.objectives import SizingStatus as SizingStatus
 from sizing.optimisation.problem import RELATIVE_STEP, Constraint
 from sizing.optimisation.solver import Solution, SolverReport
 from sizing.performance import Performance
@@ -25,33 +25,6 @@ ABSOLUTE_TOLERANCE_H = 0.01
 # the distance: below 0.0007 of the largest in 60 random sizings. Those that limit were above 0.01.
 LIMITING_FRACTION = 1e-3
 ROW_TOLERANCE = 1e-6  # of requirements, relative: the solver meets them to about 1e-8
-
-
-class SizingStatus(IntEnum):
-    """How a sizing ends; the numbers are the flags of gridded results, the names those of JSON.
-
-    ``failed`` stands for an error of the program, ``invalid`` for values that no aircraft or
-    mission can have, ``not_converged`` says nothing about feasibility. An optimum is one that the
-    simulator confirms; it is ``cross_checked`` where neighbouring designs were tried and none is
-    better.
-    """
-
-    failed = -1
-    optimal = 0
-    infeasible = 1
-    not_converged = 2
-    invalid = 3
-    cross_checked = 4
-
-    @property
-    def label(self) -> str:
-        """Name in words."""
-        return self.name.replace("_", " ")
-
-    @property
-    def sized(self) -> bool:
-        """Whether there is a design."""
-        return self in (SizingStatus.optimal, SizingStatus.cross_checked)
 
 
 @dataclass(frozen=True)

@@ -28,11 +28,19 @@ from sizing.validity.told import told
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
+from studies.output.gridded import OnGrid
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MapStatus", "feasibility_map", "map_block", "prepare", "season_length"]
+__all__ = [
+    "MapStatus",
+    "feasibility_map",
+    "map_block",
+    "perpetual_cells",
+    "prepare",
+    "season_length",
+]
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
@@ -48,6 +56,8 @@ class MapStatus(IntEnum):
     always_lit = Status.always_lit
     never_lit = Status.never_lit
 
+
+_PERPETUAL = (Status.perpetual, Status.always_lit)
 
 # Variable -> unit, long name.
 _DESCRIBED = {
@@ -280,4 +290,9 @@ def _cells(
 
 def season_length(data: xr.Dataset) -> xr.DataArray:
     """Number of the map's days on which each latitude is flown perpetually."""
-    return data["status"].isin([Status.perpetual, Status.always_lit]).sum("day")
+    return data["status"].isin(_PERPETUAL).sum("day")
+
+
+def perpetual_cells(data: OnGrid) -> NDArray[np.bool_]:
+    """Mark the cells of a map that are flown perpetually, shape ``(latitude, day)``."""
+    return np.isin(data["status"].to_numpy(), _PERPETUAL)

@@ -24,6 +24,7 @@ from studies.output.columns import (
     failed_cells,
     variables,
 )
+from studies.output.gridded import Gridded, Labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -112,13 +113,13 @@ class Grid:
         shape = (len(self.latitudes_deg), len(self.days))
         return {name: values[order].reshape(shape) for name, values in outcome.columns.items()}
 
-    def coordinates(self) -> dict[str, Any]:
-        """Coordinates of a dataset, with CF attributes."""
+    def coordinates(self) -> dict[str, Labelled]:
+        """Coordinates of a result, with CF attributes."""
         degrees = {"units": "degrees_north", "standard_name": "latitude"}
         date = {"long_name": "day of year", "units": "1"}
         return {
-            "latitude": ("latitude", self.latitudes_deg, degrees),
-            "day": ("day", self.days, date),
+            "latitude": Labelled(("latitude",), self.latitudes_deg, degrees),
+            "day": Labelled(("day",), self.days, date),
         }
 
 
@@ -150,15 +151,17 @@ class MapStudy:
 
     def dataset(self, outcome: Outcome) -> xr.Dataset:
         """Result on the dimensions ``latitude`` and ``day``, with CF attributes."""
-        import xarray as xr
+        return self.gridded(outcome).to_xarray()
 
+    def gridded(self, outcome: Outcome) -> Gridded:
+        """Return the same as plain arrays: for those who need no more."""
         asked = self.job.configuration
         columns = self.grid.laid_out(self.job, outcome)
         outside = () if self.extrapolated is None else self.extrapolated(columns)
-        return xr.Dataset(
+        return Gridded(
             variables(("latitude", "day"), columns, self.described, self.flags),
-            coords=self.grid.coordinates(),
-            attrs=attributes(self.title, asked.aircraft, asked.mission, asked.solar)
+            self.grid.coordinates(),
+            attributes(self.title, asked.aircraft, asked.mission, asked.solar)
             | dict(self.attributes)
             | failed_cells(self.job.cells, outcome.failures, ("latitude", "day"))
             | extrapolation_attribute(outside),

@@ -35,10 +35,9 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.output.gridded import OnGrid
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from solar.types import FloatArray
 
 __all__ = ["plot_map", "plot_resized_map"]
@@ -56,7 +55,7 @@ _DATES = 6  # along an axis of less than two months
 
 
 @styled
-def plot_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
+def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     """Excess time over season and latitude, with the edge of perpetual flight drawn as a line.
 
     Parameters
@@ -90,7 +89,7 @@ def plot_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
 
 
 @styled
-def plot_resized_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
+def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     """Objective of the best design over season and latitude.
 
     Lines lead from cell to cell where both have a design.
@@ -109,13 +108,14 @@ def plot_resized_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     name = _SHOWN[data.attrs["objective"]]
     drawn, axes = _begun(figure, data, objective_caption(data.attrs["objective"]))
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
-    values = np.where(data["status"].isin(SIZED), data[name].to_numpy(), np.nan)
+    sized, about = np.isin(data["status"].to_numpy(), SIZED), data[name].attrs
+    values = np.where(sized, data[name].to_numpy(), np.nan)
     norm = finite_range(values)
     draw_colour_bar(
         drawn,
         draw_cells(axes, days, latitudes, values, norm),
         axes,
-        f"{data[name].long_name} [{data[name].units}]",
+        f"{about['long_name']} [{about['units']}]",
         unlimited=bool(np.isposinf(values).any()),
     )
     draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
@@ -123,7 +123,7 @@ def plot_resized_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     return drawn
 
 
-def _begun(canvas: Canvas, data: xr.Dataset, what: str) -> tuple[Figure, Axes]:
+def _begun(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
     """Figure with its heading."""
     drawn, (axes,) = new_figure(
         canvas=canvas,
@@ -135,7 +135,7 @@ def _begun(canvas: Canvas, data: xr.Dataset, what: str) -> tuple[Figure, Axes]:
     return drawn, axes
 
 
-def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
+def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
     """Hatches with their legend, and months."""
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     entries = hatch_reasons(axes, days, latitudes, data)

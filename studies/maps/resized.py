@@ -22,9 +22,9 @@ from studies.output.columns import (
     SIZED,
     SizingStatus,
     resize_objective,
-    size_cells,
     told_of_cells,
 )
+from studies.output.sized_columns import size_cells
 
 if TYPE_CHECKING:
     import xarray as xr

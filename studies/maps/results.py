@@ -5,47 +5,48 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from missions.mission import latitude_label
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
-from studies.maps.feasibility import MapStatus, season_length
+from studies.maps.feasibility import MapStatus, perpetual_cells
 from studies.output.columns import SIZED, SizingStatus, extrapolations_of
-
-if TYPE_CHECKING:
-    import xarray as xr
+from studies.output.gridded import OnGrid
 
 __all__ = ["designs_record", "designs_table", "seasons_record", "seasons_table"]
 
 
-def seasons_record(data: xr.Dataset) -> dict[str, Any]:
+def seasons_record(data: OnGrid) -> dict[str, Any]:
     """On how many of the days each latitude is flown perpetually, and how many are unknown."""
-    failed = (data["status"] == MapStatus.failed).sum("day")
     return _places(data) | {
-        "perpetual_days": season_length(data).to_numpy().tolist(),
-        "failed_days": failed.to_numpy().tolist(),
+        "perpetual_days": perpetual_cells(data).sum(axis=1).tolist(),
+        "failed_days": _days_of(data, MapStatus.failed),
         **_endurances(data),
         "extrapolations": extrapolation_records(extrapolations_of(data)),
     }
 
 
-def _endurances(data: xr.Dataset) -> dict[str, Any]:
+def _endurances(data: OnGrid) -> dict[str, Any]:
     """Shortest and longest flight of the days without perpetual flight, if they were asked for."""
     if "endurance" not in data:
         return {}
-    limited = data["endurance"].where(~data["endurance"].isin([math.inf]))
-    ends = {"least": limited.min("day"), "largest": limited.max("day")}
-    return {f"{end}_endurance_h": list(map(finite, v.to_numpy())) for end, v in ends.items()}
+    hours = data["endurance"].to_numpy()
+    limited = np.where(np.isposinf(hours), np.nan, hours)
+    ends = zip(("least", "largest"), _range_of_days(limited), strict=True)
+    return {f"{end}_endurance_h": list(map(finite, values)) for end, values in ends}
 
 
-def seasons_table(data: xr.Dataset) -> Table:
+def seasons_table(data: OnGrid) -> Table:
     """Days of perpetual flight at each latitude, and the largest excess time."""
     record = seasons_record(data)
-    most = data["excess_time"].max("day").to_numpy().tolist()
+    _, most = _range_of_days(data["excess_time"].to_numpy())
     columns: tuple[Column, ...] = (
-        Column("perpetual_days", f"days of {data.sizes['day']} mapped"),
+        Column("perpetual_days", f"days of {len(record['days'])} mapped"),
         Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
     )
     rows: list[tuple[Any, ...]] = list(zip(record["perpetual_days"], most, strict=True))
@@ -59,24 +60,24 @@ def seasons_table(data: xr.Dataset) -> Table:
     return _table(data, f"{_subject(data)}: days of perpetual flight", record, columns, rows)
 
 
-def designs_record(data: xr.Dataset) -> dict[str, Any]:
+def designs_record(data: OnGrid) -> dict[str, Any]:
     """Of every latitude: on how many days a sizing ends in which way, and the range of its size."""
     record = _places(data) | {"objective": data.attrs["objective"]}
     for status in SizingStatus:
-        record[f"{status.name}_days"] = (data["status"] == status).sum("day").to_numpy().tolist()
+        record[f"{status.name}_days"] = _days_of(data, status)
     for name, unit in (("wingspan", "m"), ("total_mass", "kg"), ("excess_time", "h")):
-        for word, end in (("least", "min"), ("largest", "max")):
-            values = getattr(data[name], end)("day").to_numpy().tolist()
+        ends = _range_of_days(data[name].to_numpy())
+        for word, values in zip(("least", "largest"), ends, strict=True):
             record[f"{word}_{name}_{unit}"] = [finite(value) for value in values]
     record["extrapolations"] = extrapolation_records(extrapolations_of(data))
     return record
 
 
-def designs_table(data: xr.Dataset) -> Table:
+def designs_table(data: OnGrid) -> Table:
     """Days with a design at each latitude, and the range of its size."""
     record = designs_record(data)
     groups = {
-        f"designs on {data.sizes['day']} days": SIZED,
+        f"designs on {len(record['days'])} days": SIZED,
         "none": (SizingStatus.infeasible, SizingStatus.invalid),
         "unknown": (SizingStatus.not_converged,),
     }
@@ -90,28 +91,39 @@ def designs_table(data: xr.Dataset) -> Table:
             for name, u in shown.items()
         ),
     )
-    ends = [
-        [getattr(data[name], end)("day").to_numpy() for end in ("min", "max")] for name in shown
-    ]
+    ends = [_range_of_days(data[name].to_numpy()) for name in shown]
     rows = [
         (
             *(sum(record[f"{kind.name}_days"][i] for kind in kinds) for kinds in groups.values()),
-            *(_range(float(least[i]), float(largest[i])) for least, largest in ends),
+            *(_range(least[i], largest[i]) for least, largest in ends),
         )
-        for i in range(data.sizes["latitude"])
+        for i in range(len(record["latitude_deg"]))
     ]
     return _table(
         data, f"{_subject(data)}: best designs for {record['objective']}", record, columns, rows
     )
 
 
-def _subject(data: xr.Dataset) -> str:
+def _days_of(data: OnGrid, status: int) -> list[int]:
+    """On how many days each latitude ends in a way."""
+    days: list[int] = (data["status"].to_numpy() == status).sum(axis=1).tolist()
+    return days
+
+
+def _range_of_days(values: NDArray[Any]) -> tuple[list[float], list[float]]:
+    """Least and largest value of each latitude; NaN where there is none on any day."""
+    # No warning for a latitude without a value, as nanmin has one.
+    least = np.fmin.reduce(values, axis=1)
+    return least.tolist(), np.fmax.reduce(values, axis=1).tolist()
+
+
+def _subject(data: OnGrid) -> str:
     """Aircraft and mission by name."""
     names = (json.loads(data.attrs[one])["name"] for one in ("aircraft", "mission"))
     return " on ".join(names)
 
 
-def _places(data: xr.Dataset) -> dict[str, Any]:
+def _places(data: OnGrid) -> dict[str, Any]:
     return {
         "latitude_deg": data["latitude"].to_numpy().tolist(),
         "days": data["day"].to_numpy().tolist(),
@@ -119,7 +131,7 @@ def _places(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _table(
-    data: xr.Dataset,
+    data: OnGrid,
     title: str,
     record: dict[str, Any],
     columns: Sequence[Column],
@@ -144,7 +156,7 @@ def _range(least: float, largest: float) -> str:
     return f"{ends.text(least)} to {ends.text(largest)}"
 
 
-def _model(data: xr.Dataset) -> str:
+def _model(data: OnGrid) -> str:
     days = data["day"].to_numpy()
     return (
         f"{data.attrs['solar_model']}, correction: {data.attrs['correction']}; days {days[0]} to "

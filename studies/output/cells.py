@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -25,9 +25,7 @@ from numpy.typing import NDArray
 from sizing.parameters import label
 from studies.output.columns import HATCHES, status_names
 from studies.output.figures.drawing import DARK_GREY, LEVELS, VERMILLION, night
-
-if TYPE_CHECKING:
-    import xarray as xr
+from studies.output.gridded import OnGrid
 
 FloatArray = NDArray[np.float64]
 # Hatches that are told apart in small cells.
@@ -216,7 +214,7 @@ def _area(marked: NDArray[np.bool_], across: FloatArray, up: FloatArray) -> Path
     return Path(corners.reshape(-1, 2), codes * len(rows))
 
 
-def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: xr.Dataset) -> list[Patch]:
+def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> list[Patch]:
     """Hatch the cells that have no result by the reason why.
 
     Parameters

@@ -46,7 +46,7 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
         For Parquet without pyarrow, and Excel without xlsxwriter.
     """
     if file_format == "nc":
-        from studies.output.columns import to_netcdf_bytes
+        from studies.output.gridded import to_netcdf_bytes
 
         return to_netcdf_bytes(data)
     from studies.sweeps.study import to_table

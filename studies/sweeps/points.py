@@ -20,8 +20,6 @@ from sizing.aircraft import Aircraft, DesignSpace, Range
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
@@ -392,6 +390,11 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
         Values of all points by the names of :data:`SIZED_BLANKS`, in the units of
         :data:`SIZED_DESCRIBED`.
     """
+    # The optimiser, for those who size.
+    from sizing.optimisation.problem import SizingProblems
+    from sizing.optimisation.search import size_aircraft
+    from studies.output.sized_columns import sizing_row
+
     assert configuration.objective is not None
     aircraft_file = Document("aircraft", dict(configuration.aircraft))
     mission_file = Document("mission", dict(configuration.mission))
@@ -424,7 +427,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
             configuration.solar,
             problems=problems,
         )
-        row = {"payload_mass": mission.payload.mass_kg} | sizing_columns.sizing_row(result)
+        row = {"payload_mass": mission.payload.mass_kg} | sizing_row(result)
         if result.simulated is not None:
             row["extrapolations"] = as_text(extrapolations(aircraft, result.simulated))
         rows.append(row)

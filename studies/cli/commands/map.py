@@ -21,10 +21,10 @@ from studies.cli.options import (
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
     from studies.cli.files import Case
+    from studies.output.gridded import OnGrid
 
 
 @command("solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png", name="map")
@@ -105,8 +105,8 @@ def map_(
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
     from studies.cli.outputs import call, tell, write_results
-    from studies.maps import feasibility, resized, results
-    from studies.output.columns import to_netcdf_bytes
+    from studies.maps import feasibility, results
+    from studies.output.gridded import to_netcdf_bytes
 
     if objective is not None and endurance:
         raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
@@ -129,10 +129,12 @@ def map_(
         study = feasibility.prepare(*asked, latitudes, days, case.solar, endurance)
         record, table = results.seasons_record, results.seasons_table
     else:
+        from studies.maps import resized  # the optimiser takes a seventh of a second
+
         study = resized.prepare(*asked, objective, latitudes, days, case.solar)
         record, table = results.designs_record, results.designs_table
     with completed(study.job, options, out_file, "cells") as outcome:
-        data = study.dataset(outcome)
+        data = study.gridded(outcome)
         write_results(
             out_file,
             lambda: to_netcdf_bytes(data),
@@ -194,7 +196,7 @@ def _in_weather(
     """Map the days of a record that close, and tell it."""
     from missions.weather.files import load_weather
     from studies.cli.outputs import tell, write_results
-    from studies.output.columns import to_netcdf_bytes
+    from studies.output.gridded import to_netcdf_bytes
     from studies.weather import battery_map as maps
 
     data = maps.battery_map(
@@ -218,7 +220,7 @@ def _in_weather(
     )
 
 
-def _drawn(data: xr.Dataset, figure: FigureOptions, *, resized: bool) -> Figure:
+def _drawn(data: OnGrid, figure: FigureOptions, *, resized: bool) -> Figure:
     from studies.maps.plots import plot_map, plot_resized_map
 
     return (plot_resized_map if resized else plot_map)(data, figure=figure)

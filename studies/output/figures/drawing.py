@@ -24,9 +24,10 @@ from studies.output.figures.options import DEFAULT, FigureOptions, check_dots
 from studies.output.formats import IMAGE_FORMATS, image_format
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from studies.output.gridded import OnGrid
 
 # Where a figure is drawn: on a canvas of its own as these options ask for, or on one that is given.
 Canvas: TypeAlias = "FigureOptions | Figure"
@@ -241,7 +242,7 @@ def outside_ranges(found: Sequence[Extrapolation]) -> str:
     return extrapolation_caption(found)
 
 
-def dataset_caption(data: xr.Dataset) -> str:
+def dataset_caption(data: OnGrid) -> str:
     """Model and correction that a map or a trade study was computed with."""
     return caption(SolarModel(data.attrs["solar_model"], data.attrs["correction"]))
 

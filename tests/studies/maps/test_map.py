@@ -17,7 +17,7 @@ from sizing.sunlight import SolarModel, solar_day
 from studies.cli.__main__ import cli
 from studies.maps import feasibility as study
 from studies.maps.plots import plot_map
-from studies.output.columns import to_netcdf_bytes
+from studies.output.gridded import to_netcdf_bytes
 
 AS2 = load_aircraft("atlantiksolar-as2")
 JULY = load_mission("rafz-july")

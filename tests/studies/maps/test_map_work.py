@@ -33,7 +33,8 @@ from studies.maps import feasibility
 from studies.maps.grid import Grid
 from studies.maps.plots import plot_map, plot_resized_map
 from studies.maps.resized import ResizedMapConfiguration, _resized_chunk, resized_map
-from studies.output.columns import SizingStatus, to_netcdf_bytes
+from studies.output.columns import SizingStatus
+from studies.output.gridded import to_netcdf_bytes
 
 pytestmark = pytest.mark.slow
 

@@ -1,0 +1,87 @@
+"""Results on a grid as plain arrays with their units, and as NetCDF.
+
+What commands hold where they need no more: xarray takes two thirds of a second to import, with the
+pandas that it brings. Functions that read a result by ``data[name].to_numpy()``, ``.attrs`` and
+``in`` take either.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Gridded", "Labelled", "OnGrid", "to_netcdf_bytes"]
+
+
+class Labelled(NamedTuple):
+    """Values with their dimensions and attributes, in the order in which xarray takes them."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: Mapping[str, Any]
+
+    def to_numpy(self) -> NDArray[Any]:
+        """Return the values."""
+        return self.values
+
+
+@dataclass(frozen=True)
+class Gridded:
+    """Variables and coordinates by name, and attributes of them all."""
+
+    variables: Mapping[str, Labelled]
+    coordinates: Mapping[str, Labelled]
+    attrs: Mapping[str, Any]
+
+    def __getitem__(self, name: str) -> Labelled:
+        """Return a variable or a coordinate."""
+        return self.variables[name] if name in self.variables else self.coordinates[name]
+
+    def __contains__(self, name: str) -> bool:
+        """Tell whether there is such a variable or coordinate."""
+        return name in self.variables or name in self.coordinates
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return the same as a dataset."""
+        import xarray as xr
+
+        return xr.Dataset(dict(self.variables), dict(self.coordinates), dict(self.attrs))
+
+
+# A type of annotations alone: xarray is not imported for it.
+OnGrid: TypeAlias = "Gridded | xr.Dataset"
+
+
+def to_netcdf_bytes(data: OnGrid) -> bytes:
+    """NetCDF-4 file of a result, made in memory: HDF5 crashes where a disk is full.
+
+    The file is the same whether xarray writes it or not.
+    """
+    if not isinstance(data, Gridded):
+        return bytes(data.to_netcdf(engine="h5netcdf"))
+    import h5netcdf
+    import h5py
+
+    buffer, columns = io.BytesIO(), {**data.variables, **data.coordinates}
+    with h5netcdf.File(buffer, "w") as file:
+        file.attrs.update(data.attrs)
+        for column in columns.values():
+            for dim, size in zip(column.dims, column.values.shape, strict=True):
+                if dim not in file.dimensions:
+                    file.dimensions[dim] = size
+        for name, (dims, values, attrs) in columns.items():
+            text, number = values.dtype.kind == "U", values.dtype.kind == "f"
+            kind = h5py.string_dtype() if text else values.dtype
+            fill = np.nan if number else None
+            variable = file.create_variable(name, dims, dtype=kind, fillvalue=fill)
+            variable.attrs.update(attrs)
+            variable[...] = values.astype(object) if text else values
+    return buffer.getvalue()

@@ -1,0 +1,170 @@
+"""Many sizings as columns: the best design in every cell of a map, or at a point of a trade study.
+
+Apart from :mod:`studies.output.columns`, which needs no optimiser.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.design import parametric_design
+from sizing.optimisation import cells as cell_sizing
+from sizing.optimisation.cells import CellSizings
+from sizing.optimisation.objectives import Objective, SizingStatus
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import SizingResult
+from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.checks import (
+    charge_rate_check,
+    charge_rate_is_open,
+    correction_check,
+    design_checks,
+    path_check,
+)
+from sizing.validity.told import cell_texts
+from studies.output.columns import BLANKS, SIZED
+
+__all__ = ["size_cells", "sizing_row"]
+
+
+def sizing_row(result: SizingResult) -> dict[str, Any]:
+    """What a sizing has to say; what it has not is missing, see :data:`BLANKS`."""
+    row: dict[str, Any] = {"status": result.status}
+    if result.status is SizingStatus.not_converged:
+        return row | {"message": f"the solver did not converge ({result.solver.message})"}
+    if result.violations:
+        worst = max(result.violations, key=lambda v: v.shortfall)
+        row |= {"shortfall": worst.shortfall, "violated_requirement": worst.requirement}
+        row |= {"message": "; ".join(v.text for v in result.violations)}
+    if result.simulated is None or result.design is None:
+        return row
+    design, perf = result.design, result.simulated
+    worst_scenario = perf.worst_scenario()
+    return row | {
+        "wingspan": design.variables.wingspan_m,
+        "aspect_ratio": design.variables.aspect_ratio,
+        "battery_mass": design.variables.battery_mass_kg,
+        "module_area": design.variables.module_area_m2,
+        "payload_mass": design.masses.payload,
+        "payload_power": design.variables.payload_power_w,
+        "total_mass": design.total_mass_kg,
+        "excess_time": float(perf.cycle.excess_time_h[worst_scenario]),
+        "charge_margin": float(perf.cycle.charge_margin_h[worst_scenario]),
+        "minimum_state_of_charge": float(perf.cycle.minimum_state_of_charge[worst_scenario]),
+        "power": float(perf.nominal_load_w.ravel()[0]),
+    }
+
+
+def size_cells(
+    aircraft: Aircraft,
+    mission: Mission,
+    cells: Sequence[tuple[float, ...]],
+    objective: Objective,
+    solar: SolarModel,
+) -> dict[str, Any]:
+    """Best design of an aircraft in every cell of latitude [deg] and day of year, as columns.
+
+    A cell is the mission with the cell's latitude and day instead of its own.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What is sized.
+    mission : Mission
+        In which air and with which load.
+    cells : sequence of (float, float)
+        Latitude [deg] and day of year.
+    objective : Objective
+        What is as large or as small as possible.
+    solar : SolarModel
+        Model and correction.
+
+    Returns
+    -------
+    dict
+        Values of all cells by the names of :data:`DESCRIBED`, in its units.
+    """
+    scenarios = Scenarios(
+        np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
+    )
+    problems = _programs(aircraft)
+    found = cell_sizing.size_cells(
+        problems.aircraft, mission, scenarios, objective, solar, problems=problems
+    )
+    columns = _columns(found)
+    columns["extrapolations"] = _extrapolations(aircraft, mission, scenarios, solar, found)
+    for index in np.flatnonzero(scenarios.in_polar_night()):
+        for name, blank in BLANKS.items():
+            columns[name][index] = _POLAR_NIGHT.get(name, blank)
+    return columns
+
+
+@lru_cache(maxsize=1)
+def _programs(aircraft: Aircraft) -> SizingProblems:
+    """Programs of an aircraft, kept for the next chunk of the same map in this process."""
+    return SizingProblems(aircraft)
+
+
+def _columns(found: CellSizings) -> dict[str, Any]:
+    chosen = found.variables
+    return {
+        "status": found.status.astype(np.int8),
+        "wingspan": chosen.wingspan_m,
+        "aspect_ratio": chosen.aspect_ratio,
+        "battery_mass": chosen.battery_mass_kg,
+        "module_area": chosen.module_area_m2,
+        "payload_mass": chosen.payload_mass_kg,
+        "payload_power": chosen.payload_power_w,
+        "total_mass": found.total_mass_kg,
+        "excess_time": found.excess_time_h,
+        "charge_margin": found.charge_margin_h,
+        "minimum_state_of_charge": found.minimum_state_of_charge,
+        "power": found.load_w,
+        "shortfall": found.shortfall,
+        "violated_requirement": found.requirement.tolist(),
+        "message": [_message(SizingStatus(one)) for one in found.status],
+    }
+
+
+def _extrapolations(
+    aircraft: Aircraft,
+    mission: Mission,
+    scenarios: Scenarios,
+    solar: SolarModel,
+    found: CellSizings,
+) -> list[str]:
+    """What the design of every cell takes from outside the range of a model."""
+    sized = np.isin(found.status, SIZED)
+    design = parametric_design(aircraft, mission, found.variables, found.total_mass_kg)
+    checks = [
+        *design_checks(aircraft, mission, design),
+        *path_check(mission, solar, design),
+        *correction_check(scenarios, solar, mission),
+    ]
+    if charge_rate_is_open(aircraft):
+        day = solar_day(aircraft, mission, solar, scenarios=scenarios)
+        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * found.variables.module_area_m2
+        checks += charge_rate_check(aircraft, mission, design, peak_w)
+    texts = cell_texts(checks, len(scenarios))
+    return [text if there else "" for text, there in zip(texts, sized, strict=True)]
+
+
+def _message(status: SizingStatus) -> str:
+    return {
+        SizingStatus.infeasible: "no design meets every requirement",
+        SizingStatus.not_converged: "the solver did not converge",
+    }.get(status, "")
+
+
+# There is nothing to solve without any sun; the whole of the day's energy is missing.
+_POLAR_NIGHT: dict[str, Any] = {
+    "status": SizingStatus.infeasible,
+    "violated_requirement": "sun",
+    "message": "polar night: the sun never rises",
+}
