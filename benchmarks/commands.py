@@ -187,13 +187,13 @@ def _least(call: Sequence[str]) -> _Spent:
 _LISTED = """
 import atexit, json, sys
 def told(modules=sys.modules):
-    names = list(modules)
+    names = [name for name, module in modules.items() if module is not None]
     with open("modules.json", "w") as file:
         json.dump(names, file)
 atexit.register(told)
-from studies.cli.__main__ import main
+from studies.cli.start import start
 sys.argv = ["solar-uav", *sys.argv[1:]]
-main()
+start()
 """
 _IMPORTED = """
 import sys

@@ -16,6 +16,7 @@ import click
 from missions.files.writing import OutputError
 from studies.cli.options import EXIT_FAILED
 from studies.cli.progress import progress_of
+from studies.cli.start import let_dask_in
 from studies.cli.telling import tell_error
 from studies.engine.chunk_store import ChunkStore, parts_folder
 from studies.engine.run import Job, Outcome, Stopped, run
@@ -92,6 +93,8 @@ def completed(
             opened = ChunkStore(folder).opened(job.size_bytes, len(job.chunks))
             store = stack.enter_context(opened)
         try:
+            if options.scheduler is not None:
+                let_dask_in()
             pool = pool_of(options.workers, options.scheduler, _tell)
             with progress_of(unit) as progress:
                 outcome = run(job, pool, store, progress)

@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 import signal
+import sys
+from typing import Any
 
-__all__ = ["start"]
+__all__ = ["let_dask_in", "start"]
 
 
 def start() -> None:
     """Run the command; until it is there, and once it is done, Ctrl-C ends the process silently."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # xarray imports dask where it is installed, to know its arrays: a second for nothing, as no
+    # command holds any.
+    _modules().setdefault("dask", None)
     from studies.cli.__main__ import main
 
     main()
+
+
+def let_dask_in() -> None:
+    """Let dask be imported after all, for workers of a cluster."""
+    if _modules().get("dask", ...) is None:
+        del _modules()["dask"]
+
+
+def _modules() -> dict[str, Any]:
+    """Imported modules; Python refuses to import one that is None."""
+    return vars(sys)["modules"]  # type: ignore[no-any-return]

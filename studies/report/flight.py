@@ -144,7 +144,8 @@ def _scenarios(records: list[dict[str, Any]]) -> Table:
 
 def season_section(subject: Subject) -> Section | None:
     """Where and when it flies perpetually, with the mission's places; None if it climbs."""
-    from studies.maps.feasibility import feasibility_map
+    from studies.engine.run import compute
+    from studies.maps.feasibility import prepare
     from studies.maps.plots import plot_map
 
     if subject.climbs:
@@ -155,14 +156,8 @@ def season_section(subject: Subject) -> Section | None:
     farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
     latitudes = np.linspace(-farthest, farthest, rows)
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
-    data = feasibility_map(
-        subject.aircraft,
-        subject.mission,
-        latitudes=latitudes,
-        days=days,
-        model=solar.model,
-        correction=solar.correction,
-    )
+    study = prepare(subject.aircraft, subject.mission, latitudes, days, solar)
+    data = study.gridded(compute(study.job))
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
     _mark(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)
