@@ -13,9 +13,11 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
 import os
 import shutil
 import socket
+import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -23,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.files.errors import printable
 from missions.files.writing import OutputError
@@ -35,6 +38,8 @@ _FAILURES = "failures as JSON"  # no column has a name with spaces
 # Parts and the file made of them stand side by side for a moment, and the file twice.
 _COPIES = 3
 _PART_BYTES = 4096
+# What a part may have at most: messages of failed cells are the longest that it holds.
+_MOST_BYTES, _MOST_BYTES_A_VALUE = 1 << 20, 1 << 12
 
 
 @dataclass(frozen=True)
@@ -139,18 +144,39 @@ class ChunkStore:
         """File of a chunk."""
         return self.folder / f"{key}.part"
 
-    def read(self, key: str) -> Part | None:
-        """Part of a chunk; none if there is no whole and unchanged one."""
+    def read(self, key: str, blanks: Mapping[str, Any], cells: int) -> Part | None:
+        """Part of a chunk; none if there is no whole and unchanged one that can be its result.
+
+        A checksum tells accidents, not malice: what the file holds is looked at as well.
+
+        Parameters
+        ----------
+        key : str
+            Name of the chunk.
+        blanks : mapping
+            Name of every column that it must have, and a NumPy scalar of its kind.
+        cells : int
+            Number of values of every column.
+
+        Returns
+        -------
+        Part or None
+        """
+        path = self.path(key)
         try:
-            head, _, body = self.path(key).read_bytes().partition(b"\n")
+            # A pipe would never end, and a file of another's may fill the memory.
+            most = _MOST_BYTES + _MOST_BYTES_A_VALUE * cells * (len(blanks) + 1)
+            if not path.is_file() or path.stat().st_size > most:
+                return None
+            head, _, body = path.read_bytes().partition(b"\n")
         except OSError:
             return None
         if head != _head(key, body):
             return None
-        with np.load(io.BytesIO(body), allow_pickle=False) as archive:
-            columns = {name: archive[name] for name in archive.files}
-        failures = json.loads(str(columns.pop(_FAILURES)))
-        return Part(columns, {int(cell): text for cell, text in failures.items()})
+        try:
+            return _part(body, blanks, cells)
+        except Exception:
+            return None  # whatever breaks a file that was made up
 
     def write(self, key: str, part: Part) -> None:
         """Keep a part.
@@ -203,6 +229,41 @@ class ChunkStore:
         with suppress(OSError):  # an open file cannot be deleted everywhere, nor a full folder
             (self.folder / _LOCK).unlink(missing_ok=True)
             self.folder.rmdir()
+
+
+def _part(body: bytes, blanks: Mapping[str, Any], cells: int) -> Part | None:
+    """Part that an archive holds; none if it has other columns, kinds or lengths."""
+    names = {*blanks, _FAILURES}
+    with zipfile.ZipFile(io.BytesIO(body)) as archive:
+        files = archive.infolist()
+        # Nothing is compressed, so that nothing is larger than the file.
+        if sorted(f.filename for f in files) != sorted(f"{name}.npy" for name in names):
+            return None
+        if any(f.compress_type != zipfile.ZIP_STORED or f.file_size > len(body) for f in files):
+            return None
+        found = {f.filename.removesuffix(".npy"): _column(archive.read(f)) for f in files}
+    failures = {int(cell): text for cell, text in json.loads(str(found.pop(_FAILURES))).items()}
+    if not all(0 <= cell < cells and isinstance(text, str) for cell, text in failures.items()):
+        return None
+    for name, column in found.items():
+        kind = np.asarray(blanks[name]).dtype
+        alike = column.dtype.kind == "U" if kind.kind == "U" else column.dtype == kind
+        if not alike or column.shape != (cells,):
+            return None
+    return Part(found, failures)
+
+
+def _column(data: bytes) -> NDArray[Any]:
+    """Array of a NumPy file; its header is believed only if the file has as many bytes."""
+    file = io.BytesIO(data)
+    if np.lib.format.read_magic(file) != (1, 0):
+        raise ValueError("another version")
+    shape, _, kind = np.lib.format.read_array_header_1_0(file)
+    if kind.hasobject or math.prod(shape) * kind.itemsize != len(data) - file.tell():
+        raise ValueError("another length")
+    file.seek(0)
+    column: NDArray[Any] = np.lib.format.read_array(file, allow_pickle=False)
+    return column
 
 
 def _head(key: str, body: bytes) -> bytes:

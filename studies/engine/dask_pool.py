@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, Future
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from typing import Any, TypeVar, cast
 
 from studies.engine.workers import WorkersUnavailableError, available_cores, for_children
@@ -56,6 +56,7 @@ class DaskPool:
         tell: Callable[[str], None] | None = None,
     ) -> None:
         try:
+            import dask
             import distributed
         except ImportError:
             raise WorkersUnavailableError(
@@ -69,6 +70,10 @@ class DaskPool:
         self._name = "the cluster of this machine" if self._local else f"the scheduler {scheduler}"
         self._remedy = "" if self._local else f"; start one with: dask worker {scheduler}"
         self._levels = _silenced()
+        # A worker that dies twice within this time may be taken for lost, and is not started again.
+        patience = {"distributed.deploy.lost-worker-timeout": "1 day"}
+        self._settings = ExitStack()
+        self._settings.enter_context(dask.config.set(patience))
         try:
             with for_children():
                 self._connect(distributed, scheduler, workers)
@@ -204,6 +209,7 @@ class DaskPool:
                     one.close()
         for name, level in self._levels.items():
             logging.getLogger(name).setLevel(level)
+        self._settings.close()
 
 
 def _silenced() -> dict[str, int]:

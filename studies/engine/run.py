@@ -353,8 +353,9 @@ class _Run:
 
     def _take_kept(self) -> int:
         """Read the chunks that an earlier run has left; the others wait."""
+        blanks = self.job.blanks
         for number, (key, chunk) in enumerate(zip(self.keys, self.job.chunks, strict=True)):
-            part = None if self.store is None else self.store.read(key)
+            part = None if self.store is None else self.store.read(key, blanks, len(chunk))
             if part is None or part.failures:
                 self.waiting.append(number)
             else:

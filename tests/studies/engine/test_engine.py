@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import signal
@@ -10,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -172,6 +174,97 @@ def test_a_damaged_part_is_computed_again(functions: Any, tmp_path: Path, damage
     assert_identical(first, again)
 
 
+def archive(**columns: Any) -> bytes:
+    """Archive of a part of the cells 4 to 7, with some columns changed; None leaves one out."""
+    failures = np.array("{}")
+    good = {"root": np.zeros(4), "number": np.arange(4), "name": np.array(list("abcd"))}
+    held = good | {chunk_store._FAILURES: failures} | columns
+    file = io.BytesIO()
+    np.savez(file, **{name: column for name, column in held.items() if column is not None})
+    return file.getvalue()
+
+
+def huge(shape: str, kind: str = "<f8") -> bytes:
+    """Archive whose column says that it is larger than the memory."""
+    file = io.BytesIO(archive(root=None))
+    head = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    with zipfile.ZipFile(file, "a") as added:
+        added.writestr("root.npy", b"\x93NUMPY\x01\x00v\x00" + head.encode() + bytes(8))
+    return file.getvalue()
+
+
+def bomb() -> bytes:
+    """Archive with a packed column."""
+    file = io.BytesIO()
+    np.savez_compressed(file, root=np.zeros(10_000_000))
+    return file.getvalue()
+
+
+FAILURES = chunk_store._FAILURES
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"",
+        b"no archive",
+        archive()[:-30],
+        archive(root=None),
+        archive(other=np.zeros(4)),
+        archive(root=np.zeros(3)),
+        archive(root=np.zeros((4, 1))),
+        archive(root=np.float64(0.0)),
+        archive(root=np.zeros(4, "f4")),
+        archive(root=np.zeros(4, complex)),
+        archive(root=np.zeros(4, "M8[s]")),
+        archive(root=np.array([1, "a", None, {}], object)),
+        archive(root=np.array(list("abcd"))),
+        archive(number=np.zeros(4)),
+        archive(name=np.zeros(4)),
+        archive(**{FAILURES: None}),
+        archive(**{FAILURES: np.array("[")}),
+        archive(**{FAILURES: np.array("[1]")}),
+        archive(**{FAILURES: np.array('{"x": "why"}')}),
+        archive(**{FAILURES: np.array('{"4": "why"}')}),
+        archive(**{FAILURES: np.array('{"1": ["why"]}')}),
+        archive(**{FAILURES: np.array("[" * 100_000)}),
+        huge("(1000000000000,)"),
+        huge("(-1,)"),
+        huge("(4,)", "<U1000000000"),
+        huge("'four'"),
+        huge("(4,)", "O"),
+        huge("__import__('os')"),
+        bomb(),
+    ],
+)
+def test_a_part_that_was_made_up_is_computed_again(
+    functions: Any, tmp_path: Path, body: bytes
+) -> None:
+    job = functions.job(functions.Settings())
+    first = run(job, folder=tmp_path)
+    key = job.keys()[1]
+    made_up = chunk_store._head(key, body) + b"\n" + body
+    ChunkStore(tmp_path).path(key).write_bytes(made_up)
+    again = run(job, folder=tmp_path)
+    assert again.computed_chunks == 1
+    assert_identical(first, again)
+
+
+def test_a_part_that_is_whole_is_believed(functions: Any, tmp_path: Path) -> None:
+    key = functions.job(functions.Settings()).keys()[1]
+    body = archive()
+    ChunkStore(tmp_path).path(key).write_bytes(chunk_store._head(key, body) + b"\n" + body)
+    again = run(functions.job(functions.Settings()), folder=tmp_path)
+    assert again.kept_chunks == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe")
+def test_a_pipe_in_place_of_a_part_is_not_waited_for(functions: Any, tmp_path: Path) -> None:
+    job = functions.job(functions.Settings())
+    os.mkfifo(ChunkStore(tmp_path).path(job.keys()[1]))
+    assert run(job, folder=tmp_path).computed_chunks == 5
+
+
 def test_a_part_under_another_name_is_not_believed(functions: Any, tmp_path: Path) -> None:
     job = functions.job(functions.Settings())
     first = run(job, folder=tmp_path)
@@ -204,7 +297,7 @@ def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
     part = Part({"a": np.array([1.5, np.nan, np.inf]), "b": np.array(["x", "", "ü"])}, {1: "why"})
     with ChunkStore(tmp_path / "p").opened() as store:
         store.write(KEY, part)
-        again = store.read(KEY)
+        again = store.read(KEY, {"a": np.float64(0), "b": np.str_("")}, 3)
         assert again is not None
         assert again.failures == {1: "why"}
         assert again.columns["a"].tobytes() == np.array([1.5, np.nan, np.inf]).tobytes()
@@ -232,7 +325,7 @@ def test_only_the_own_parts_are_deleted(tmp_path: Path) -> None:
     with ChunkStore(tmp_path).opened() as store:
         store.write(KEY, part)
         store.remove_parts([KEY])
-        assert store.read(other) is not None
+        assert store.read(other, {"a": np.float64(0)}, 1) is not None
     assert (tmp_path / "lock").read_text() == "the owner's own"
 
 
@@ -560,8 +653,10 @@ def test_a_deadly_cell_fails_alone_on_dask(functions: Any) -> None:
     import dask
 
     job = functions.job(functions.Settings(deadly=(6,)), cells=12)
-    # Given up after two workers, not four: each takes a second to start again.
-    with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+    # Given up after two workers, not four: each takes a second to start again, which is no reason
+    # to take it for lost.
+    settings = {"scheduler.allowed-failures": 1, "deploy.lost-worker-timeout": "0 s"}
+    with dask.config.set({f"distributed.{key}": value for key, value in settings.items()}):
         outcome = run(job, DaskPool("local-cluster", 2))
     assert outcome.failures == {6: "the worker process died"}
 
