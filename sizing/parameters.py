@@ -193,3 +193,29 @@ def replaced(node: M, parts: Sequence[str], value: Value) -> M:
     new = value if not rest else replaced(getattr(node, head), rest, value)
     fields = {name: getattr(node, name) for name in type(node).model_fields}
     return type(node).model_construct(**(fields | {head: new}))
+
+
+def all_replaced(node: M, values: Mapping[str, Value]) -> M:
+    """Copy of a description with some values replaced, without validation; see :func:`replaced`.
+
+    Parameters
+    ----------
+    node : BaseModel
+        Description, for instance an aircraft.
+    values : mapping
+        By their keys, with a dot between the names of fields; numbers, texts or symbols.
+
+    Returns
+    -------
+    BaseModel
+    """
+    inner: dict[str, dict[str, Value]] = {}
+    fields = {name: getattr(node, name) for name in type(node).model_fields}
+    for key, value in values.items():
+        head, _, rest = key.partition(".")
+        if rest:
+            inner.setdefault(head, {})[rest] = value
+        else:
+            fields[head] = value
+    fields |= {head: all_replaced(fields[head], some) for head, some in inner.items()}
+    return type(node).model_construct(**fields)

@@ -6,8 +6,8 @@ Constraints are the mass budget, those of the energy over a day, whose expressio
 Variables are wingspan, battery mass, module area and total mass, on request aspect ratio, lift
 coefficient and payload, the state of charge at dawn of every scenario, and the worst excess time.
 The sun enters as specific power per module area, which no design variable changes, so that a whole
-day of a scenario is a parameter vector, and so do air, wind and payload: a program belongs to an
-aircraft and is built once for any mission and objective.
+day of a scenario is a parameter vector, and so do air, wind, payload and technology: a program is
+built once for a kind of aircraft, and serves any mission and objective.
 
 Energy over the day is integrated exactly as the simulator does it;
 :mod:`sizing.optimisation.energy_constraints`:
@@ -18,8 +18,9 @@ Energy over the day is integrated exactly as the simulator does it;
 
 Both together say that the cycle repeats itself with at least ``soc_dawn``, and the excess time is
 the energy at dawn over the load. Every cost is a weighted sum of variables. Slack variables, held
-at zero in the sizing itself, let the same program tell by how much the requirements are missed;
-technology, limits and wind, held too, which value would meet them.
+at zero in the sizing itself, let the same program tell by how much the requirements are missed. An
+*eased* program has technology, limits and wind among its variables as well, and tells which value
+would meet them.
 
 The program is data: every entry of the decision vector is a :class:`Variable`, every row a
 :class:`Constraint`, each with its name, unit and scale. Nothing else knows where they stand.
@@ -31,12 +32,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from functools import cached_property
+from functools import cached_property, lru_cache
+from threading import RLock
 from typing import Any, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
 
+from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aircraft import (
     Aircraft,
     DesignSpace,
@@ -48,7 +51,7 @@ from sizing.aircraft import (
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
-from sizing.parameters import catalogue, parameter_value, replaced, unit
+from sizing.parameters import all_replaced, catalogue, parameter_value, unit
 from solar.types import FloatArray
 
 Effort = Literal["quick", "steady", "patient", "next"]
@@ -75,6 +78,8 @@ _IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
     "ipopt.tol": 1e-8,
     "ipopt.acceptable_tol": 1e-6,
     "ipopt.acceptable_iter": 8,
+    # One factorisation of the low-rank Hessian bordered, instead of many solves with its inverse.
+    "ipopt.limited_memory_aug_solver": "extended",
 }
 
 # Sequential quadratic programming, for the next one of a row of similar problems.
@@ -101,6 +106,13 @@ WORST_EXCESS = "worst_excess_time_h"
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
 # equality rounding decides whether the battery is needed for an instant.
 ALWAYS_LIT_MARGIN = 1e-5
+
+# Technology that stays a number of the formulas: what compares it or looks it up takes no symbol.
+_NUMBERS_OF_A_KIND = ("airframe.structure.cruise_gust_m_per_s",)
+_POLAR = "airframe.aerodynamics."
+
+# Programs that are kept, each with its solvers: some megabytes.
+_PROGRAMS_KEPT = 32
 
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
@@ -172,31 +184,34 @@ class Constraint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SizingProblem:
-    """A built program; see the module's docstring.
+class Program:
+    """Expressions of a program and their solvers, shared by all aircraft of a kind.
 
     A program has a number of *scenario blocks*, each filled with one scenario by its parameters, so
     that the scenarios in it can be exchanged without building it anew.
 
     Attributes
     ----------
-    aircraft : Aircraft
-        Whose technology is in the formulas.
-    variables : tuple of Variable
-        In the order of the decision vector.
-    constraints : tuple of Constraint
-        In the order of the constraint vector.
     blocks : int
         Scenarios in the program.
+    names : tuple of str
+        Of the variables, in the order of the decision vector.
+    constraints : tuple of Constraint
+        In the order of the constraint vector.
+    technology : tuple of str
+        Keys of the technology parameters.
     symbols : dict
         Decision vector ``x``, parameters ``p``, cost ``f`` and constraints ``g``.
+    lock : RLock
+        Held from a solver's call until its statistics are read: threads share a program.
     """
 
-    aircraft: Aircraft
-    variables: tuple[Variable, ...]
-    constraints: tuple[Constraint, ...]
     blocks: int
+    names: tuple[str, ...]
+    constraints: tuple[Constraint, ...]
+    technology: tuple[str, ...]
     symbols: dict[str, Any]
+    lock: RLock = field(default_factory=RLock)
     _solvers: dict[Effort, ca.Function] = field(default_factory=dict)
 
     def solver(self, effort: Effort = "quick") -> ca.Function:
@@ -222,6 +237,48 @@ class SizingProblem:
                 solver = ca.nlpsol("sizing", "ipopt", self.symbols, options)
             self._solvers[effort] = solver
         return self._solvers[effort]
+
+    @cached_property
+    def rows(self) -> ca.Function:
+        """Cost and constraints as a function of decision vector and parameters."""
+        return ca.Function("program", [self.symbols[k] for k in "xp"], [self.symbols[k] for k in "fg"])
+
+
+@dataclass(frozen=True)
+class SizingProblem:
+    """The program of an aircraft: expressions of its kind, its own bounds and technology.
+
+    Attributes
+    ----------
+    aircraft : Aircraft
+        Whose technology is in the parameters.
+    variables : tuple of Variable
+        In the order of the decision vector.
+    program : Program
+        Expressions and solvers.
+    """
+
+    aircraft: Aircraft
+    variables: tuple[Variable, ...]
+    program: Program
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Rows in the order of the constraint vector."""
+        return self.program.constraints
+
+    @property
+    def blocks(self) -> int:
+        """Scenarios in the program."""
+        return self.program.blocks
+
+    @cached_property
+    def _technology(self) -> list[float]:
+        """Technology parameters, and the efficiencies of the battery in flight."""
+        values = [parameter_value(self.aircraft, None, key) for key in self.program.technology]
+        battery = self.aircraft.battery
+        efficiencies = (battery.mean_charge_efficiency, battery.mean_discharge_efficiency)
+        return [float(value) for value in (*values, *efficiencies) if value is not None]
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -285,6 +342,7 @@ class SizingProblem:
             "weights": weights,
             "margin": [margin],
             "conditions": conditions,
+            "technology": self._technology,
             "suns": suns.ravel(),
         }
         return np.concatenate([parts[name] for name in _PARAMETERS])
@@ -314,11 +372,11 @@ class SizingProblem:
 
 
 # Parts of the parameter vector, in their order.
-_PARAMETERS = ("weights", "margin", "conditions", "suns")
+_PARAMETERS = ("weights", "margin", "conditions", "technology", "suns")
 
 
-def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
-    """Build the program of an aircraft.
+def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> SizingProblem:
+    """Build the program of an aircraft, unless one of its kind has been built before.
 
     Parameters
     ----------
@@ -326,6 +384,8 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
         With a parametric airframe.
     blocks : int
         Number of scenario blocks.
+    eased : bool
+        Whether technology, limits and wind are variables, which may be freed.
 
     Returns
     -------
@@ -338,25 +398,75 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    chosen = _chosen_variables(aircraft)
-    design, requirements = _design_function(aircraft, chosen)
+    chosen = _chosen_variables(aircraft, eased=eased)
+    # A mapping's order plays no part in the equality of aircraft, but in that of the rows.
+    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased)
+    return SizingProblem(aircraft, _all_variables(chosen, blocks, program.constraints), program)
+
+
+def kind_of(aircraft: Aircraft) -> Aircraft:
+    """Aircraft without the numbers that are parameters of its program, and without its name.
+
+    A program is built from this alone: two aircraft share one exactly if they are of one kind, and
+    a number that is not a parameter makes another kind.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        With a parametric airframe.
+
+    Returns
+    -------
+    Aircraft
+        With 1 for each of these numbers that is not zero; not validated.
+    """
+    values: dict[str, Any] = {
+        key: 1.0 if parameter_value(aircraft, None, key) else 0.0
+        for key in _numbers_taken_out(aircraft)
+    }
+    return all_replaced(aircraft, values | {"name": "kind", "description": ""})
+
+
+def _numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
+    """Keys of the numbers that are parameters, or play no part in any formula of the program."""
+    tabulated = not isinstance(getattr(aircraft.airframe, "aerodynamics", None), DragPolar)
+    return tuple(
+        key
+        for key, one in catalogue().items()
+        if one.kind in ("design", "technology")
+        and key not in _NUMBERS_OF_A_KIND
+        # The best lift coefficient of an airfoil is looked up.
+        and not (tabulated and key.startswith(_POLAR))
+        and parameter_value(aircraft, None, key) is not None
+    )
+
+
+@lru_cache(maxsize=_PROGRAMS_KEPT)
+def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) -> Program:
+    """Program of a kind of aircraft; ``limits`` is the order of its limits."""
+    chosen = _chosen_variables(kind, eased=eased)
+    technology = _numbers_taken_out(kind)
+    design, requirements = _design_function(kind, chosen, technology)
     free = ca.MX.sym("design", len(chosen))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)
     worst_h = ca.MX.sym(WORST_EXCESS)
     margin = ca.MX.sym("recharge_margin")
     conditions = ca.MX.sym("conditions", len(FlightConditions._fields))
+    numbers = ca.MX.sym("technology", len(technology))
+    efficiencies = ca.MX.sym("battery_efficiencies", 2)
     sun = ca.MX.sym("sun", SUN_PARAMETERS, blocks)
 
-    lit_area, capacity_wh, nominal_w, propulsion_w, values = design(free, conditions)
+    lit_area, capacity_wh, nominal_w, propulsion_w, values = design(free, conditions, numbers)
     rows = [
         (Constraint(one.name, equation=one.name == "mass_budget"), values[k])
         for k, one in enumerate(requirements)
     ]
-    cycle = cycle_function(aircraft.battery)
-    usable_h = capacity_wh * aircraft.battery.mean_discharge_efficiency / nominal_w
+    cycle = cycle_function(kind.battery.charge_limit)
+    usable_h = capacity_wh * efficiencies[1] / nominal_w
     for i in range(blocks):
         deficit, charged = cycle(
-            lit_area, capacity_wh, nominal_w, propulsion_w, dawn_soc[i], sun[:, i]
+            *(lit_area, capacity_wh, nominal_w, propulsion_w),
+            *(dawn_soc[i], efficiencies, sun[:, i]),
         )
         # The margin is slightly more charge than the night takes. At equality the cycle
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
@@ -373,21 +483,19 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
             (Constraint("energy_balance", i), recharged),
             (excess, (1.0 - lit) * reserve + lit * spare_sun),
         ]
-    slacks = list(dict.fromkeys(c.slack for c, _ in rows))
+    constraints = tuple(c for c, _ in rows)
+    slacks = list(dict.fromkeys(c.slack for c in constraints))
     slack = ca.MX.sym("slack", len(slacks))
     x = ca.vertcat(free, dawn_soc, worst_h, slack)
-    variables = (
-        *chosen,
-        *(
-            Variable(f"dawn_state_of_charge[{i}]", "1", 0.0, 1.0, 1.0, Role.dawn_state, 0.2)
-            for i in range(blocks)
-        ),
-        Variable(WORST_EXCESS, "h", 0.0, math.inf, 1.0, Role.worst_excess),
-        *(Variable(name, "1", 0.0, np.inf, 1.0, Role.slack) for name in slacks),
-    )
-    weights = ca.MX.sym("weights", len(variables))
-    parameters = {"weights": weights, "margin": margin, "conditions": conditions}
-    parameters["suns"] = ca.vec(sun)
+    names = tuple(v.name for v in _all_variables(chosen, blocks, constraints))
+    weights = ca.MX.sym("weights", len(names))
+    parameters = {
+        "weights": weights,
+        "margin": margin,
+        "conditions": conditions,
+        "technology": ca.vertcat(numbers, efficiencies),
+        "suns": ca.vec(sun),
+    }
     # The dawn states of scenarios that do not bind are otherwise undetermined.
     tie_break = -1e-7 * ca.sum1(dawn_soc)
     symbols = {
@@ -396,10 +504,27 @@ def build_problem(aircraft: Aircraft, blocks: int) -> SizingProblem:
         "f": ca.dot(weights, x) + tie_break,
         "g": ca.vertcat(*(value + slack[slacks.index(c.slack)] for c, value in rows)),
     }
-    return SizingProblem(aircraft, variables, tuple(c for c, _ in rows), blocks, symbols)
+    return Program(blocks, names, constraints, technology, symbols)
 
 
-def _chosen_variables(aircraft: Aircraft) -> tuple[Variable, ...]:
+def _all_variables(
+    chosen: Sequence[Variable], blocks: int, constraints: Sequence[Constraint]
+) -> tuple[Variable, ...]:
+    """Variables in the order of the decision vector: design, dawns, excess time, slacks."""
+    dawns = (
+        Variable(f"dawn_state_of_charge[{i}]", "1", 0.0, 1.0, 1.0, Role.dawn_state, 0.2)
+        for i in range(blocks)
+    )
+    slacks = dict.fromkeys(c.slack for c in constraints)
+    return (
+        *chosen,
+        *dawns,
+        Variable(WORST_EXCESS, "h", 0.0, math.inf, 1.0, Role.worst_excess),
+        *(Variable(name, "1", 0.0, np.inf, 1.0, Role.slack) for name in slacks),
+    )
+
+
+def _chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]:
     """Every variable of the design that may be freed, with the widest bounds it has."""
     space = aircraft.design_space
     assert isinstance(aircraft.airframe, ParametricAirframe)
@@ -419,10 +544,15 @@ def _chosen_variables(aircraft: Aircraft) -> tuple[Variable, ...]:
         for name, ends in ranges.items()
         if ends is not None
     )
-    return (
+    always = (
         *found,
         Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
         Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
+    )
+    if not eased:
+        return always
+    return (
+        *always,
         *(
             Variable(key, "1", 1e-3, 1e3, role=Role.technology)
             for key, one in catalogue().items()
@@ -466,43 +596,46 @@ def _payload_scale_w(space: DesignSpace) -> float:
 
 
 def _design_function(
-    aircraft: Aircraft, variables: Sequence[Variable]
+    kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str]
 ) -> tuple[ca.Function, list[Requirement]]:
     """Lit area, capacity, loads and requirements of a design, as a function of the variables.
 
-    The lit area is the module area times the relative efficiency of the cells: power per area is a
-    parameter, and proportional to their efficiency.
+    Conditions and technology are data. The lit area is the module area times the relative
+    efficiency of the cells: power per area is a parameter, and proportional to their efficiency.
     """
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
+    numbers = ca.SX.sym("technology", len(technology))
     values = {v.name: v.from_program(x[i]) for i, v in enumerate(variables)}
-    technology = aircraft
-    for v in variables:
-        if v.role is Role.technology:
-            base = parameter_value(aircraft, None, v.name)
-            technology = replaced(technology, v.name.split("."), base * values[v.name])
-    own = {"aspect_ratio": aircraft.airframe.aspect_ratio}
+    relative = {v.name: values[v.name] for v in variables if v.role is Role.technology}
+    flown = all_replaced(
+        kind, {key: numbers[i] * relative.get(key, 1.0) for i, key in enumerate(technology)}
+    )
+    own = {"aspect_ratio": flown.airframe.aspect_ratio}
     chosen = DesignVariables(**_named(DesignVariables._fields, own | values))
     conditions = FlightConditions(*(symbols[i] for i in range(symbols.shape[0])))
-    conditions = conditions.with_payload_of(chosen)._replace(wind_m_per_s=values[WIND])
-    design = parametric_design(technology, conditions, chosen, values["total_mass_kg"])
-    limits = limit_rows(aircraft)
+    conditions = conditions.with_payload_of(chosen)
+    if WIND in values:
+        conditions = conditions._replace(wind_m_per_s=values[WIND])
+    design = parametric_design(flown, conditions, chosen, values["total_mass_kg"])
+    limits = limit_rows(kind)
     requirements = [
         row._replace(value=_eased(row.value, limits[row.name][1], values[row.name]))
-        if row.name in limits
+        if row.name in limits and row.name in values
         else row
-        for row in design_requirements(technology, design, conditions)
+        for row in design_requirements(flown, design, conditions)
     ]
     function = ca.Function(
         "design",
-        [x, symbols],
+        [x, symbols, numbers],
         [
-            design.variables.module_area_m2 * values[SOLAR_TECHNOLOGY],
+            design.variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
             design.battery_energy_wh,
             design.load_in_turbulence_w(conditions.turbulence),
             design.propulsion_power_w,
             ca.vertcat(*(one.value for one in requirements)),
         ],
+        {"is_diff_in": [True, False, False], "jac_penalty": 0},
     )
     return function, requirements
 
@@ -512,14 +645,27 @@ def _named(names: Iterable[str], values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class SizingProblems:
-    """Programs of one aircraft by their number of blocks, built when they are first needed."""
+    """Programs of one aircraft by their number of blocks, put together when first needed."""
 
     def __init__(self, aircraft: Aircraft) -> None:
         self.aircraft = aircraft
-        self._built: dict[int, SizingProblem] = {}
+        self._known: dict[tuple[int, bool], SizingProblem] = {}
 
-    def of(self, blocks: int) -> SizingProblem:
-        """Program with this number of scenario blocks."""
-        if blocks not in self._built:
-            self._built[blocks] = build_problem(self.aircraft, blocks)
-        return self._built[blocks]
+    def of(self, blocks: int, *, eased: bool = False) -> SizingProblem:
+        """Program with this number of scenario blocks.
+
+        Parameters
+        ----------
+        blocks : int
+            Number of scenario blocks.
+        eased : bool
+            Whether technology, limits and wind are variables, which may be freed.
+
+        Returns
+        -------
+        SizingProblem
+        """
+        key = (blocks, eased)
+        if key not in self._known:
+            self._known[key] = build_problem(self.aircraft, blocks, eased=eased)
+        return self._known[key]

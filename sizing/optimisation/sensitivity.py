@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
 from missions.mission import Mission, Scenarios
@@ -22,7 +21,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import RELATIVE_STEP, WIND, Role, SizingProblem, build_problem
+from sizing.optimisation.problem import RELATIVE_STEP, Role, SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.solver import Solution
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
@@ -207,10 +206,6 @@ class _Lagrangian:
     def _at(self, aircraft: Aircraft, mission: Mission) -> float:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
         problem = build_problem(aircraft, len(self.scenarios))
-        symbols = problem.symbols
-        function = ca.Function(
-            "program", [symbols["x"], symbols["p"]], [symbols["f"], symbols["g"]]
-        )
         always = self.optimum.instance.lit
         lit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
@@ -219,7 +214,7 @@ class _Lagrangian:
             sun_parameters(day, mission, lit),
             margin=self.optimum.instance.margin,
         )
-        cost, rows = function(self._point(problem, mission), parameters)
+        cost, rows = problem.program.rows(self._point(problem, mission), parameters)
         multipliers = self.optimum.constraint_multipliers
         return float(cost) + float(np.asarray(rows).ravel() @ multipliers)
 
@@ -229,18 +224,14 @@ class _Lagrangian:
         return problem.weights({v.name: float(weight) for v, weight in named if weight != 0.0})
 
     def _point(self, problem: SizingProblem, mission: Mission) -> FloatArray:
-        """Decision vector of the optimum in another program of the same aircraft.
+        """Decision vector of the optimum in the program of another aircraft or mission.
 
-        A payload that is not chosen is the mission's. Technology is what the aircraft has: a value
-        of zero has no variable, one that differs from it has.
+        A payload that is not chosen is the mission's.
         """
         optimum = {v.name: x for v, x in zip(self.optimum.variables, self.optimum.x, strict=True)}
-        relative = problem.of_role(Role.technology, Role.limit)
-        optimum |= {v.name: v.to_program(1.0) for v in relative}
         held = {
             "payload_mass_kg": mission.payload.mass_kg,
             "payload_power_w": mission.payload.power_w,
-            WIND: mission.wind_m_per_s,
         }
         chosen = {
             v.name for v, w in zip(self.optimum.variables, self.optimum.weights, strict=True) if w

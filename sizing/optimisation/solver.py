@@ -287,8 +287,13 @@ class ProgramSolver:
             found = self._solved(posed, "next", _warm(posed, previous))
             if found is not None:
                 return found
-        for variables in starts:
+        for place, variables in enumerate(starts):
             cold = {"x0": posed.within(self._start(posed.problem, instance, variables))}
+            if place == 0 and instance.penalty != math.inf:
+                found = self._solved(posed, "next", cold)
+                # What is missed is the interior points' to say, which look further around.
+                if found is not None and not found.missed():
+                    return found
             for effort in efforts:
                 found = self._solved(posed, effort, cold)
                 if found is not None:
@@ -305,6 +310,8 @@ class ProgramSolver:
         """Arguments of the program with these scenarios in its blocks."""
         begun = time.perf_counter()
         problem = self.problems.of(len(scenarios))
+        if any(name not in problem.index for name in instance.freed):
+            problem = self.problems.of(len(scenarios), eased=True)
         self.build_s += time.perf_counter() - begun
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
@@ -324,13 +331,15 @@ class ProgramSolver:
         self, posed: _Posed, effort: Effort, start: Mapping[str, FloatArray]
     ) -> Solution | None:
         """Solution from a start; None where the solver fails."""
-        begun = time.perf_counter()
-        solver = posed.problem.solver(effort)
-        self.build_s += time.perf_counter() - begun
-        begun = time.perf_counter()
-        found: Any = solver(**(posed.limits | dict(start)))
-        self.solve_s += time.perf_counter() - begun
-        stats = solver.stats()
+        program = posed.problem.program
+        with program.lock:
+            begun = time.perf_counter()
+            solver = program.solver(effort)
+            self.build_s += time.perf_counter() - begun
+            begun = time.perf_counter()
+            found: Any = solver(**(posed.limits | dict(start)))
+            self.solve_s += time.perf_counter() - begun
+            stats = solver.stats()
         self.iterations += int(stats["iter_count"])
         self.solves += 1
         self.message = str(stats["return_status"])
@@ -407,10 +416,19 @@ class ProgramSolver:
 
 
 def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
-    """Start of the solver from the point and the multipliers of a solution."""
+    """Start of the solver from the point and the multipliers of a solution.
+
+    Variables that the solution's program did not have begin where they are held.
+    """
+    x, bounds = previous.x, previous.bound_multipliers
+    if previous.variables is not posed.problem.variables:
+        names = posed.problem.program.names
+        place = {v.name: i for i, v in enumerate(previous.variables)}
+        known = [place.get(name, -1) for name in names]
+        x, bounds = (np.where(np.array(known) < 0, 0.0, one[known]) for one in (x, bounds))
     return {
-        "x0": posed.within(previous.x),
-        "lam_x0": _NOT_QUITE * previous.bound_multipliers,
+        "x0": posed.within(x),
+        "lam_x0": _NOT_QUITE * bounds,
         "lam_g0": _NOT_QUITE * previous.constraint_multipliers,
     }
 

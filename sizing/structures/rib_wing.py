@@ -266,7 +266,7 @@ class RibWingStructure(Record):
         )
 
     @property
-    def cap_buckling_pa(self) -> float:
+    def cap_buckling_pa(self) -> Value:
         """Stress [Pa] at which a cap as thick as wide would buckle; it falls with (t/w)^2.
 
         Long orthotropic plate, simply supported at both webs:
@@ -276,7 +276,7 @@ class RibWingStructure(Record):
         ratio = self.transverse_modulus_pa / self.modulus_pa
         coupling = 1.0 - self.poisson_ratio**2 * ratio
         along, across = self.modulus_pa / coupling, self.transverse_modulus_pa / coupling
-        stiffness = float((along * across) ** 0.5) + self.poisson_ratio * across
+        stiffness = (along * across) ** 0.5 + self.poisson_ratio * across
         return 2.0 * pi**2 / 12.0 * (stiffness + 2.0 * self.shear_modulus_pa)
 
     @property
