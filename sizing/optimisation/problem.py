@@ -54,7 +54,7 @@ from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_functio
 from sizing.parameters import all_replaced, catalogue, parameter_value, unit
 from solar.types import FloatArray
 
-Effort = Literal["quick", "steady", "patient", "next"]
+Effort = Literal["quick", "steady", "patient", "next", "direct"]
 
 # Hessian, strategy of the barrier and most iterations of the interior-point method.
 _IPOPT_EFFORTS: dict[Effort, tuple[str, str, int]] = {
@@ -101,6 +101,17 @@ _SQP_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
     "tol_du": 1e-6,
     "tol_pr": 1e-7,
 }
+
+# The same for a program without a neighbour, from a design that need not be near: whole steps, and
+# few of them. Where they lead to no solution they seldom would later, and interior points follow.
+_DIRECT_OPTIONS: dict[str, Any] = _SQP_OPTIONS | {
+    "qpsol_options": _SQP_OPTIONS["qpsol_options"] | {"max_iter": 40},
+    "lbfgs_memory": 80,
+    "max_iter_ls": 0,
+    "max_iter": 20,
+    "tol_pr": 1e-9,
+}
+_SQP_EFFORTS: dict[Effort, dict[str, Any]] = {"next": _SQP_OPTIONS, "direct": _DIRECT_OPTIONS}
 
 WORST_EXCESS = "worst_excess_time_h"
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
@@ -222,11 +233,12 @@ class Program:
         costs a third. With slacks, which reach far, exact ones are now and then better: ``steady``
         lowers the barrier in steps, ``patient`` adaptively, longer. ``next`` is sequential
         quadratic programming, which starts well from the solution of a similar problem, as interior
-        points do not.
+        points do not; ``direct`` is the same for a start that is no solution, and gives up early.
         """
         if effort not in self._solvers:
-            if effort == "next":
-                solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, _SQP_OPTIONS)
+            if effort in _SQP_EFFORTS:
+                options = _SQP_EFFORTS[effort]
+                solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, options)
             else:
                 hessian, barrier, iterations = _IPOPT_EFFORTS[effort]
                 options = _IPOPT_OPTIONS | {

@@ -287,18 +287,30 @@ class ProgramSolver:
             found = self._solved(posed, "next", _warm(posed, previous))
             if found is not None:
                 return found
-        for place, variables in enumerate(starts):
+        if starts and instance.penalty != math.inf:
+            found = self._directly(posed, starts[0])
+            if found is not None:
+                return found
+        for variables in starts:
             cold = {"x0": posed.within(self._start(posed.problem, instance, variables))}
-            if place == 0 and instance.penalty != math.inf:
-                found = self._solved(posed, "next", cold)
-                # What is missed is the interior points' to say, which look further around.
-                if found is not None and not found.missed():
-                    return found
             for effort in efforts:
                 found = self._solved(posed, effort, cold)
                 if found is not None:
                     return found
         return None
+
+    def _directly(self, posed: _Posed, variables: DesignVariables) -> Solution | None:
+        """Solution that meets every requirement, by a few whole steps from a design."""
+        problem = posed.problem
+        lower, upper = np.array(posed.limits["lbx"]), np.array(posed.limits["ubx"])
+        upper[[problem.index[v.name] for v in problem.of_role(Role.slack)]] = 0.0
+        # No excess time below zero: the same as no charge below zero, but for a sun that carries
+        # the load. Of two equal requirements that is left whose name is told.
+        if not posed.instance.lit:
+            lower[[problem.index[v.name] for v in problem.of_role(Role.dawn_state)]] = -1.0
+        strict = posed._replace(limits=posed.limits | {"lbx": lower, "ubx": upper})
+        start = strict.within(self._start(problem, posed.instance, variables))
+        return self._solved(strict, "direct", {"x0": start})
 
     def performance(self, variables: DesignVariables) -> Performance:
         """Design, or a batch of them, simulated in all scenarios."""
