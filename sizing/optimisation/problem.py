@@ -253,7 +253,9 @@ class Program:
     @cached_property
     def rows(self) -> ca.Function:
         """Cost and constraints as a function of decision vector and parameters."""
-        return ca.Function("program", [self.symbols[k] for k in "xp"], [self.symbols[k] for k in "fg"])
+        return ca.Function(
+            "program", [self.symbols[k] for k in "xp"], [self.symbols[k] for k in "fg"]
+        )
 
 
 @dataclass(frozen=True)

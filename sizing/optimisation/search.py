@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -481,12 +482,11 @@ class _Sizing:
         self.largest: Accepted | None = None  # design of largest excess time, if it is enough
 
     def run(self) -> SizingResult:
-        first = self.solver.performance(self.start)
         count = len(self.day.scenarios)
         self.search = Search(
             self._instance(),
             self.required_h,
-            self._first_scenarios(first, min(_FIRST_BLOCKS, count)),
+            self._first_scenarios(min(_FIRST_BLOCKS, count)),
             self._solve_again,
             count=count,
         )
@@ -494,19 +494,24 @@ class _Sizing:
         solution = self._solve([self.start], self.search.instance.penalised(PENALTY))
         if solution is None:
             solution = self._solve([self.start])
-            return self._failure(first) if solution is None else self._settled(solution)
+            return self._failure(self.first) if solution is None else self._settled(solution)
         if solution.missed() and self.explain:
             return self._explained([solution.design])
         if solution.missed():
             self.missed = solution
             solution = self._met_after_all(solution)
-        return self._given_up(first) if solution is None else self._settled(solution)
+        return self._given_up(self.first) if solution is None else self._settled(solution)
+
+    @cached_property
+    def first(self) -> Performance:
+        """What the simulator finds for the design that the search starts from."""
+        return self.solver.performance(self.start)
 
     def explained(self) -> SizingResult:
         """Why a run without explanation has found no design; or the design, after all."""
         self.explain = True
         if self.missed is None:
-            return self._failure(self.solver.performance(self.start))
+            return self._failure(self.first)
         return self._explained([self.missed.design])
 
     def next_of(self, lit_sets: Sequence[Sequence[int]], place: int) -> int | None:
@@ -532,11 +537,13 @@ class _Sizing:
         everywhere = len(self.lit) == len(self.day.scenarios)
         return instance.always_lit(self.lit, all_of_them=everywhere)
 
-    def _first_scenarios(self, first: Performance, count: int) -> list[int]:
+    def _first_scenarios(self, count: int) -> list[int]:
         """Scenarios to begin with; of those that must be always lit, the one with the least sun."""
+        if count == len(self.day.scenarios):
+            return list(range(count))
         if not self.lit:
-            return telling_scenarios(first, count)
-        telling = telling_scenarios(first, len(self.day.scenarios))
+            return telling_scenarios(self.first, count)
+        telling = telling_scenarios(self.first, len(self.day.scenarios))
         others = [i for i in telling if i not in self.lit]
         return list(dict.fromkeys([*others[:1], self.lit[-1], *others, *telling]))[:count]
 
