@@ -100,7 +100,8 @@ def sensitivities(
         both = value != 0.0 and objective_value != 0.0
         elasticity = derivative * value / objective_value if both else None
         found.append(Sensitivity(name, one.unit, value, derivative, elasticity))
-    return sorted(found, key=lambda s: -abs(s.per_percent))
+    # Efficiencies of one chain have one sensitivity, but for rounding: they keep their order.
+    return sorted(found, key=lambda s: -float(f"{abs(s.per_percent):.9g}"))
 
 
 def _checked(result: SizingResult, wanted: str) -> tuple[Solution, Performance, float]:
