@@ -18,11 +18,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from missions.files.errors import file_error
-from missions.files.texts import read_text
 from sizing.aerodynamics.polar_table import (
     PolarTable,
     is_table_path,
-    parse_polar_table,
+    parse_polar,
+    read_polar_text,
     shipped_table,
 )
 from sizing.smooth import Value
@@ -125,7 +125,7 @@ class AirfoilPolar:
 
     @classmethod
     def load(cls, airfoil: str) -> AirfoilPolar:
-        """Read a polar: the name of a shipped one, or the path of a CSV file.
+        """Read a polar: the name of a shipped one, or the path of a file or folder.
 
         Raises
         ------
@@ -136,7 +136,7 @@ class AirfoilPolar:
             If the file cannot be read.
         """
         if is_table_path(airfoil):
-            return cls.from_table(parse_polar_table(read_text(airfoil), airfoil))
+            return cls.from_table(parse_polar(read_polar_text(airfoil), airfoil))
         return _shipped_polar(airfoil)
 
     @classmethod

@@ -1,6 +1,7 @@
-"""Tables of airfoil polars: read from CSV and checked, and those that ship with the package.
+"""Tables of airfoil polars: read from files and checked, and those that ship with the package.
 
-A polar is a CSV table, whoever made it: a program, a wind tunnel, a paper.
+A polar is a CSV table, whoever made it: a program, a wind tunnel, a paper; or a file as XFOIL or
+XFLR5 writes it, or a folder of such files.
 """
 
 from __future__ import annotations
@@ -12,6 +13,9 @@ from importlib import resources
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
+from missions.files.texts import read_folder, read_text
+from sizing.aerodynamics.polar_files import is_foreign, read_polars
+from sizing.aerodynamics.polar_merging import OF_A_SECTION, WingReference, merged
 from solar.types import FloatArray
 
 # How names of files with polars end; a folder of them ends with a slash.
@@ -32,6 +36,7 @@ class PolarTable:
     source: str
     header: dict[str, str]
     columns: dict[str, FloatArray]
+    span_efficiency: float | None = None  # of a wing's induced drag
 
     @property
     def name(self) -> str:
@@ -57,14 +62,59 @@ def shipped_table(name: str) -> PolarTable:
     if name not in shipped_airfoils():
         known = ", ".join(shipped_airfoils())
         raise ValueError(
-            f"unknown airfoil {name!r}; shipped are {known}, and a path ending in .csv is read"
+            f"unknown airfoil {name!r}; shipped are {known}, and a path ending in "
+            f"{', '.join(POLAR_SUFFIXES)} or / is read"
         )
     file = resources.files("sizing").joinpath("data", "polars", f"{name}.csv")
     return parse_polar_table(file.read_text(encoding="utf-8"), f"{name}.csv")
 
 
+def read_polar_text(path: str) -> str:
+    """Text of a polar: of a file, or of all files of a folder, whose path ends with a slash.
+
+    Raises
+    ------
+    InputError
+        If it is too large, or no text.
+    OSError
+        If it cannot be read.
+    """
+    return read_folder(path, POLAR_SUFFIXES) if path.endswith("/") else read_text(path)
+
+
+def parse_polar(text: str, source: str, wing: WingReference | None = None) -> PolarTable:
+    """Read the text of a polar: our own table, or what XFOIL and XFLR5 write.
+
+    Parameters
+    ----------
+    text : str
+        Contents of the file, or of a folder.
+    source : str
+        File or folder, for messages.
+    wing : WingReference, optional
+        For polars of a whole wing, whose table then has the viscous drag.
+
+    Returns
+    -------
+    PolarTable
+
+    Raises
+    ------
+    InputError
+        With every line that is wrong.
+    """
+    if not is_foreign(text):
+        if wing is not None:
+            raise file_error(source, OF_A_SECTION)
+        return parse_polar_table(text, source)
+    found = merged(read_polars(text, source), source, wing)
+    columns = dict(zip(COLUMNS, (*found.rows.T, np.ones(len(found.rows))), strict=True))
+    header = {"airfoil": found.name, "source": found.program}
+    return PolarTable(source, header, columns, found.span_efficiency)
+
+
 def parse_polar_table(text: str, source: str) -> PolarTable:
-    """Read the text of a polar table.
+    """Read the text of a polar table of our own.
 
     The header is comment lines ``# key: value``, of which ``airfoil`` and ``source`` are required;
     then come the line of column names and the rows, in any order.

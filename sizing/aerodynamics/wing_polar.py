@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from functools import cached_property
 from math import pi
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import (
     Field,
+    ModelWrapValidatorHandler,
     PrivateAttr,
     SerializationInfo,
     Strict,
@@ -19,9 +21,10 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
-from missions.files.texts import read_text
+from missions.files.errors import InputError
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
-from sizing.aerodynamics.polar_table import is_table_path, parse_polar_table
+from sizing.aerodynamics.polar_merging import OF_A_SECTION, WingReference
+from sizing.aerodynamics.polar_table import is_table_path, parse_polar, read_polar_text
 from sizing.smooth import Value
 from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
 
@@ -62,6 +65,9 @@ class WingPolar(Record):
     no slower than ``stall_margin`` times the stall speed. Like a given one it stays the same for
     whatever aircraft is sized. ``design_reynolds`` is the Reynolds number at ``C_L = 1``: at one
     weight level flight keeps ``Re C_L^1/2`` constant (XFOIL's polars of type 2).
+
+    With ``wing_chord_m`` and ``wing_aspect_ratio`` the polars are those of a whole wing by XFLR5:
+    its viscous drag stands for the section's, and the span efficiency is that of its induced drag.
     """
 
     model: Literal["wing_polar"]
@@ -80,11 +86,52 @@ class WingPolar(Record):
     fuselage_form_factor: PositiveReal = 1.2
     parasitic_drag_coefficient: NonNegativeReal = 0.0
     calibration: PositiveReal = 1.0
+    wing_chord_m: PositiveReal | None = None
+    wing_aspect_ratio: PositiveReal | None = None
+    wing_kinematic_viscosity_m2_per_s: PositiveReal = 1.5e-5
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _as_the_wing_has_it(
+        cls, data: Any, handler: ModelWrapValidatorHandler[WingPolar]
+    ) -> WingPolar:
+        """Take what polars of a wing say unless it is given; it does not count as given."""
+        found = _of_a_wing(data)
+        new = {key: value for key, value in found.items() if key not in data}
+        if not new:
+            return handler(data)
+        record = handler({**data, **new})
+        record.__pydantic_fields_set__.difference_update(new)
+        return record
+
+    @model_validator(mode="after")
+    def _check_wing(self) -> WingPolar:
+        keys = ("wing_chord_m", "wing_aspect_ratio")
+        given = [key for key in keys if getattr(self, key) is not None]
+        if len(given) == 1:
+            other = keys[keys[0] == given[0]]
+            context = {"key": given[0], "other": other}
+            raise PydanticCustomError("wing", "goes with {other}", context)
+        if given and not is_table_path(self.airfoil):
+            raise PydanticCustomError("wing", OF_A_SECTION, {"key": "airfoil"})
+        if given and self.section_lift_ratio != 1.0:
+            raise PydanticCustomError(
+                "wing",
+                "must be 1 with polars of a wing (got {ratio})",
+                {"key": "section_lift_ratio", "ratio": f"{self.section_lift_ratio:g}"},
+            )
+        return self
 
     @model_validator(mode="after")
     def _check_airfoil_and_stall(self) -> WingPolar:
         try:
             highest = self.highest_lift_coefficient
+        except InputError as error:
+            first, count = str(error.problems[0]), len(error.problems)
+            context: dict[str, Any] = {"key": "airfoil", "why": first}
+            if count > 1:
+                context |= {"why": f"has {count} mistakes", "problems": error.problems}
+            raise PydanticCustomError("polar", "{why}", context) from error
         except OSError as error:
             raise PydanticCustomError(
                 "unreadable_polar",
@@ -111,7 +158,16 @@ class WingPolar(Record):
         text = self.contents_read()
         if text is None:
             return AirfoilPolar.load(self.airfoil)
-        return AirfoilPolar.from_table(parse_polar_table(text, self.airfoil))
+        return AirfoilPolar.from_table(parse_polar(text, self.airfoil, self.wing))
+
+    @property
+    def wing(self) -> WingReference | None:
+        """Wing that the polars are of; none for those of a section."""
+        if self.wing_chord_m is None or self.wing_aspect_ratio is None:
+            return None
+        return WingReference(
+            self.wing_chord_m, self.wing_aspect_ratio, self.wing_kinematic_viscosity_m2_per_s
+        )
 
     def contents_read(self) -> str | None:
         """Text of the airfoil's table, read once; none for a shipped airfoil.
@@ -124,7 +180,7 @@ class WingPolar(Record):
         if not is_table_path(self.airfoil):
             return None
         if self._table is None or self._table[0] != self.airfoil:
-            self._table = (self.airfoil, read_text(self.airfoil))
+            self._table = (self.airfoil, read_polar_text(self.airfoil))
         return self._table[1]
 
     @field_serializer("airfoil")
@@ -256,3 +312,23 @@ class WingPolar(Record):
         """Stall speed [m/s] that belongs to an airspeed of level flight, at the design point."""
         ratio = self.flight_lift_coefficient / self.maximum_lift_coefficient
         return airspeed_m_per_s * ratio**0.5
+
+
+def _of_a_wing(data: Any) -> dict[str, float]:
+    """Keys that polars of a wing give, empty where there are none or they are not readable."""
+    if not isinstance(data, Mapping) or not isinstance(data.get("airfoil"), str):
+        return {}
+    keys = ("wing_chord_m", "wing_aspect_ratio", "wing_kinematic_viscosity_m2_per_s")
+    values = [data.get(key, 1.5e-5 if key == keys[-1] else None) for key in keys]
+    if not all(type(value) in (int, float) and value > 0.0 for value in values):
+        return {}
+    airfoil = data["airfoil"]
+    if not is_table_path(airfoil):
+        return {}
+    try:
+        table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
+    except (InputError, OSError):
+        return {}  # told by the checks of the record
+    efficiency = table.span_efficiency
+    assert efficiency is not None  # every polar of a wing has one
+    return {"section_lift_ratio": 1.0, "span_efficiency": float(f"{efficiency:.4g}")}

@@ -183,7 +183,7 @@ def _with_named_files(
         (data["battery"], "cell", "battery-cell"),
     ):
         path = (holder or {}).get(key)
-        if holder is None or not isinstance(path, str) or not path.endswith(PATH_SUFFIXES):
+        if holder is None or not isinstance(path, str) or not path.lower().endswith(PATH_SUFFIXES):
             continue
         suffix = ".txt" if path.endswith("/") else Path(path).suffix
         holder[key] = f"{role}{suffix}"

@@ -1,0 +1,360 @@
+"""Polars as XFOIL (PACC) and XFLR5 write them: headers with units, rows with their lines.
+
+A file may hold several polars, and the text of a folder several files
+(:data:`missions.files.texts.FILE_MARK`). XFOIL and XFLR5 leave out points that do not converge;
+rows with NaN or asterisks, which some programs write instead, are passed over.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from missions.files.errors import InputError, Problem, printable, shortened
+from missions.files.texts import FILE_MARK
+
+__all__ = ["FilePolar", "PolarRow", "is_foreign", "read_polars"]
+
+# Metres per second of the units that XFLR5 offers.
+_SPEED_UNITS = {
+    "m/s": 1.0,
+    "km/h": 1.0 / 3.6,
+    "ft/s": 0.3048,
+    "ft/min": 0.3048 / 60.0,
+    "mph": 0.44704,
+    "mi/h": 0.44704,
+    "kt": 0.514444,
+    "kts": 0.514444,
+    "knot": 0.514444,
+    "knots": 0.514444,
+}
+_LEAST_REYNOLDS, _LARGEST_REYNOLDS = 1e3, 1e8
+# Above it the air is compressible, which wing and aircraft know nothing of: Anderson, Fundamentals
+# of Aerodynamics, section 1.10.
+_LARGEST_MACH = 0.3
+_LARGEST_LIFT = 4.0 * math.pi  # Smith (1975), as for lift coefficients of a file
+_MOST_ROWS = 50_000
+
+_SECTION = re.compile(r"^\s*Calculated polar for\s*:\s*,?(.*)$", re.IGNORECASE)
+_WING = re.compile(r"^\s*(?:Wing|Plane) name\s*:\s*,?(.*)$", re.IGNORECASE)
+_WING_POLAR = re.compile(r"^\s*(?:Wing polar|Plane polar|Polar) name\s*:\s*,?(.*)$", re.IGNORECASE)
+_TYPE = re.compile(r"^\s*(\d)\s+(\d)\s+Reynolds number", re.IGNORECASE)
+_FIXED_ALPHA = re.compile(r"^\s*Alpha\s*=", re.IGNORECASE)
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
+_SETTINGS = re.compile(
+    rf"Mach\s*=\s*({_NUMBER}).*?Re\s*=\s*({_NUMBER})(?:\s*e\s*(\d+))?(?:.*?Ncrit\s*=\s*({_NUMBER}))?",
+    re.IGNORECASE,
+)
+_TRIP = re.compile(rf"xtrf\s*=\s*({_NUMBER})\s*\(top\)\s*({_NUMBER})\s*\(bottom\)", re.IGNORECASE)
+_SPEED = re.compile(rf"^\s*Freestream speed\s*:\s*,?\s*({_NUMBER})\s*,?\s*(.*?)\s*$", re.IGNORECASE)
+_PROGRAM = re.compile(r"^\s*(XFOIL|xflr5|QBlade|flow5)\b.*$", re.IGNORECASE)
+_RULE = re.compile(r"^[\s\-_=,;]+$")
+# A field of a Fortran format is no wider than it is: signs may follow digits at once.
+_FIELD = re.compile(rf"{_NUMBER}|[-+]?nan|[-+]?inf(?:inity)?|\*+", re.IGNORECASE)
+
+# Column names by what they are; those of XFLR5's earlier versions as well.
+_COLUMNS = {
+    "alpha": ("alpha",),
+    "lift": ("cl",),
+    "drag": ("cd", "tcd"),
+    "moment": ("cm", "gcm"),
+    "viscous": ("cdv", "pcd"),
+    "induced": ("cdi", "icd"),
+    "speed": ("qinf",),
+}
+
+
+@dataclass(frozen=True)
+class PolarRow:
+    """A row: angle [deg], coefficients [-], Reynolds number [-] or speed [m/s] where it has one."""
+
+    line: int
+    alpha_deg: float
+    lift: float
+    drag: float
+    moment: float
+    induced: float = math.nan
+    speed_m_per_s: float = math.nan
+
+
+@dataclass
+class FilePolar:
+    """One polar with what its header says.
+
+    Attributes
+    ----------
+    source, line
+        File and line of its header.
+    kind : {"section", "wing"}
+        Polar of an airfoil, or of a whole wing or plane.
+    name, polar_name
+        Of the airfoil or wing, and of the polar of a wing.
+    program
+        What wrote it, with its version.
+    reynolds_type : int
+        1: fixed Reynolds number; 2: ``Re C_L^1/2`` is fixed, as in level flight.
+    reynolds
+        Reynolds number [-], for type 2 that at ``C_L = 1``; NaN for a wing.
+    mach, ncrit, trip
+        Mach number, critical amplification, forced transition above and below (x/c).
+    speed_m_per_s
+        Free stream of a wing at fixed speed [m/s]; NaN without one.
+    rows
+        In the order of the file.
+    """
+
+    source: str
+    line: int
+    kind: Literal["section", "wing"]
+    name: str
+    program: str
+    polar_name: str = ""
+    reynolds_type: int = 1
+    reynolds: float = math.nan
+    mach: float = 0.0
+    ncrit: float | None = None
+    trip: tuple[float, float] | None = None
+    speed_m_per_s: float = math.nan
+    rows: list[PolarRow] = field(default_factory=list)
+    # How its rows are to be read.
+    columns: list[str] = field(default_factory=list)
+    by_commas: bool = False
+    speed_unit: float = 1.0
+
+    def problem(self, line: int | None, message: str) -> Problem:
+        """Problem at a line of its file.
+
+        Parameters
+        ----------
+        line : int or None
+        message : str
+
+        Returns
+        -------
+        Problem
+        """
+        return Problem(self.source, line, None, "", message)
+
+
+def is_foreign(text: str) -> bool:
+    """Whether a text is that of XFOIL or XFLR5, and not one of our own tables."""
+    if text.startswith(FILE_MARK):
+        return True
+    head = [line for _, line in zip(range(40), text.splitlines(), strict=False)]
+    return any(one.match(line) for line in head for one in (_SECTION, _WING, _PROGRAM))
+
+
+def read_polars(text: str, source: str) -> list[FilePolar]:
+    """Read all polars of a text.
+
+    Parameters
+    ----------
+    text : str
+        Contents of a file, or of a folder.
+    source : str
+        File or folder, for messages.
+
+    Returns
+    -------
+    list of FilePolar
+        At least one, each with rows.
+
+    Raises
+    ------
+    InputError
+        With every line that is wrong.
+    """
+    polars: list[FilePolar] = []
+    problems: list[Problem] = []
+    program, count = "", 0
+    for file, number, line in _lines(text, source):
+        if _PROGRAM.match(line):
+            program = " ".join(line.split())
+        start = _started(file, number, line, program)
+        if start is not None:
+            polars.append(start)
+        elif polars and polars[-1].source == file:
+            try:
+                count += _read_line(polars[-1], number, line)
+            except ValueError as error:
+                problems.append(polars[-1].problem(number, str(error)))
+        if count > _MOST_ROWS:
+            raise InputError([Problem(file, number, None, "", f"more than {_MOST_ROWS} rows")])
+    if not polars:
+        message = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
+        raise InputError([Problem(source, None, None, "", message)])
+    problems += [trouble for polar in polars for trouble in _incomplete(polar)]
+    problems += [trouble for polar in polars for trouble in _repeated(polar)]
+    if problems:
+        raise InputError(problems)
+    return polars
+
+
+def _lines(text: str, source: str) -> Iterator[tuple[str, int, str]]:
+    """File, number within it, and text of every line."""
+    file, number = source, 0
+    for line in text.split("\n"):
+        if line.startswith(FILE_MARK):
+            file, number = source + line.removeprefix(FILE_MARK).strip(), 0
+            continue
+        number += 1
+        yield file, number, line.rstrip("\r")
+
+
+def _started(file: str, number: int, line: str, program: str) -> FilePolar | None:
+    """New polar whose first line this is; none if it is not."""
+    for expression, kind in ((_SECTION, "section"), (_WING, "wing")):
+        if found := expression.match(line):
+            name = printable(" ".join(found[1].split()).strip(","))[:80] or "unnamed"
+            which: Literal["section", "wing"] = "wing" if kind == "wing" else "section"
+            return FilePolar(file, number, which, name, program)
+    return None
+
+
+def _read_line(polar: FilePolar, number: int, line: str) -> bool:
+    """Read a line below the first one of a polar; returns whether it is a row."""
+    if not line.strip() or _RULE.match(line):
+        return False
+    if not polar.columns or line.lower().lstrip().startswith("alpha"):
+        _read_header(polar, line)
+        return False
+    if _PROGRAM.match(line):  # of the next polar in the same file
+        return False
+    row = _row(polar, number, line)
+    if row is not None:
+        polar.rows.append(row)
+    return True
+
+
+def _read_header(polar: FilePolar, line: str) -> None:
+    """Take what a line of the header says; others are passed over."""
+    if found := _TYPE.match(line):
+        polar.reynolds_type = int(found[1])
+        if polar.reynolds_type not in (1, 2):
+            raise ValueError(
+                f"Reynolds number of type {found[1]}; polars of type 1 (fixed) and 2 (~ 1/sqrt(CL))"
+                " are read"
+            )
+    elif found := _SETTINGS.search(line):
+        _take_settings(polar, found)
+    elif found := _TRIP.search(line):
+        polar.trip = (_float(found[1]), _float(found[2]))
+    elif found := _WING_POLAR.match(line):
+        polar.polar_name = printable(" ".join(found[1].split()))[:80]
+    elif found := _SPEED.match(line):
+        polar.speed_m_per_s, polar.speed_unit = _speed(found[1], found[2])
+    elif _FIXED_ALPHA.match(line):
+        raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
+    elif line.lower().lstrip().startswith("alpha"):
+        _take_columns(polar, line)
+    elif polar.kind == "section" and re.match(r"^\s*Re\s*,|^\s*Alpha\s+Re\b", line):
+        raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
+
+
+def _take_settings(polar: FilePolar, found: re.Match[str]) -> None:
+    polar.mach = _float(found[1])
+    polar.reynolds = _float(found[2]) * 10.0 ** min(int(found[3] or 0), 99)
+    polar.ncrit = None if found[4] is None else _float(found[4])
+    if not 0.0 <= polar.mach <= _LARGEST_MACH:
+        raise ValueError(f"Mach must be from 0 to {_LARGEST_MACH:g} (got {polar.mach:g})")
+    if not _LEAST_REYNOLDS <= polar.reynolds <= _LARGEST_REYNOLDS:
+        inviscid = ", an inviscid polar" if polar.reynolds == 0.0 else ""
+        raise ValueError(
+            f"Re must be from {_LEAST_REYNOLDS:g} to {_LARGEST_REYNOLDS:g} "
+            f"(got {polar.reynolds:g}{inviscid})"
+        )
+
+
+def _speed(number: str, unit: str) -> tuple[float, float]:
+    """Speed [m/s], and metres per second of its unit."""
+    name = unit.strip(" ,;").lower()
+    if name not in _SPEED_UNITS:
+        allowed = ", ".join(_SPEED_UNITS)
+        got = shortened(printable(name)) or "none"
+        raise ValueError(f"the unit of the speed must be one of {allowed} (got {got})")
+    factor = _SPEED_UNITS[name]
+    return _float(number) * factor, factor
+
+
+def _take_columns(polar: FilePolar, line: str) -> None:
+    polar.by_commas = "," in line
+    plain = re.sub(r"(?i)\b(top|bot)[ _](xtr|itr)\b", r"\1\2", line)
+    names = plain.split(",") if polar.by_commas else plain.split()
+    # A section's moment is Cm; of a wing Cl, Cm, Cn are moments, and only CL is lift.
+    keys: list[str] = []
+    for raw in (name.strip() for name in names):
+        known = next((key for key, spelt in _COLUMNS.items() if raw.lower() in spelt), "")
+        keys.append("" if known in keys or (raw == "Cl" and polar.kind == "wing") else known)
+    needed = ["alpha", "lift", "drag"] + (["viscous", "induced"] if polar.kind == "wing" else [])
+    missing = [next(iter(_COLUMNS[key])).upper() for key in needed if key not in keys]
+    if missing:
+        raise ValueError(f"the columns lack {', '.join(missing)}")
+    if polar.kind == "section" and "induced" in keys:
+        raise ValueError("columns of a wing below the header of an airfoil")
+    polar.columns = keys
+
+
+def _row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
+    """Row of numbers; None for a point that did not converge."""
+    if polar.by_commas:
+        texts = [part.strip() for part in line.rstrip(", \t").split(",")]
+        odd = [text for text in texts if not _FIELD.fullmatch(text)]
+    else:
+        texts = _FIELD.findall(line)
+        odd = _FIELD.sub(" ", line).split()
+    least = max(place for place, key in enumerate(polar.columns) if key) + 1
+    if odd or not least <= len(texts) <= len(polar.columns):
+        got = shortened(printable(" ".join(line.split())))
+        raise ValueError(f"{len(polar.columns)} numbers are needed (got {got!r})")
+    values = {key: _float(text) for key, text in zip(polar.columns, texts, strict=False) if key}
+    used = [values[key] for key in ("alpha", "lift", "drag")]
+    drag = values["drag"] if polar.kind == "section" else values["viscous"]
+    if not all(math.isfinite(value) for value in (*used, drag)):
+        return None
+    if abs(values["alpha"]) > 90.0:
+        raise ValueError(f"alpha must be from -90 to 90 degrees (got {values['alpha']:g})")
+    if abs(values["lift"]) > _LARGEST_LIFT:
+        raise ValueError(f"CL must be within {_LARGEST_LIFT:.3g} (got {values['lift']:g})")
+    if not 0.0 < drag < 10.0:
+        name = "CD" if polar.kind == "section" else "CDv"
+        raise ValueError(f"{name} must be above 0 and below 10 (got {drag:g})")
+    moment, induced = (values.get(key, math.nan) for key in ("moment", "induced"))
+    speed = values.get("speed", math.nan) * polar.speed_unit
+    return PolarRow(number, values["alpha"], values["lift"], drag, moment, induced, speed)
+
+
+def _float(text: str) -> float:
+    """Number of a Fortran program; NaN for asterisks, which stand for one that is too wide."""
+    return math.nan if text.startswith("*") else float(text.lower().replace("d", "e"))
+
+
+def _incomplete(polar: FilePolar) -> Iterator[Problem]:
+    if not polar.columns:
+        yield polar.problem(polar.line, "no line of column names (alpha, CL, CD ...) follows")
+    elif polar.kind == "section" and math.isnan(polar.reynolds):
+        yield polar.problem(polar.line, "the header has no line 'Mach = ... Re = ...'")
+    elif not polar.rows:
+        yield polar.problem(polar.line, "no point of this polar converged")
+
+
+def _repeated(polar: FilePolar) -> Iterator[Problem]:
+    """Angles that are there twice with different values; equal ones are taken out, in place."""
+    seen: dict[float, PolarRow] = {}
+    kept: list[PolarRow] = []
+    for row in polar.rows:
+        first = seen.setdefault(row.alpha_deg, row)
+        if first is row:
+            kept.append(row)
+        elif (first.lift, first.drag) != (row.lift, row.drag):
+            yield polar.problem(
+                row.line, f"alpha {row.alpha_deg:g} as in line {first.line}, with other values"
+            )
+    polar.rows[:] = kept
+
+
+def names_of(polars: Sequence[FilePolar]) -> list[str]:
+    """Different names of airfoils or wings, as they are written first."""
+    return list({" ".join(one.name.lower().split()): one.name for one in reversed(polars)}.values())

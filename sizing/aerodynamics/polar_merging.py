@@ -1,0 +1,279 @@
+"""From polars of XFOIL and XFLR5 to one table over angle of attack and Reynolds number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.files.errors import InputError, Problem, file_error
+from sizing.aerodynamics.polar_files import FilePolar, PolarRow, names_of
+from solar.types import FloatArray
+
+__all__ = ["OF_A_SECTION", "Merged", "WingReference", "merged"]
+
+OF_A_SECTION = "holds polars of a section: wing_chord_m and wing_aspect_ratio go with a wing's"
+
+# Fixed-lift polars are resampled from the Reynolds number at which lift this share of the greatest
+# is still flown; a branch of attached flow has to begin below half of it.
+_LOW_LIFT_SHARE = 0.35
+_LEAST_RATIO = 1.5
+# Lift coefficients over which the span efficiency is taken, as shares of the greatest.
+_CRUISE = (0.3, 0.9)
+_SAME_SPEED = 2e-3
+
+
+@dataclass(frozen=True)
+class WingReference:
+    """What makes Reynolds numbers of the speeds of a wing's polars, and induced drag comparable.
+
+    Attributes
+    ----------
+    chord_m, aspect_ratio
+        Mean chord [m] and aspect ratio [-] of the wing that was computed.
+    kinematic_viscosity_m2_per_s
+        Of the air that it was computed in [m2/s].
+    """
+
+    chord_m: float
+    aspect_ratio: float
+    kinematic_viscosity_m2_per_s: float
+
+
+@dataclass(frozen=True)
+class Merged:
+    """Rows of a table, ``(alpha_deg, reynolds, cl, cd, cm)``, and what the polars say of it.
+
+    ``span_efficiency`` is that of a wing's induced drag; None for sections.
+    """
+
+    name: str
+    program: str
+    rows: FloatArray
+    span_efficiency: float | None
+
+
+def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> Merged:
+    """Put polars of one airfoil, or of one wing, together.
+
+    Polars of fixed lift (type 2) have another Reynolds number in each row. Between polars, at equal
+    angle of attack, lift, the logarithm of drag and the moment are interpolated linearly in the
+    logarithm of the Reynolds number, to as many fixed ones as there are polars.
+
+    Parameters
+    ----------
+    polars : sequence of FilePolar
+        As read.
+    source : str
+        File or folder, for messages.
+    wing : WingReference or None
+        Needed for polars of a wing, of no use for those of a section.
+
+    Returns
+    -------
+    Merged
+
+    Raises
+    ------
+    InputError
+        If they do not belong together, or are not what is asked for.
+    """
+    _check_kind(polars, source, wing)
+    _check_settings(polars)
+    pairs = [(polar, _reynolds(polar, wing)) for polar in polars]
+    fixed = [_is_fixed(polar) for polar in polars]
+    if any(fixed) and not all(fixed):
+        odd = polars[fixed.index(not fixed[0])]
+        raise InputError([odd.problem(odd.line, "polars of fixed speed and of fixed lift mixed")])
+    if all(fixed):
+        _check_repeated(pairs)
+        both = [zip(polar.rows, reynolds, strict=True) for polar, reynolds in pairs]
+        rows = np.array([_values(row, re) for one in both for row, re in one])
+    else:
+        rows = _resampled(pairs, source)
+    efficiency = None if wing is None else _span_efficiency(polars, wing, source)
+    return Merged(polars[0].name, polars[0].program or "XFLR5", rows, efficiency)
+
+
+def _check_kind(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> None:
+    of_wings = [polar for polar in polars if polar.kind == "wing"]
+    if of_wings and len(of_wings) < len(polars):
+        one = of_wings[0]
+        raise InputError([one.problem(one.line, "polars of an airfoil and of a wing mixed")])
+    if of_wings and wing is None:
+        one = of_wings[0]
+        message = (
+            f"is the polar of a whole wing ({one.name}), induced drag included, not of its section:"
+            " give wing_chord_m and wing_aspect_ratio, or polars of the section"
+        )
+        raise InputError([one.problem(one.line, message)])
+    if wing is not None and not of_wings:
+        raise file_error(source, OF_A_SECTION)
+
+
+def _check_settings(polars: Sequence[FilePolar]) -> None:
+    """Refuse polars of several airfoils, Mach numbers or transitions."""
+    first = polars[0]
+    names = names_of(polars)
+    problems: list[Problem] = []
+    for polar in polars[1:]:
+        for what, one, other in (
+            ("Mach", first.mach, polar.mach),
+            ("Ncrit", first.ncrit, polar.ncrit),
+            ("xtrf", first.trip, polar.trip),
+        ):
+            if one != other:
+                message = f"{what} {_spelled(other)}, but {_spelled(one)} in {_place(first)}"
+                problems.append(polar.problem(polar.line, message))
+        if len(names) > 1 and polar.name.lower().split() != first.name.lower().split():
+            message = f"polar of {polar.name}, but {_place(first)} is of {first.name}"
+            problems.append(polar.problem(polar.line, message))
+    if problems:
+        raise InputError(problems)
+
+
+def _spelled(value: float | tuple[float, float] | None) -> str:
+    if value is None:
+        return "none"
+    return " and ".join(f"{one:g}" for one in (value if isinstance(value, tuple) else (value,)))
+
+
+def _place(polar: FilePolar) -> str:
+    return f"{polar.source.rsplit('/', 1)[-1]}:{polar.line}"
+
+
+def _is_fixed(polar: FilePolar) -> bool:
+    """Whether all rows have one Reynolds number."""
+    if polar.kind == "section":
+        return polar.reynolds_type == 1
+    speeds = [row.speed_m_per_s for row in polar.rows if math.isfinite(row.speed_m_per_s)]
+    return not speeds or max(speeds) - min(speeds) <= _SAME_SPEED * max(speeds)
+
+
+def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
+    """Reynolds number of every row; NaN where fixed lift knows none, at lift below zero."""
+    if wing is None:
+        if polar.reynolds_type == 1:
+            return [polar.reynolds] * len(polar.rows)
+        return [
+            polar.reynolds / math.sqrt(row.lift) if row.lift > 0.0 else math.nan
+            for row in polar.rows
+        ]
+    per_speed = wing.chord_m / wing.kinematic_viscosity_m2_per_s
+    found = []
+    for row in polar.rows:
+        known = math.isfinite(row.speed_m_per_s) and row.speed_m_per_s > 0.0
+        speed = row.speed_m_per_s if known else polar.speed_m_per_s
+        if not speed > 0.0:
+            message = "neither the header nor a column QInf has the speed"
+            raise InputError([polar.problem(polar.line, message)])
+        found.append(speed * per_speed)
+    if _is_fixed(polar):
+        # QInf has fewer digits than a table's key may differ by.
+        found = [float(f"{np.mean(found):.4g}")] * len(found)
+    return found
+
+
+def _values(row: PolarRow, reynolds: float) -> tuple[float, ...]:
+    return (row.alpha_deg, reynolds, row.lift, row.drag, row.moment)
+
+
+def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:
+    """Refuse two polars of one Reynolds number."""
+    seen: dict[float, FilePolar] = {}
+    problems = []
+    for polar, reynolds in pairs:
+        first = seen.setdefault(reynolds[0], polar)
+        if first is not polar:
+            message = f"Reynolds number {reynolds[0]:g} as in {_place(first)}"
+            problems.append(polar.problem(polar.line, message))
+    if problems:
+        raise InputError(problems)
+
+
+def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> FloatArray:
+    """Rows at fixed Reynolds numbers, from polars of fixed lift."""
+    highest = max(row.lift for polar, _ in pairs for row in polar.rows)
+    # Re C_L^1/2 of every polar, which is constant up to rounding.
+    constants = sorted(
+        float(np.median([re * math.sqrt(row.lift) for row, re in _flown(polar, res)]))
+        for polar, res in pairs
+        if any(True for _ in _flown(polar, res))
+    )
+    low, high = (
+        (0.0, 0.0)
+        if len(constants) < 2 or highest <= 0.0
+        else (
+            constants[0] / math.sqrt(_LOW_LIFT_SHARE * highest),
+            constants[-1] / math.sqrt(highest),
+        )
+    )
+    if not high >= _LEAST_RATIO * low > 0.0:
+        wanted = _LEAST_RATIO / math.sqrt(_LOW_LIFT_SHARE)
+        message = (
+            "polars of fixed lift (type 2) make a table only if the greatest Re C_L^1/2 is at "
+            f"least {wanted:.2g} times the smallest; export more of them, or polars of type 1"
+        )
+        raise file_error(source, message)
+    targets = np.geomspace(low, high, max(len(constants), 2))
+    by_angle: dict[float, list[tuple[float, PolarRow]]] = {}
+    for polar, reynolds in pairs:
+        for row, re in _flown(polar, reynolds):
+            by_angle.setdefault(round(row.alpha_deg, 6), []).append((re, row))
+    rows = [one for alpha in sorted(by_angle) for one in _at(targets, alpha, by_angle[alpha])]
+    if not rows:
+        raise file_error(source, "no angle of attack is in two polars of fixed lift")
+    return np.array(rows)
+
+
+def _flown(polar: FilePolar, reynolds: Sequence[float]) -> Iterator[tuple[PolarRow, float]]:
+    """Rows that level flight knows, with lift, and their Reynolds numbers."""
+    for row, re in zip(polar.rows, reynolds, strict=True):
+        if row.lift > 0.0 and math.isfinite(re):
+            yield row, re
+
+
+def _at(
+    targets: FloatArray, alpha: float, points: Sequence[tuple[float, PolarRow]]
+) -> Iterator[tuple[float, ...]]:
+    """Rows of one angle at those target Reynolds numbers that its points enclose."""
+    points = sorted(points, key=lambda point: point[0])
+    log_re = np.log([re for re, _ in points])
+    if len(points) < 2 or np.any(np.diff(log_re) <= 0.0):
+        return
+    lift, log_drag, moment = (
+        np.array(values)
+        for values in zip(
+            *((row.lift, math.log(row.drag), row.moment) for _, row in points), strict=True
+        )
+    )
+    for target in targets:
+        x = math.log(target)
+        if log_re[0] - 1e-9 <= x <= log_re[-1] + 1e-9:
+            cl, cd, cm = (float(np.interp(x, log_re, y)) for y in (lift, log_drag, moment))
+            yield (alpha, float(f"{target:.6g}"), cl, math.exp(cd), cm)
+
+
+def _span_efficiency(polars: Sequence[FilePolar], wing: WingReference, source: str) -> float:
+    """Span efficiency of the induced drag, ``e = C_L^2 / (pi AR C_Di)``, median over cruise [-].
+
+    Anderson, Fundamentals of Aerodynamics, eq. 5.62.
+    """
+    found = []
+    for polar in polars:
+        most = max(row.lift for row in polar.rows)
+        for row in polar.rows:
+            if _CRUISE[0] * most <= row.lift <= _CRUISE[1] * most and row.induced > 0.0:
+                found.append(row.lift**2 / (math.pi * wing.aspect_ratio * row.induced))
+    if not found:
+        raise file_error(source, "the polars have no induced drag (CDi) at lift")
+    efficiency = float(np.median(found))
+    if not 0.3 <= efficiency <= 1.0 + 1e-2:
+        message = (
+            f"induced drag and wing_aspect_ratio {wing.aspect_ratio:g} give a span efficiency of "
+            f"{efficiency:.3g}; it must be from 0.3 to 1: is that the aspect ratio of this wing?"
+        )
+        raise file_error(source, message)
+    return min(efficiency, 1.0)
