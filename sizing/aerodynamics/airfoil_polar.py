@@ -163,7 +163,8 @@ class AirfoilPolar:
             _branches=branches,
         )
         error = polar.fit_error
-        if error.median > _REFUSED_MEDIAN or error.maximum > _REFUSED_MAXIMUM:
+        # Written so that an error that is no number is refused as well.
+        if not (error.median <= _REFUSED_MEDIAN and error.maximum <= _REFUSED_MAXIMUM):
             raise file_error(
                 table.source,
                 f"too rough for a smooth polar: the fit misses the table by {error.median:.1%} in "

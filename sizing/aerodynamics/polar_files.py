@@ -38,6 +38,7 @@ _LARGEST_MACH = 0.3
 _LARGEST_LIFT = 4.0 * math.pi  # Smith (1975), as for lift coefficients of a file
 _MOST_ROWS = 50_000
 
+_NO_POLAR = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
 _SECTION = re.compile(r"^\s*Calculated polar for\s*:\s*,?(.*)$", re.IGNORECASE)
 _WING = re.compile(r"^\s*(?:Wing|Plane) name\s*:\s*,?(.*)$", re.IGNORECASE)
 _WING_POLAR = re.compile(r"^\s*(?:Wing polar|Plane polar|Polar) name\s*:\s*,?(.*)$", re.IGNORECASE)
@@ -170,12 +171,16 @@ def read_polars(text: str, source: str) -> list[FilePolar]:
     polars: list[FilePolar] = []
     problems: list[Problem] = []
     program, count = "", 0
+    empty: dict[str, int] = {}  # files in which no polar has begun, with their first line of text
     for file, number, line in _lines(text, source):
         if _PROGRAM.match(line):
             program = " ".join(line.split())
         start = _started(file, number, line, program)
+        if line.strip() and (not polars or polars[-1].source != file) and start is None:
+            empty.setdefault(file, number)
         if start is not None:
             polars.append(start)
+            empty.pop(file, None)
         elif polars and polars[-1].source == file:
             try:
                 count += _read_line(polars[-1], number, line)
@@ -184,8 +189,8 @@ def read_polars(text: str, source: str) -> list[FilePolar]:
         if count > _MOST_ROWS:
             raise InputError([Problem(file, number, None, "", f"more than {_MOST_ROWS} rows")])
     if not polars:
-        message = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
-        raise InputError([Problem(source, None, None, "", message)])
+        raise InputError([Problem(source, None, None, "", _NO_POLAR)])
+    problems += [Problem(file, number, None, "", _NO_POLAR) for file, number in empty.items()]
     problems += [trouble for polar in polars for trouble in _incomplete(polar)]
     problems += [trouble for polar in polars for trouble in _repeated(polar)]
     if problems:
@@ -198,7 +203,8 @@ def _lines(text: str, source: str) -> Iterator[tuple[str, int, str]]:
     file, number = source, 0
     for line in text.split("\n"):
         if line.startswith(FILE_MARK):
-            file, number = source + line.removeprefix(FILE_MARK).strip(), 0
+            name = printable(line.removeprefix(FILE_MARK).strip())[:200]
+            file, number = f"{source}{name}" if source.endswith("/") else f"{source} ({name})", 0
             continue
         number += 1
         yield file, number, line.rstrip("\r")
@@ -305,11 +311,10 @@ def _row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
     else:
         texts = _FIELD.findall(line)
         odd = _FIELD.sub(" ", line).split()
-    least = max(place for place, key in enumerate(polar.columns) if key) + 1
-    if odd or not least <= len(texts) <= len(polar.columns):
+    if odd or len(texts) != len(polar.columns):
         got = shortened(printable(" ".join(line.split())))
         raise ValueError(f"{len(polar.columns)} numbers are needed (got {got!r})")
-    values = {key: _float(text) for key, text in zip(polar.columns, texts, strict=False) if key}
+    values = {key: _float(text) for key, text in zip(polar.columns, texts, strict=True) if key}
     used = [values[key] for key in ("alpha", "lift", "drag")]
     drag = values["drag"] if polar.kind == "section" else values["viscous"]
     if not all(math.isfinite(value) for value in (*used, drag)):
@@ -323,7 +328,8 @@ def _row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
         raise ValueError(f"{name} must be above 0 and below 10 (got {drag:g})")
     moment, induced = (values.get(key, math.nan) for key in ("moment", "induced"))
     speed = values.get("speed", math.nan) * polar.speed_unit
-    return PolarRow(number, values["alpha"], values["lift"], drag, moment, induced, speed)
+    alpha_deg = round(values["alpha"], 4)
+    return PolarRow(number, alpha_deg, values["lift"], drag, moment, induced, speed)
 
 
 def _float(text: str) -> float:

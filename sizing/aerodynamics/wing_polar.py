@@ -328,7 +328,7 @@ def _of_a_wing(data: Any) -> dict[str, float]:
     try:
         table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
     except (InputError, OSError):
-        return {}  # told by the checks of the record
+        return {"section_lift_ratio": 1.0}  # the checks of the record tell what is wrong
     efficiency = table.span_efficiency
     assert efficiency is not None  # every polar of a wing has one
     return {"section_lift_ratio": 1.0, "span_efficiency": float(f"{efficiency:.4g}")}

@@ -1,0 +1,354 @@
+"""Polars of XFOIL and XFLR5: formats, units, and the line of every mistake."""
+
+from __future__ import annotations
+
+import math
+import re
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from polar_writers import (
+    ANGLES,
+    ASPECT_RATIO,
+    CHORD_M,
+    REYNOLDS,
+    SPAN_EFFICIENCY,
+    VISCOSITY,
+    drag,
+    lift,
+    section,
+    wing,
+)
+from pydantic import ValidationError
+
+from missions.files.errors import InputError
+from missions.files.texts import texts_as_read
+from sizing.aerodynamics.airfoil_polar import AirfoilPolar
+from sizing.aerodynamics.polar_files import read_polars
+from sizing.aerodynamics.polar_merging import WingReference
+from sizing.aerodynamics.polar_table import PolarTable, parse_polar, read_polar_text
+from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.library import load_aircraft
+
+REFERENCE = WingReference(CHORD_M, ASPECT_RATIO, VISCOSITY)
+SPEEDS = tuple(re * VISCOSITY / CHORD_M for re in REYNOLDS)
+XFLR5 = "xflr5 v6.47"
+
+
+def sections(**changes: object) -> str:
+    return "".join(section(re, **changes) for re in REYNOLDS)  # type: ignore[arg-type]
+
+
+def wings(**changes: object) -> str:
+    return "".join(wing(speed, **changes) for speed in SPEEDS)  # type: ignore[arg-type]
+
+
+def deviation(table: PolarTable) -> float:
+    """Largest relative difference of the drag to the formula that the polars are made from."""
+    columns = table.columns
+    expected = [drag(cl, re) for cl, re in zip(columns["cl"], columns["reynolds"], strict=True)]
+    return float(np.max(np.abs(columns["cd"] / expected - 1.0)))
+
+
+# ---- Sections
+
+
+@pytest.mark.parametrize("commas", [False, True])
+@pytest.mark.parametrize("program", ["       XFOIL         Version 6.99", XFLR5])
+def test_polars_of_a_section_make_a_table(program: str, commas: bool) -> None:
+    table = parse_polar(sections(program=program, commas=commas), "e.txt")
+    assert table.name == "FORMULA 12"
+    assert table.header["source"] == " ".join(program.split())
+    assert len(table.columns["cl"]) == len(REYNOLDS) * len(ANGLES)
+    assert np.unique(table.columns["reynolds"]) == pytest.approx(REYNOLDS)
+    # Six decimals of drag.
+    assert deviation(table) < 1e-3
+    polar = AirfoilPolar.from_table(table)
+    assert polar.profile_drag(0.7, 150e3) == pytest.approx(drag(0.7, 150e3), rel=5e-3)
+
+
+def test_what_stands_in_the_header_is_read() -> None:
+    (one,) = read_polars(section(123e3, mach=0.05, ncrit=7.0, kind=2), "polar.txt")
+    assert one.reynolds == pytest.approx(123e3)
+    assert (one.mach, one.ncrit, one.trip) == (0.05, 7.0, (1.0, 1.0))
+    assert (one.kind, one.reynolds_type, one.line) == ("section", 2, 4)
+    first = one.rows[0]
+    assert (first.line, first.alpha_deg) == (13, -3.0)
+    assert first.lift == pytest.approx(lift(-3.0), abs=1e-4)
+
+
+def test_other_ways_to_write_a_header_and_a_row() -> None:
+    text = section(200e3)
+    for old, new in (
+        ("Re =     0.200 e 6", "Re =   200000"),
+        ("Ncrit =   9.000", "Ncrit =   9.000  9.000"),
+        ("\n", "\r\n"),
+    ):
+        (one,) = read_polars(text.replace(old, new), "polar.txt")
+        assert one.reynolds == pytest.approx(200e3)
+        assert len(one.rows) == len(ANGLES)
+    # A sign follows digits at once where a Fortran field is full; further columns are passed over.
+    row = "   5.000   0.8875  0.010602 0.003534-10.0500   0.6000   0.9000"
+    assert row.replace("-10.0500", "  -0.0500") != row
+    (one,) = read_polars(re.sub(r"\n {3}5\.000.*", f"\n{row}", text), "polar.txt")
+    assert [r.moment for r in one.rows if r.alpha_deg == 5.0] == [-10.05]
+    wide = text.replace("Bot_Xtr\n", "Bot_Xtr  Top_Itr  Bot_Itr\n").replace(
+        "   0.9000\n", "   0.9000  20.0000  90.0000\n"
+    )
+    assert len(read_polars(wide, "polar.txt")[0].rows) == len(ANGLES)
+
+
+def test_points_that_did_not_converge_are_passed_over() -> None:
+    text = section(200e3)
+    for wrong in ("NaN", "*********", "inf"):
+        (one,) = read_polars(re.sub(r"(\n {3}3\.000 +)\S+", rf"\g<1>{wrong}", text), "p.txt")
+        assert len(one.rows) == len(ANGLES) - 1
+        assert 3.0 not in [row.alpha_deg for row in one.rows]
+
+
+def test_the_same_point_twice_counts_once_and_two_of_an_angle_are_refused() -> None:
+    text = section(200e3)
+    last = text.rstrip("\n").splitlines()[-1]
+    (one,) = read_polars(text.rstrip("\n") + f"\n{last}\n", "p.txt")
+    assert len(one.rows) == len(ANGLES)
+    other = last.replace("0.9000", "0.9000").replace(f"{lift(12.0):9.4f}", "   1.0000")
+    with pytest.raises(InputError, match=r"p\.txt:30: alpha 12 as in line 29, with other values"):
+        read_polars(text.rstrip("\n") + f"\n{other}\n", "p.txt")
+
+
+def test_polars_at_fixed_lift_are_resampled() -> None:
+    text = "".join(section(re, kind=2) for re in np.geomspace(40e3, 1e6, 9))
+    table = parse_polar(text, "t2.txt")
+    reynolds = np.unique(table.columns["reynolds"])
+    assert len(reynolds) >= 4
+    # Drag follows a power of Re and lift none of it, so that the interpolation adds nothing: what
+    # remains is the rounding of six decimals.
+    assert deviation(table) < 2e-3
+    polar = AirfoilPolar.from_table(table)
+    middle = float(np.sqrt(reynolds[0] * reynolds[-1]))
+    assert polar.profile_drag(0.7, middle) == pytest.approx(drag(0.7, middle), rel=1e-2)
+    assert polar.maximum_lift(middle) == pytest.approx(max(map(lift, ANGLES)), rel=1e-2)
+    near = "".join(section(re, kind=2) for re in (1e5, 1.2e5, 1.4e5, 1.6e5))
+    with pytest.raises(InputError, match=r"at least 2\.5 times"):
+        parse_polar(near, "t2.txt")
+
+
+# ---- Wings
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"commas": True},
+        {"word": "Plane", "sideslip": True},
+        {"word": "Plane", "sideslip": True, "commas": True},
+        {"early": True},
+        {"early": True, "commas": True},
+        {"unit": "km/h", "per_unit": 1.0 / 3.6},
+        {"unit": "kts", "per_unit": 0.514444},
+        {"unit": "ft/s", "per_unit": 0.3048, "commas": True},
+        {"unit": "mph", "per_unit": 0.44704},
+    ],
+    ids=str,
+)
+def test_polars_of_a_wing_give_viscous_drag_and_span_efficiency(
+    changes: dict[str, object],
+) -> None:
+    table = parse_polar(wings(**changes), "wing.txt", REFERENCE)
+    # Speeds have three decimals.
+    assert np.unique(table.columns["reynolds"]) == pytest.approx(REYNOLDS, rel=1e-3)
+    assert deviation(table) < 2e-3
+    assert table.span_efficiency == pytest.approx(SPAN_EFFICIENCY, rel=2e-3)
+
+
+def test_wings_at_fixed_lift() -> None:
+    text = "".join(wing(v, fixed_lift=True) for v in np.geomspace(2.0, 50.0, 9))
+    table = parse_polar(text, "wing.txt", REFERENCE)
+    assert deviation(table) < 2e-3
+    assert len(np.unique(table.columns["reynolds"])) >= 4
+
+
+def test_a_wing_and_a_section_are_told_apart() -> None:
+    with pytest.raises(InputError, match=r"w\.txt:3: is the polar of a whole wing"):
+        parse_polar(wings(), "w.txt")
+    for text in (sections(), "# airfoil: a\n# source: b\n"):
+        with pytest.raises(InputError, match="holds polars of a section"):
+            parse_polar(text, "s.txt", REFERENCE)
+    with pytest.raises(InputError, match="of an airfoil and of a wing mixed"):
+        parse_polar(sections() + wings(), "m.txt", REFERENCE)
+
+
+def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path: Path) -> None:
+    path = tmp_path / "wing.txt"
+    path.write_text(wings(), encoding="utf-8")
+    data = {
+        "model": "wing_polar",
+        "airfoil": str(path),
+        "design_aspect_ratio": ASPECT_RATIO,
+        "design_reynolds": 150e3,
+        "wing_chord_m": CHORD_M,
+        "wing_aspect_ratio": ASPECT_RATIO,
+        "tail_area_ratio": 0.0,
+        "fuselage_wetted_area_ratio": 0.0,
+    }
+    polar = WingPolar.model_validate(data)
+    assert polar.section_lift_ratio == 1.0
+    assert polar.span_efficiency == pytest.approx(SPAN_EFFICIENCY, rel=2e-3)
+    for cl in (0.4, 0.7, 1.0):
+        # Drag of the whole wing as XFLR5 has it, at the aspect ratio that it computed.
+        whole = drag(cl, 150e3) + cl**2 / (math.pi * ASPECT_RATIO * SPAN_EFFICIENCY)
+        assert polar.drag_at(cl, ASPECT_RATIO, 150e3) == pytest.approx(whole, rel=5e-3)
+    # What the polars give does not count as given; a value of the file wins.
+    assert "span_efficiency" not in polar.model_fields_set
+    assert WingPolar.model_validate(data | {"span_efficiency": 0.9}).span_efficiency == 0.9
+    text = polar.contents_read()
+    path.unlink()
+    with texts_as_read({str(path): text or ""}):
+        assert WingPolar.model_validate(data) == polar
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"wing_chord_m": None}, "goes with wing_chord_m"),
+        ({"wing_aspect_ratio": None}, "goes with wing_aspect_ratio"),
+        ({"section_lift_ratio": 1.05}, "must be 1 with polars of a wing"),
+        ({"airfoil": "sd7037"}, "holds polars of a section"),
+        ({"wing_aspect_ratio": 6.0}, "span efficiency of 2.8"),
+        ({"wing_chord_m": "0.3"}, "valid number"),
+    ],
+)
+def test_what_does_not_go_with_a_wing_is_refused(
+    tmp_path: Path, changes: dict[str, object], words: str
+) -> None:
+    path = tmp_path / "wing.txt"
+    path.write_text(wings(), encoding="utf-8")
+    data = {
+        "model": "wing_polar",
+        "airfoil": str(path),
+        "design_aspect_ratio": 18.0,
+        "design_reynolds": 150e3,
+        "wing_chord_m": CHORD_M,
+        "wing_aspect_ratio": ASPECT_RATIO,
+    }
+    with pytest.raises(ValidationError, match=words):
+        WingPolar.model_validate(data | changes)
+
+
+# ---- Mistakes
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("Re =     0.200 e 6", "Re =     0.000 e 6", r":9: Re must be .*an inviscid polar"),
+        ("Re =     0.200 e 6", "Re =     0.200 e 99", r":9: Re must be from 1000"),
+        ("Mach =   0.000", "Mach =   0.600", r":9: Mach must be from 0 to 0\.3 \(got 0\.6\)"),
+        (" 1 1 Reynolds number fixed", " 3 1 Reynolds number ~ 1/CL", r":6: .*type 3"),
+        (" Mach =", " Nach =", r":4: the header has no line 'Mach"),
+        ("   CD    ", "   CX    ", r":11: the columns lack CD"),
+        ("   alpha    CL", "   omega    CL", r":4: no line of column names"),
+        ("   2.000   0.5997", "   2.000   0.5997 banana", r":19: 7 numbers are needed"),
+        ("   2.000   0.5997", "   2.000", r":19: 7 numbers are needed"),
+        ("   2.000   0.5997", " 200.000   0.5997", r":19: alpha must be"),
+        ("   2.000   0.5997", "   2.000  59.9700", r":19: CL must be within"),
+        ("  0.008040", " -0.008040", r":17: CD must be above 0 .*got -0\.00804"),
+    ],
+)
+def test_every_mistake_has_its_line(old: str, new: str, words: str) -> None:
+    text = section(200e3)
+    assert old in text
+    with pytest.raises(InputError, match=r"polar\.txt" + words):
+        read_polars(text.replace(old, new, 1), "polar.txt")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (section(1e5) + section(1e5), r"p:34: Reynolds number 100000 as in p:4"),
+        (section(1e5) + section(2e5, name="OTHER"), r"p:34: polar of OTHER, but p:4 is of FORMULA"),
+        (section(1e5) + section(2e5, mach=0.1), r"p:34: Mach 0\.1, but 0 in p:4"),
+        (section(1e5) + section(2e5, ncrit=5.0), r"p:34: Ncrit 5, but 9 in p:4"),
+        (section(1e5) + section(2e5, kind=2), r"p:34: polars of fixed speed and of fixed lift"),
+        (wing(8.0, unit="furlongs"), r"p:5: the unit of the speed must be one of m/s.*furlongs"),
+        (wing(8.0).replace("CDi", "CDx"), r"p:7: the columns lack CDI"),
+        (section(1e5, angles=()), r"p:4: no point of this polar converged"),
+        ("xflr5 v6.47\n", r"p: holds no polar"),
+    ],
+)
+def test_polars_that_do_not_belong_together(text: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        parse_polar(text, "p", REFERENCE if "Wing name" in text else None)
+
+
+def test_all_mistakes_are_listed_in_the_aircrafts_message(tmp_path: Path) -> None:
+    text = sections().replace("   3.000   0.6984", "   3.000   banana")
+    (tmp_path / "polar.txt").write_text(text, encoding="utf-8")
+    aerodynamics = {
+        "model": "wing_polar",
+        "airfoil": str(tmp_path / "polar.txt"),
+        "design_aspect_ratio": 18.5,
+        "design_reynolds": 158e3,
+    }
+    with pytest.raises(InputError) as caught:
+        load_aircraft("atlantiksolar-design", {"airframe.aerodynamics": aerodynamics})
+    lines = [p.line for p in caught.value.problems if p.source.endswith("polar.txt")]
+    assert lines == [20, 50, 80, 110, 140]
+    (own,) = (p for p in caught.value.problems if not p.source.endswith("polar.txt"))
+    assert "airfoil" in own.key
+    assert "5 mistakes" in own.message
+
+
+# ---- Folders
+
+
+def test_a_folder_of_polars_is_one_table(tmp_path: Path) -> None:
+    folder = tmp_path / "polars"
+    folder.mkdir()
+    for re_ in REYNOLDS:
+        name = f"T1_Re{re_ / 1e6:.3f}_M0.00_N9.0.txt"
+        (folder / name).write_text(section(re_, program=XFLR5), encoding="utf-8")
+    (folder / "notes.md").write_text("not a polar", encoding="utf-8")
+    path = f"{folder}/"
+    text = read_polar_text(path)
+    table = parse_polar(text, path)
+    assert np.unique(table.columns["reynolds"]) == pytest.approx(REYNOLDS)
+    # As one file, which a folder of results holds, it is the same.
+    assert parse_polar(text, "polar.txt").columns["cd"] == pytest.approx(table.columns["cd"])
+    wrong = folder / "T1_Re0.100_M0.00_N9.0.txt"
+    wrong.write_text(section(1e5).replace("   3.000   0.6984", "   3.000   0.6984 x"))
+    with pytest.raises(InputError, match=r"polars/T1_Re0\.100_M0\.00_N9\.0\.txt:20: 7 numbers"):
+        parse_polar(read_polar_text(path), path)
+    wrong.write_text("angle,lift\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"N9\.0\.txt:1: holds no polar"):
+        parse_polar(read_polar_text(path), path)
+    for one in folder.iterdir():
+        one.unlink()
+    with pytest.raises(InputError, match=r"has no files of that kind \(\.csv, \.txt"):
+        read_polar_text(path)
+
+
+# ---- Whatever a file holds
+
+
+ALL = section(2e5) + wing(8.0, commas=True)
+
+
+@settings(max_examples=100)
+@given(
+    st.integers(0, len(ALL) - 1),
+    st.integers(0, 60),
+    st.text(max_size=12) | st.sampled_from(["e999", "-", "*" * 9, "nan", "\n\n", ",,,", "9" * 400]),
+)
+def test_damaged_files_are_read_or_refused_with_a_line(at: int, cut: int, put: str) -> None:
+    text = ALL[:at] + put + ALL[at + cut :]
+    for wing_or_not in (None, REFERENCE):
+        with suppress(InputError):
+            table = parse_polar(text, "p", wing_or_not)
+            assert np.isfinite(table.columns["cd"]).all()
+            assert (table.columns["reynolds"] > 0.0).all()
