@@ -74,7 +74,7 @@ def _why_limited(
     """Evidence that the battery is behind the missing power, none if there is none."""
     if charge is not None:
         mean = float(np.nanmean(charge[period.slice()]))
-        return f"state of charge {mean:.0%} on average"
+        return f"the battery is full (state of charge {mean:.0%} on average), which is normal"
     load = view.logged(view.log.load_w)
     if load is not None:
         apart = np.abs(view.samples.measured_w - load)[period.slice()]
@@ -110,7 +110,7 @@ def _limitation(view: LogView, period: Period, ratio: FloatArray, reason: str) -
     return view.anomaly(
         "battery_full",
         period,
-        view.severity_of_loss(lost),
+        "normal",  # a full battery takes no more, which no aircraft is to blame for
         f"power down to {lowest:.0%} of the model while {BRIGHT:.0%} of rated power or more is "
         f"there; {reason}; not counted in the errors",
         (inside.stop - inside.start) * view.step_s,

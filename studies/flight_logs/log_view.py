@@ -15,7 +15,7 @@ from studies.flight_logs.errors import moving_average
 from studies.flight_logs.samples import Samples
 
 Kind = Literal["mppt_not_tracking", "battery_full", "shading", "side_bias", "missing_data"]
-Severity = Literal["minor", "moderate", "major"]
+Severity = Literal["normal", "minor", "moderate", "major"]
 
 # Load of the modules, as a share of rated power, from which power is judged; docs/verify.md gives
 # the reason of this and all other thresholds.

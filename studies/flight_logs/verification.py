@@ -10,7 +10,7 @@ import datetime
 import io
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import BoolArray
+from studies.flight_logs.alignment.offsets import Alignment, align
 from studies.flight_logs.anomalies import other_anomalies
 from studies.flight_logs.errors import (
     ModelErrors,
@@ -44,6 +45,7 @@ from studies.flight_logs.samples import (
     module_geometry,
     tail_shading,
 )
+from studies.flight_logs.verdict import log_sentences, model_sentence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,6 +63,12 @@ _ERRORS = (
     Column("maximum_error_w", "maximum", "W", ".2f"),
     Column("maximum_error_percent", "%", form=".2f"),
 )
+# Of a large aircraft whole watts are enough, and 80 columns wide.
+_MANY_W = 1000.0
+_WHOLE_WATTS = tuple(
+    replace(column, form=column.form.replace(".2f", ".0f" if column.unit == "W" else ".1f"))
+    for column in _ERRORS
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -72,7 +80,13 @@ class Verification(Result):
     aircraft, mission : str
         Their names.
     log : FlightLog
-        The flight.
+        The flight, without the errors of clock, heading and unit that were found.
+    alignment : Alignment or None
+        What the power says of clock, heading and unit; None where that was not asked for.
+    corrected : bool
+        Whether the errors found were corrected.
+    whole : Section
+        Errors over the whole log.
     samples : Samples
         Its samples with the sun up, and all models on them.
     excluded : ndarray of bool
@@ -92,6 +106,9 @@ class Verification(Result):
     aircraft: str
     mission: str
     log: FlightLog
+    alignment: Alignment | None
+    corrected: bool
+    whole: Section
     samples: Samples
     excluded: BoolArray
     windows: tuple[Section, ...]
@@ -111,9 +128,12 @@ class Verification(Result):
         )
 
     def summary(self) -> Summary:
-        """Errors of every window and day, anomalies, and what the reader should know."""
-        blocks: list[Any] = [Line(self.headline(), "strong"), *self.tables()]
-        if not self.anomalies:
+        """Verdicts, errors of every window and day, anomalies, what the reader should know."""
+        blocks: list[Any] = [Line(self.headline(), "strong")]
+        for text, wrong in self.log_verdicts():
+            blocks.append(Line(text, "warning" if wrong else "plain"))
+        blocks += [*self.verdicts().values(), *self.tables()]
+        if not any(a.severity != "normal" for a in self.anomalies):
             blocks.append("no anomaly found")
         if self.excluded.any():
             blocks.append(
@@ -126,6 +146,19 @@ class Verification(Result):
         )
         return Summary((*blocks, Line(definition, "faint")))
 
+    def verdicts(self) -> dict[str, str]:
+        """One sentence for each model."""
+        return {
+            model: model_sentence(model, self.whole.errors.get(model), self.whole.filter_s)
+            for model in self.samples.modelled_w
+        }
+
+    def log_verdicts(self) -> list[tuple[str, bool]]:
+        """Sentences on clock, heading and unit of the log, and whether each is an error."""
+        if self.alignment is None:
+            return []
+        return list(log_sentences(self.alignment, corrected=self.corrected))
+
     def tables(self) -> list[Table]:
         """Errors of every window and day, and the anomalies if there are any."""
         tables = [_error_table(section, "solar time") for section in self.windows]
@@ -133,7 +166,7 @@ class Verification(Result):
         if self.anomalies:
             rows = [(a.kind.replace("_", " "), a.severity, _told(a)) for a in self.anomalies]
             columns = (Column("what"), Column("severity"), Column("evidence"))
-            tables.append(Table("anomalies", columns, tuple(rows)))
+            tables.append(Table("what stands out", columns, tuple(rows)))
         return tables
 
     def to_dict(self) -> dict[str, Any]:
@@ -152,12 +185,30 @@ class Verification(Result):
                 "step_s": log.step_s,
                 "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
             },
+            "alignment": None if self.alignment is None else self._alignment_record(),
             "models": list(self.samples.modelled_w),
+            "verdicts": self.verdicts(),
             "excluded_samples": int(self.excluded.sum()),
             "windows": [_section_record(section) for section in self.windows],
             "days": [_section_record(section) for section in self.days],
             "anomalies": [_anomaly_record(anomaly) for anomaly in self.anomalies],
             "notes": list(self.notes),
+        }
+
+    def _alignment_record(self) -> dict[str, Any]:
+        found = self.alignment
+        assert found is not None  # the caller checked
+        clock, heading = found.clock_ahead_s, found.heading_ahead_deg
+        return {
+            "power_unit": found.power_unit,
+            "clock_ahead_s": None if clock is None else clock.value,
+            "clock_sigma_s": None if clock is None else clock.sigma,
+            "clock_wrong": found.clock_wrong,
+            "heading_ahead_deg": None if heading is None else heading.value,
+            "heading_sigma_deg": None if heading is None else heading.sigma,
+            "heading_wrong": found.heading_wrong,
+            "corrected": self.corrected,
+            "notes": list(found.notes),
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -263,7 +314,7 @@ def _error_table(section: Section, clock: str) -> Table:
         f"{name}: {measured:.2f} W measured, {section.samples} samples, "
         f"filter {section.filter_s:g} s"
     )
-    return Table(title, _ERRORS, tuple(rows))
+    return Table(title, _ERRORS if measured < _MANY_W else _WHOLE_WATTS, tuple(rows))
 
 
 def verify(
@@ -274,6 +325,7 @@ def verify(
     windows: Sequence[Window | str] = (),
     filter_s: float | None = None,
     shading: ShadedArea | None = None,
+    correct: bool = True,
 ) -> Verification:
     """Compare all models with a log and look for anomalies.
 
@@ -292,6 +344,9 @@ def verify(
         given.
     shading : callable, optional
         Shaded area instead of that of the aircraft's own tail.
+    correct : bool
+        Whether errors of the log's clock, heading and unit are corrected before anything is
+        compared; else they are told only.
 
     Returns
     -------
@@ -308,6 +363,9 @@ def verify(
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     geometry, reasons = module_geometry(log, aircraft)
+    alignment = align(log, aircraft, mission, geometry)
+    corrected = correct and alignment.wrong
+    log = alignment.corrected(log) if corrected else log
     shade = shading
     if shade is None and geometry is not None:
         shade, reason = tail_shading(aircraft, geometry)
@@ -328,6 +386,9 @@ def verify(
         aircraft=aircraft.name,
         mission=mission.name,
         log=log,
+        alignment=alignment,
+        corrected=corrected,
+        whole=sections(samples, limited, day_s, [("all", np.ones(len(limited), bool))])[0],
         samples=samples,
         excluded=limited,
         windows=sections(samples, limited, window_s, labelled),

@@ -78,7 +78,7 @@ def verdict(subject: Subject) -> Verdict:
 def _of_verification(found: Verification) -> Verdict:
     """Which model comes closest to the flight, and whether the log looks sound."""
     errors = _errors_over_days(found)
-    count = len(found.anomalies)
+    count = sum(one.severity != "normal" for one in found.anomalies)
     looks = "no anomaly" if count == 0 else f"{count} anomal{'y' if count == 1 else 'ies'}"
     state, word = ("good", "No anomaly") if count == 0 else ("edge", "Look at the log")
     if not errors:
@@ -146,5 +146,6 @@ def _facts_of_verification(found: Verification) -> Iterator[Fact]:
     for model, (average, rms) in _errors_over_days(found).items():
         yield Fact(f"error of {model}", f"{100.0 * average:+.1f}", "%",
                    f"RMS {100.0 * rms:.1f} %")  # fmt: skip
-    yield Fact("anomalies", f"{len(found.anomalies)}")
+    count = sum(one.severity != "normal" for one in found.anomalies)
+    yield Fact("anomalies", f"{count}")
     yield Fact("samples left out", f"{int(found.excluded.sum())}", "", "charging limited")

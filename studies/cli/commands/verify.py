@@ -50,6 +50,11 @@ _LONGEST_FILTER_S = 86_400.0
     metavar="SECONDS",
     help="Time to either side in the moving average.  [default: 1 s in windows, 400 s over days]",
 )
+@click.option(
+    "--as-logged",
+    is_flag=True,
+    help="Tell errors of the log's clock, heading and unit of power, but do not correct them.",
+)
 @set_option
 @json_option
 @out_option("samples and figures")
@@ -62,6 +67,7 @@ def verify(
     layout: ColumnMap,
     windows: tuple[Window, ...],
     filter_s: float | None,
+    as_logged: bool,
     overrides: tuple[str, ...],
     as_json: bool,
     out_dir: str | None,
@@ -89,6 +95,7 @@ def verify(
         case.mission,
         windows=windows,
         filter_s=filter_s,
+        correct=not as_logged,
     )
     record = case.named(result.to_dict())
     if out_dir is not None:
