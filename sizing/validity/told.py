@@ -174,11 +174,18 @@ _LINE = re.compile(r"(\w+): (\w+) (\S+) not (\S+) to (\S+)")
 
 
 def from_text(text: str) -> tuple[Extrapolation, ...]:
-    """What a line of :func:`cell_texts` tells."""
+    """What a line of :func:`cell_texts` tells.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
     found = []
     for part in text.split("; ") if text else ():
         match = _LINE.fullmatch(part)
-        assert match is not None, part
+        if match is None:
+            raise ValueError(f"tells of no model: {part[:80]!r}")
         model, quantity, *numbers = match.groups()
         value, low, high = map(float, numbers)
         found.append(extrapolation(ranges()[quantity, model], value, low, high))

@@ -67,12 +67,16 @@ class Job:
         Cells that are computed together; a chunk should take 0.1 to 2 s.
     blanks : mapping
         Name of every column, and the NumPy scalar that stands in it for a failed cell.
+    possible : callable, optional
+        Whether columns without failures can be a result; what an earlier run has kept is computed
+        again where it says no, or raises.
     """
 
     function: ChunkFunction
     configuration: Any
     chunks: tuple[tuple[Cell, ...], ...]
     blanks: Mapping[str, Any]
+    possible: Callable[[Mapping[str, Any]], bool] | None = None
 
     @functools.cached_property
     def cells(self) -> tuple[Cell, ...]:
@@ -356,12 +360,18 @@ class _Run:
         blanks = self.job.blanks
         for number, (key, chunk) in enumerate(zip(self.keys, self.job.chunks, strict=True)):
             part = None if self.store is None else self.store.read(key, blanks, len(chunk))
-            if part is None or part.failures:
+            if part is None or part.failures or not self._is_possible(part):
                 self.waiting.append(number)
             else:
                 self.parts[number] = part
                 self.done += len(chunk)
         return len(self.parts)
+
+    def _is_possible(self, part: Part) -> bool:
+        try:
+            return self.job.possible is None or self.job.possible(part.columns)
+        except Exception:
+            return False  # nothing that was computed here
 
     def _submitted(self, cells: tuple[Cell, ...]) -> Future[Part]:
         job = self.job

@@ -28,7 +28,7 @@ from sizing.validity.told import told
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
-from studies.output.gridded import OnGrid
+from studies.output.gridded import OnGrid, can_be_result
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -184,7 +184,9 @@ def prepare(
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
     blanks["status"] = np.int8(MapStatus.failed)
     configuration = MapConfiguration(aircraft, mission, solar, endurance)
-    job = Job(_map_chunk, configuration, grid.chunks(cell_s), blanks)
+    computed = [one for one in MapStatus if one is not MapStatus.failed]
+    possible = can_be_result(MapStatus, computed)
+    job = Job(_map_chunk, configuration, grid.chunks(cell_s), blanks, possible)
     title = f"Feasibility of {aircraft.name}"
     return MapStudy(
         *(job, grid, title, described | _STATUS, MapStatus),

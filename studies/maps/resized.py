@@ -24,6 +24,7 @@ from studies.output.columns import (
     resize_objective,
     told_of_cells,
 )
+from studies.output.gridded import can_be_result
 from studies.output.sized_columns import size_cells
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ def prepare(
     chunks = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))
     configuration = ResizedMapConfiguration(aircraft, mission, solar, asked)
     return MapStudy(
-        Job(_resized_chunk, configuration, chunks, BLANKS),
+        Job(_resized_chunk, configuration, chunks, BLANKS, can_be_result(SizingStatus, SIZED)),
         grid,
         f"Best designs of {aircraft.name}",
         DESCRIBED,

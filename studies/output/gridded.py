@@ -8,17 +8,20 @@ pandas that it brings. Functions that read a result by ``data[name].to_numpy()``
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sizing.validity.told import from_text
+
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Gridded", "Labelled", "OnGrid", "to_netcdf_bytes"]
+__all__ = ["Gridded", "Labelled", "OnGrid", "can_be_result", "to_netcdf_bytes"]
 
 
 class Labelled(NamedTuple):
@@ -85,3 +88,35 @@ def to_netcdf_bytes(data: OnGrid) -> bytes:
             variable.attrs.update(attrs)
             variable[...] = values.astype(object) if text else values
     return buffer.getvalue()
+
+
+def can_be_result(
+    statuses: type[IntEnum], computed: Collection[IntEnum]
+) -> Callable[[Mapping[str, Any]], bool]:
+    """Check of columns that an earlier run is said to have kept.
+
+    Parameters
+    ----------
+    statuses : enumeration
+        What ``status`` may be.
+    computed : collection of that enumeration
+        With which of them the excess time is a number.
+
+    Returns
+    -------
+    callable
+        Whether columns can be what a computation without failures gives.
+    """
+
+    def check(columns: Mapping[str, Any]) -> bool:
+        known = [one for one in statuses if one.name != "failed"]
+        status = np.asarray(columns["status"])
+        if not np.isin(status, known).all():
+            return False
+        if np.isnan(np.asarray(columns["excess_time"])[np.isin(status, list(computed))]).any():
+            return False
+        for text in np.unique(columns.get("extrapolations", ())):
+            from_text(str(text))  # raises for what is none
+        return True
+
+    return check

@@ -12,6 +12,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,7 @@ from studies.output.columns import (
     told_of_cells,
     variables,
 )
+from studies.output.gridded import can_be_result
 from studies.sweeps.axes import (
     DESIGN_KEYS,
     SAMPLE_NAMES,
@@ -245,8 +247,17 @@ def prepare(
     cells = [tuple(float(value) for value in table[i]) for i in order]
     chunks = tuple(tuple(cells[piece]) for piece in pieces(len(cells), each))
     blanks = BLANKS if objective is None else SIZED_BLANKS
-    job = Job(judge_points if objective is None else size_points, configuration, chunks, blanks)
+    possible = can_be_result(*_statuses(objective))
+    function = judge_points if objective is None else size_points
+    job = Job(function, configuration, chunks, blanks, possible)
     return Study(tuple(axes), sample, table, varied, order, job, aircraft, mission, seed)
+
+
+def _statuses(objective: Objective | None) -> tuple[type[IntEnum], tuple[IntEnum, ...]]:
+    """Statuses of points, and those of them that have a result."""
+    if objective is not None:
+        return SizingStatus, SIZED
+    return PointStatus, tuple(one for one in PointStatus if 0 <= one <= PointStatus.never_lit)
 
 
 # ---- Checks
@@ -463,8 +474,7 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     # The aspect ratio may be varied, and is no result then.
     shaped = {n: values.reshape(shape) for n, values in columns.items() if n not in coords}
     described = DESCRIBED if objective is None else SIZED_DESCRIBED
-    flags = PointStatus if objective is None else SizingStatus
-    with_result = range(PointStatus.never_lit + 1) if objective is None else SIZED
+    flags, with_result = _statuses(objective)
     return xr.Dataset(
         variables(dims, shaped, described, flags),
         coords=coords,

@@ -13,6 +13,7 @@ import threading
 import time
 import zipfile
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -256,6 +257,22 @@ def test_a_part_that_is_whole_is_believed(functions: Any, tmp_path: Path) -> Non
     ChunkStore(tmp_path).path(key).write_bytes(chunk_store._head(key, body) + b"\n" + body)
     again = run(functions.job(functions.Settings()), folder=tmp_path)
     assert again.kept_chunks == 1
+
+
+@pytest.mark.parametrize("answer", [False, ZeroDivisionError()])
+def test_a_part_that_cannot_be_a_result_is_computed_again(
+    functions: Any, tmp_path: Path, answer: Any
+) -> None:
+    def possible(columns: Any) -> bool:
+        if 4.0 in columns["number"] and answer:
+            raise answer
+        return 4.0 not in columns["number"]
+
+    job = functions.job(functions.Settings())
+    first = run(job, folder=tmp_path)
+    again = run(replace(job, possible=possible), folder=tmp_path)
+    assert again.computed_chunks == 1
+    assert_identical(first, again)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe")

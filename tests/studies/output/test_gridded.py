@@ -1,0 +1,65 @@
+"""What an earlier run has kept is believed where it can be a result, and nowhere else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import AS2, DESIGN, mission
+
+from sizing.sunlight import SolarModel
+from studies.engine import run as engine
+from studies.engine.chunk_store import ChunkStore
+from studies.engine.run import Job
+from studies.engine.workers import LocalPool
+from studies.maps import feasibility, resized
+from studies.maps.feasibility import MapStatus
+from studies.output.gridded import can_be_result
+
+POSSIBLE = can_be_result(MapStatus, [MapStatus.perpetual, MapStatus.never_lit])
+GOOD: dict[str, Any] = {
+    "status": np.array([MapStatus.perpetual, MapStatus.limited], np.int8),
+    "excess_time": np.array([1.0, np.nan]),
+    "extrapolations": np.array(["", ""]),
+}
+
+
+def test_a_result_is_believed() -> None:
+    assert POSSIBLE(GOOD)
+    assert POSSIBLE({name: GOOD[name] for name in ("status", "excess_time")})
+    assert POSSIBLE(GOOD | {"excess_time": np.array([np.inf, 0.0])})
+
+
+@pytest.mark.parametrize("status", [99, -1, 127])
+def test_a_status_that_there_is_not_is_refused(status: int) -> None:
+    assert not POSSIBLE(GOOD | {"status": np.array([status, 1], np.int8)})
+
+
+def test_a_result_without_a_number_is_refused() -> None:
+    assert not POSSIBLE(GOOD | {"excess_time": np.array([np.nan, 1.0])})
+
+
+def test_what_tells_of_no_model_is_refused() -> None:
+    with pytest.raises(ValueError, match="tells of no model"):
+        POSSIBLE(GOOD | {"extrapolations": np.array(["", "\x1b[31m"])})
+
+
+def fixed() -> Job:
+    """Map from pole to pole: with and without sun."""
+    return feasibility.prepare(AS2, mission(), [-90.0, 0.0, 90.0], [1, 172], SolarModel()).job
+
+
+def sized() -> Job:
+    """One cell that can be sized, and one that cannot."""
+    return resized.prepare(DESIGN, mission(), "min_mass", [0.0, 90.0], [355], SolarModel()).job
+
+
+@pytest.mark.parametrize("make", [fixed, sized])
+def test_what_was_computed_is_believed(make: Any, tmp_path: Path) -> None:
+    job = make()
+    for kept in (0, len(job.chunks)):
+        with ChunkStore(tmp_path).opened() as store:
+            outcome = engine.run(job, LocalPool(1), store)
+        assert outcome.kept_chunks == kept
