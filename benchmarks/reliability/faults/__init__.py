@@ -8,13 +8,13 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
-from benchmarks.reliability.faults import stops
+from benchmarks.reliability.faults import chunks, places, stops, workers
 from benchmarks.reliability.faults.processes import own_folder
 from benchmarks.reliability.record import Row, of_cases
 
 __all__ = ["attacks"]
 
-_KINDS = (stops,)
+_KINDS = (stops, places, chunks, workers)
 
 
 def attacks(count: int | None, seed: int, only: str) -> Iterator[Row]:

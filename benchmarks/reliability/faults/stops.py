@@ -12,7 +12,7 @@ from pathlib import Path
 from benchmarks.reliability.faults.kept import MAP, SWEEP, Fault, struck_and_finished
 from benchmarks.reliability.faults.processes import Running, own_folder, running, trouble
 
-__all__ = ["faults"]
+__all__ = ["COMMANDS", "faults", "undisturbed"]
 
 _EARLY = {-signal.SIGINT, -signal.SIGTERM}  # before the command itself is there, or the second time
 _CODES = {
@@ -27,7 +27,7 @@ _POOLS = {
     "a dask cluster of the machine": ("--scheduler", "local-cluster", "--workers", "2"),
 }
 # Commands that are not divided into chunks, and the files that they are asked for.
-_COMMANDS: dict[str, tuple[str, ...]] = {
+COMMANDS: dict[str, tuple[str, ...]] = {
     "size": ("size", "atlantiksolar-design", "-m", "rafz-july", "--cross-check", "--out", "d"),
     "sweep without a file": (*SWEEP.arguments, "--workers", "2"),
     "uncertainty": ("uncertainty", "atlantiksolar-as2", "-m", "rafz-july", "--plot", "f.png"),
@@ -55,7 +55,7 @@ def faults() -> Iterator[Fault]:
             )
             count = 4 if "dask" in pool else 10
             yield Fault(f"{work.name} by {pool}", f"{name} at a random moment", count, case)
-    for name in _COMMANDS:
+    for name in COMMANDS:
         yield Fault(
             name, "Ctrl-C or SIGTERM at a random moment", 6, functools.partial(_other, name)
         )
@@ -78,8 +78,8 @@ def _strike(name: str, process: Running, rng: random.Random) -> None:
 
 def _other(name: str, rng: random.Random, folder: Path) -> str | None:
     """Strike a command; what it was to write is there as a whole or not at all."""
-    whole, took_s = _undisturbed(name)
-    process = running(folder, *_COMMANDS[name])
+    whole, took_s = undisturbed(name)
+    process = running(folder, *COMMANDS[name])
     process.until(lambda: False, rng.uniform(0.0, took_s))
     attack = rng.choice(("SIGTERM", "Ctrl-C", "Ctrl-C twice"))
     _strike(attack, process, rng)
@@ -97,11 +97,11 @@ def _other(name: str, rng: random.Random, folder: Path) -> str | None:
 
 
 @functools.cache
-def _undisturbed(name: str) -> tuple[dict[str, int], float]:
+def undisturbed(name: str) -> tuple[dict[str, int], float]:
     """Sizes of the files of a command, and its time [s]."""
     with own_folder() as folder:
         begun = time.monotonic()
-        end = running(folder, *_COMMANDS[name]).end()
+        end = running(folder, *COMMANDS[name]).end()
         if end.code not in (0, 1):
             raise RuntimeError(f"{name}: {end.err}")
         return _sizes(folder), time.monotonic() - begun
