@@ -25,6 +25,7 @@ from missions.uncertainty import Uncertainty
 from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
 from solar.schema import (
+    FileRecord,
     Fraction,
     Name,
     NonNegativeReal,
@@ -230,7 +231,7 @@ class Climb(Record):
     strategy: Literal["battery_full", "surplus"] = "battery_full"
 
 
-class Mission(Record):
+class Mission(FileRecord):
     """Where, when and how an aircraft flies."""
 
     renamed_keys: ClassVar[Mapping[str, str]] = {"bands": "uncertainty_margins"}

@@ -22,7 +22,7 @@ from sizing.smooth import Value
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
-from solar.schema import Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
+from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
@@ -394,7 +394,7 @@ class DesignSpace(Record):
         return self
 
 
-class Aircraft(Record):
+class Aircraft(FileRecord):
     """A solar aircraft as its file describes it."""
 
     name: Name

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
+
+from solar.versions import FORMAT_VERSION, format_trouble
 
 __all__ = [
+    "FileRecord",
     "Flag",
     "Fraction",
     "Integer",
@@ -63,6 +68,24 @@ class Record(BaseModel):
         copied = super().__deepcopy__(memo)
         object.__setattr__(copied, "__dict__", _declared(copied))
         return copied
+
+
+class FileRecord(Record):
+    """Record that is a file of its own, and so states the version of the file's format."""
+
+    format_version: Annotated[int, Strict(), Field(ge=1, le=FORMAT_VERSION)] = FORMAT_VERSION
+
+    @model_validator(mode="before")
+    @classmethod
+    def _check_format(cls, data: Any) -> Any:
+        """Refuse a newer format for that alone: what else it holds is not known yet."""
+        if isinstance(data, Mapping) and "format_version" in data:
+            trouble = format_trouble(data["format_version"])
+            if trouble is not None:
+                raise PydanticCustomError(
+                    "format_version", "{trouble}", {"key": "format_version", "trouble": trouble}
+                )
+        return data
 
 
 def _declared(record: BaseModel) -> dict[str, Any]:

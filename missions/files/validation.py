@@ -5,16 +5,19 @@ A file is read in three steps: the text is parsed into plain data and the place 
 (`missions.files.overrides`), and a pydantic model checks the result (`validate`). Every mistake of
 the user ends as an `InputError`, whose problems name file, line and column.
 
-A record whose keys had other names in earlier versions lists them, old to new, in a class variable
-``renamed_keys``: an old one is refused with its new name.
+A record whose keys had other names in earlier versions lists them, old to new, in class variables:
+those of ``deprecated_keys`` are read, with a warning; those of ``renamed_keys``, which were given
+up, are refused with the new name.
 """
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import difflib
 import re
 import typing
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -24,10 +27,12 @@ from pydantic_core import ErrorDetails
 
 from missions.files.errors import OVERRIDE, InputError, KeyPath, Problem, dotted, shown
 from missions.files.yaml import Document
+from solar.versions import DeprecatedKeyWarning, deprecation
 
 __all__ = ["located_error", "unknown_key", "validate"]
 
 M = TypeVar("M", bound=BaseModel)
+V = TypeVar("V")
 
 # Mistakes of a file that the document names are listed up to this many.
 _SHOWN_ELSEWHERE = 20
@@ -60,6 +65,9 @@ def validate(document: Document, model: type[M]) -> M:
         return model.model_validate(document.data)
     except ValidationError as error:
         details = error.errors(include_url=False)
+    renewed = _with_new_keys(document, model, details)
+    if renewed is not document:
+        return validate(renewed, model)
     complaints = _merged([_complaint(document.data, model, detail) for detail in details])
     located = [
         _located(document, one.path, one.message + one.suffix, at_key=one.at_key)
@@ -181,6 +189,45 @@ def _untagged(data: Any, model: type[BaseModel], loc: KeyPath, key: str) -> _Com
     return _Complaint(path, f"must be one of {', '.join(tags)} (got {shown(value)})")
 
 
+def _with_new_keys(
+    document: Document, model: type[BaseModel], details: Iterable[ErrorDetails]
+) -> Document:
+    """Return a document whose deprecated keys have their new names, with a warning for each."""
+    for detail in details:
+        if detail["type"] != "extra_forbidden":
+            continue
+        (path, _), old = _followed(document.data, detail["loc"][:-1]), detail["loc"][-1]
+        names = [getattr(one, "deprecated_keys", {}) for one in _models_at(model, path)]
+        new = next((some[old] for some in names if old in some), None)
+        if new is not None and new not in _value_at(document.data, path):
+            problem = _located(document, (*path, old), deprecation(new), at_key=True)
+            warnings.warn(str(problem), DeprecatedKeyWarning, stacklevel=3)
+            document = _renamed(document, path, str(old), new)
+    return document
+
+
+def _renamed(document: Document, holder: KeyPath, old: str, new: str) -> Document:
+    """Return a document in which a key has another name, at the same place."""
+    data = copy.deepcopy(document.data)
+    fields = _value_at(data, holder)
+    items = [(new if key == old else key, value) for key, value in fields.items()]
+    fields.clear()
+    fields.update(items)
+
+    def moved(places: Mapping[KeyPath, V]) -> dict[KeyPath, V]:
+        before, after = (*holder, old), (*holder, new)
+        end = len(before)
+        return {after + k[end:] if k[:end] == before else k: v for k, v in places.items()}
+
+    return dataclasses.replace(
+        document,
+        data=data,
+        key_marks=moved(document.key_marks),
+        value_marks=moved(document.value_marks),
+        overridden=moved(document.overridden),
+    )
+
+
 # ---- pydantic's locations, in the data and in the models ----
 
 
@@ -232,7 +279,8 @@ def _keys_at(
     """Return the keys that the mapping found at a location may have, and new names of old ones."""
     models = _models_at(model, loc)
     best = max(models, key=lambda one: len(_hints(one).keys() & found.keys()))
-    return list(_hints(best)), getattr(best, "renamed_keys", {})
+    names = (getattr(best, known, {}) for known in ("deprecated_keys", "renamed_keys"))
+    return list(_hints(best)), {old: new for some in names for old, new in some.items()}
 
 
 def _hints(model: type[BaseModel]) -> dict[str, Any]:

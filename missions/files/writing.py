@@ -14,10 +14,12 @@ import yaml
 
 from missions.files.errors import printable
 from missions.files.yaml import add_resolvers
+from solar.versions import FORMAT_KEY, FORMAT_VERSION
 
 __all__ = [
     "OutputError",
     "check_writable_folder",
+    "file_text",
     "to_yaml",
     "write_bytes_atomically",
     "write_files_atomically",
@@ -112,6 +114,24 @@ def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
         indent=2,
         default_flow_style=False,
     )
+
+
+def file_text(head: str, data: Mapping[str, Any]) -> str:
+    """Text of an aircraft or mission file: where it comes from, its format, and its data.
+
+    Parameters
+    ----------
+    head : str
+        Comment in the first line.
+    data : mapping
+        As for `to_yaml`; its format version comes first.
+
+    Returns
+    -------
+    str
+    """
+    first = {FORMAT_KEY: data.get(FORMAT_KEY, FORMAT_VERSION)}
+    return f"# {head}\n{to_yaml(first | dict(data))}"
 
 
 def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:

@@ -24,9 +24,9 @@ from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, worst_of
-from solar._version import __version__
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
+from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -138,7 +138,7 @@ class Analysis(Result):
             "airspeed_m_per_s": None if airspeed is None else finite(airspeed),
             "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
             "extrapolations": extrapolation_records(self.extrapolations),
-            "version": __version__,
+            **software_record(),
             "scenarios": records,
         }
         condition = battery_record(self.aircraft, self.mission)

@@ -40,8 +40,8 @@ from sizing.survival.result import Survival
 from sizing.validity.checks import stall_margin_within_polar
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations
-from solar._version import __version__
 from solar.names import CorrectionName, ModelName
+from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -465,7 +465,7 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
             "solves": result.solver.solves,
             "message": result.solver.message,
         },
-        "version": __version__,
+        **software_record(),
     }
     condition = battery_record(aircraft, mission)
     if condition is not None:

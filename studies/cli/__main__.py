@@ -7,14 +7,18 @@ import io
 import os
 import signal
 import sys
-from typing import NamedTuple
+import warnings
+from typing import NamedTuple, TextIO
 
 import click
 
 from solar._version import __version__
+from solar.versions import DeprecatedKeyWarning
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 from studies.cli.telling import tell_error
 from studies.engine.signals import Signals, interruptible
+
+_SHOW_WARNING = warnings.showwarning
 
 
 class _Lazy(NamedTuple):
@@ -135,6 +139,7 @@ def main() -> None:
         # A terminal that cannot show a character shows a stand-in; it is no reason to fail.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    warnings.showwarning = _tell_warning
     if "_SOLAR_UAV_COMPLETE" in os.environ:
         from studies.cli.completion import prepare
 
@@ -162,6 +167,21 @@ def _code(signals: Signals) -> int:
             return 0
         return _told(error)
     return code or 0
+
+
+def _tell_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Tell of a deprecated key in one line, without the place in our code."""
+    if issubclass(category, DeprecatedKeyWarning):
+        click.echo(f"note: {message}", err=True)
+    else:
+        _SHOW_WARNING(message, category, filename, lineno, file, line)
 
 
 def _told(error: BaseException) -> int:

@@ -55,7 +55,8 @@ def keys_of_classes() -> list[Key]:
 
 def _fields(owner: Any, prefix: str) -> Iterator[tuple[str, tuple[str, ...], bool]]:
     for name, field in owner.model_fields.items():
-        if name != "uncertainty":  # its keys are those of the file, not names of its own
+        # The keys of `uncertainty` are those of the file, and nobody varies the format.
+        if name not in ("uncertainty", "format_version"):
             yield from _leaves(field.annotation, f"{prefix}{field.alias or name}")
 
 

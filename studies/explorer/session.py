@@ -18,7 +18,7 @@ from missions.dates import date_code
 from missions.files.errors import InputError
 from missions.files.overrides import with_overrides
 from missions.files.validation import validate
-from missions.files.writing import to_yaml
+from missions.files.writing import file_text
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -365,9 +365,9 @@ class Session:
             As :meth:`inputs`.
         """
         made = self.inputs(settings)
-        head = f"# Written by solar-uav {__version__} explore from"
+        head = f"Written by solar-uav {__version__} explore from"
         return {
-            kind: f"{head} {document.source}\n{to_yaml(document.data)}"
+            kind: file_text(f"{head} {document.source}", document.data)
             for kind, document in (
                 ("aircraft", made.aircraft_file),
                 ("mission", made.mission_file),

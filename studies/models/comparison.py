@@ -34,8 +34,8 @@ from sizing.validity.checks import (
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, together, told, worst_of
-from solar._version import __version__
 from solar.names import RESIZE_NAMES, CorrectionName, ModelName
+from solar.versions import software_record
 from studies.maps.season import Flags, Season, perpetual_flags, season_of
 from studies.models.prediction import Prediction, duration, predict
 from studies.models.solar_models import (
@@ -259,7 +259,7 @@ class Comparison(Result):
             "cases": [self._case_record(case) for case in self.cases],
             "notes": list(self.notes),
             "extrapolations": extrapolation_records(self.extrapolations),
-            "version": __version__,
+            **software_record(),
         }
 
     def _case_record(self, case: Case) -> dict[str, Any]:

@@ -13,9 +13,9 @@ from sizing.aircraft import Aircraft
 from sizing.results.records import clock_label
 from sizing.results.tables import Column, Table
 from sizing.sunlight import day_axis_h
-from solar._version import __version__
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
+from solar.versions import software_record
 from studies.output.figures.drawing import (
     BLUE,
     GREEN,
@@ -105,7 +105,7 @@ def component_efficiencies(
             "mission": mission.name,
             "scenario": scenarios.label(scenario),
             "model": "FM",
-            "version": __version__,
+            **software_record(),
         },
     )
 

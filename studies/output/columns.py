@@ -20,6 +20,7 @@ from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import from_text, together
 from solar._version import __version__
 from solar.names import RESIZE_NAMES
+from solar.versions import FORMAT_VERSION
 from studies.output.gridded import Labelled, OnGrid
 
 __all__ = [
@@ -173,6 +174,7 @@ def attributes(
         "Conventions": "CF-1.11",
         "title": title,
         "source": f"solar-uav {__version__}",
+        "format_version": FORMAT_VERSION,
         "solar_model": solar.model,
         "correction": solar.correction,
         "aircraft": aircraft.model_dump_json(),

@@ -25,14 +25,15 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from missions.files.errors import file_error
+from missions.files.errors import InputError, Problem, file_error
 from missions.files.texts import read_folder
-from missions.files.writing import to_yaml, write_folder
+from missions.files.writing import file_text, write_folder
 from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
 from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
+from solar.versions import FORMAT_KEY, format_trouble, software_record
 
 __all__ = ["InputFile", "RunFolder", "RunInputs", "run_record", "write_run_folder"]
 
@@ -97,13 +98,27 @@ class RunFolder:
         if not os.path.isfile(folder / RUN):  # noqa: PTH113 - takes any text for a path
             return None
         try:
-            record = json.loads((folder / RUN).read_text(encoding="utf-8"))
+            text = (folder / RUN).read_text(encoding="utf-8")
+            record = json.loads(text)
+            _refuse_newer(record, text, str(folder / RUN))
             model, correction = record["model"], record["correction"]
+        except InputError:
+            raise
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             model = correction = None
         if model not in MODEL_NAMES or correction not in CORRECTION_NAMES:
             raise file_error(str(folder / RUN), "is not the record of a run of solar-uav")
         return cls(str(folder / AIRCRAFT), str(folder / MISSION), model, correction)
+
+
+def _refuse_newer(record: Any, text: str, source: str) -> None:
+    """Refuse the record of a run in a format that is not known yet."""
+    found = record.get(FORMAT_KEY, 1) if isinstance(record, dict) else 1
+    trouble = format_trouble(found)
+    if trouble is not None:
+        lines = enumerate(text.splitlines(), start=1)
+        line = next((number for number, one in lines if f'"{FORMAT_KEY}"' in one), None)
+        raise InputError([Problem(source, line, None, FORMAT_KEY, trouble)])
 
 
 def write_run_folder(
@@ -163,7 +178,7 @@ def _json_bytes(record: Any) -> bytes:
 
 
 def _described(data: Mapping[str, Any], file: InputFile) -> bytes:
-    return f"# Written by solar-uav {__version__} from {file.source}\n{to_yaml(data)}".encode()
+    return file_text(f"Written by solar-uav {__version__} from {file.source}", data).encode()
 
 
 def _with_named_files(
@@ -212,7 +227,7 @@ def run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, A
     """
     return {
         "command": shlex.join(["solar-uav", *sys.argv[1:]]),
-        "version": __version__,
+        **software_record(),
         "date_utc": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "model": solar.model,
         "correction": solar.correction,

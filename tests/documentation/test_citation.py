@@ -12,6 +12,7 @@ from solar._version import __version__
 
 ROOT = Path(__file__).resolve().parents[2]
 CITATION = ROOT / "CITATION.cff"
+CHANGELOG = ROOT / "CHANGELOG.md"
 pytestmark = pytest.mark.skipif(not CITATION.is_file(), reason="tests run without the clone")
 
 
@@ -21,6 +22,9 @@ def test_citation_has_what_the_format_requires() -> None:
     assert {"cff-version", "message", "title", "authors"} <= cited.keys()
     assert cited["cff-version"] == "1.2.0"
     assert cited["version"] == __version__
+    heading = re.search(r"^## \[(\d\S*)\] - (\S+)$", CHANGELOG.read_text(encoding="utf-8"), re.M)
+    assert heading is not None
+    assert (heading[1], heading[2]) == (__version__, str(cited["date-released"]))
     assert cited["license"] == "MIT"
     assert cited["authors"] == [{"name": "The solar-uav-sizing developers"}]
     assert cited["references"]

@@ -260,6 +260,7 @@ FOREIGN = {
     "maps.md": {"--long"},
     "reliability.md": {"--markdown", "--count", "--seed", "--only", "--keep"},
     "scale.md": {"--scheduler"},
+    "upgrade.md": {"--certify"},
     "validation.md": {"--count", "--rows", "--cases"},
 }
 

@@ -28,6 +28,7 @@ from solar.schema import (
     Record,
     Text,
 )
+from solar.versions import DeprecatedKeyWarning
 
 
 class Battery(Record):
@@ -255,6 +256,45 @@ def test_key_of_an_earlier_version_is_refused_with_its_new_name() -> None:
     text = "packs:\n- mass_kg: 1\n- weight_kg: 1\n  mass_kg: 1\n"
     assert problems_of(text, model=Model) == [
         "as2.yaml:3:3: packs.1.weight_kg: this key is called 'mass_kg' now"
+    ]
+
+
+class Rack(Battery):
+    deprecated_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
+
+
+class Racks(Record):
+    deprecated_keys: ClassVar[dict[str, str]] = {"racks": "packs"}
+
+    packs: tuple[Rack, ...]
+
+
+def test_deprecated_keys_are_read_with_a_warning_that_has_line_and_new_name() -> None:
+    document = parse_yaml("racks:\n- mass_kg: 1\n- weight_kg: 2\n", "as2.yaml")
+    with pytest.warns(DeprecatedKeyWarning) as told:
+        read = validate(document, Racks)
+    assert [pack.mass_kg for pack in read.packs] == [1.0, 2.0]
+    new = "is called '{}' now; version 2.0 refuses the old name"
+    assert [str(one.message) for one in told] == [
+        f"as2.yaml:1:1: racks: {new.format('packs')}",
+        f"as2.yaml:3:3: packs.1.weight_kg: {new.format('mass_kg')}",
+    ]
+    assert document.data == {"racks": [{"mass_kg": 1}, {"weight_kg": 2}]}
+
+
+def test_mistakes_beside_a_deprecated_key_keep_their_places() -> None:
+    text = "racks:\n- weight_kg: -1\n- mass_kg: 2\n  cell: 2\n"
+    with pytest.warns(DeprecatedKeyWarning):
+        assert problems_of(text, model=Racks) == [
+            "as2.yaml:2:14: packs.0.mass_kg: must be greater than 0 (got -1)",
+            "as2.yaml:4:3: packs.1.cell: unknown key; did you mean 'cells'?",
+        ]
+
+
+def test_a_deprecated_key_beside_its_new_name_is_refused() -> None:
+    text = "packs:\n- mass_kg: 1\n  weight_kg: 2\n"
+    assert problems_of(text, model=Racks) == [
+        "as2.yaml:3:3: packs.0.weight_kg: this key is called 'mass_kg' now"
     ]
 
 

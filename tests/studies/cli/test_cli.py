@@ -15,6 +15,7 @@ import click
 import pytest
 from command_line import BIRD, FIELD, Run, edited, files
 
+from missions.files.shipped import shipped_text
 from studies.cli import __main__ as cli
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
@@ -522,3 +523,16 @@ def stopped(
         cwd=folder,
         env=environment(),
     )
+
+
+def test_a_deprecated_key_is_told_in_one_line(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = shipped_text("rafz-july").replace("altitude_m:", "height_m:")
+    (tmp_path / "old.yaml").write_text(text, encoding="utf-8")
+    names = {"height_m": "altitude_m"}
+    monkeypatch.setattr("missions.mission.Mission.deprecated_keys", names, raising=False)
+    outcome = run("validate", "old.yaml")
+    assert (outcome.code, outcome.out) == (0, "old.yaml: valid mission\n")
+    assert outcome.err.startswith("note: old.yaml:9:1: height_m: is called 'altitude_m' now; ")
+    assert outcome.err.count("\n") == 1

@@ -261,3 +261,18 @@ def test_entries_of_ones_own_go_with_the_folder(run: Run, tmp_path: Path) -> Non
     assert again.json()["from_catalogues"][0]["value"] == 0.21
     record = json.loads((tmp_path / "found" / "run.json").read_text())
     assert record["inputs"]["cell"]["sha256"] == hashlib.sha256(text.encode()).hexdigest()
+
+
+def test_a_folder_of_a_newer_version_is_refused_with_the_line(run: Run, tmp_path: Path) -> None:
+    assert run("size", "sky-sailor", "-m", "rafz-july", "--out", "sized").code == 0
+    record, results = contents(tmp_path / "sized")
+    assert record["format_version"] == results["format_version"] == 1
+    for name in ("aircraft.yaml", "mission.yaml"):
+        lines = (tmp_path / "sized" / name).read_text(encoding="utf-8").splitlines()
+        assert lines[1] == "format_version: 1"
+    del record["model"]
+    path = tmp_path / "sized" / "run.json"
+    path.write_text(json.dumps(record | {"format_version": 2}, indent=2), encoding="utf-8")
+    outcome = run("analyse", "sized")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert re.match(r"\S*run\.json:\d+: format_version: must be at most 1 \(got 2\)", outcome.err)

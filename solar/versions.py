@@ -1,0 +1,51 @@
+"""Versions of what is written and read, of the software and its files; what is deprecated.
+
+The format version changes when a file of an earlier version would be read wrongly or refused. It
+is the same for aircraft and mission files and for results, and stands in each of them as
+``format_version``; a file without one is of format 1.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from solar._version import __version__
+
+__all__ = [
+    "FORMAT_KEY",
+    "FORMAT_VERSION",
+    "DeprecatedKeyWarning",
+    "deprecation",
+    "format_trouble",
+    "software_record",
+]
+
+FORMAT_KEY, FORMAT_VERSION = "format_version", 1
+
+
+def format_trouble(found: object) -> str | None:
+    """What is wrong with the format version that a file states, None where it can be read."""
+    if type(found) is not int or found < 1:
+        allowed = "1" if FORMAT_VERSION == 1 else f"a whole number from 1 to {FORMAT_VERSION}"
+        return f"must be {allowed} (got {ascii(found)[:60]})"
+    if found > FORMAT_VERSION:
+        return (
+            f"must be at most {FORMAT_VERSION} (got {ascii(found)[:60]}): the file is of a newer "
+            f"version of solar-uav than this one, {__version__}; install a newer one"
+        )
+    return None
+
+
+class DeprecatedKeyWarning(FutureWarning):
+    """A file has a key under a name that a later version refuses: for those who keep the file."""
+
+
+def deprecation(new: str) -> str:
+    """What is said of a deprecated name, behind it: the new one, and how long the old one lasts."""
+    next_major = int(__version__.partition(".")[0]) + 1
+    return f"is called '{new}' now; version {next_major}.0 refuses the old name"
+
+
+def software_record() -> dict[str, Any]:
+    """What results say of the software that made them: its version, and that of their format."""
+    return {"version": __version__, FORMAT_KEY: FORMAT_VERSION}
