@@ -25,7 +25,7 @@ AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
         # unknown, missing and duplicate keys
         ("  mass_kg: 2.918", "  mass_kgs: 2.918", ":15:3: battery.mass_kgs: unknown key; did you mean 'mass_kg'?"),  # noqa: E501
         ("  mass_kg: 2.918", "  mas_kg: 2.918", ":14:1: battery.mass_kg: required key is missing"),
-        ("power:\n", "colour: red\npower:\n", ":23:1: colour: unknown key; allowed keys: name, description, airframe, modules, battery, power, design_space"),  # noqa: E501
+        ("power:\n", "colour: red\npower:\n", ":23:1: colour: unknown key; allowed keys: format_version, name, description, airframe, modules, battery, power, design_space"),  # noqa: E501
         ("  mass_kg: 2.918", "  mass_kg: 2.918\n  mass_kg: 3", ":16:3: battery.mass_kg: duplicate key (first at line 15)"),  # noqa: E501
         ("kind: measured", "kind: masured", ":3:9: airframe.kind: must be one of 'measured', 'parametric' (got 'masured')"),  # noqa: E501
         ("  kind: measured\n", "", ":2:1: airframe.kind: required key is missing; it must be one of 'measured', 'parametric'"),  # noqa: E501
@@ -237,7 +237,7 @@ def test_all_problems_of_both_files_are_reported_together(run: Run, tmp_path: Pa
         ("", "write an override as KEY=VALUE"),
         ("=1", "write an override as KEY=VALUE"),
         ("battery..mass_kg=1", "write an override as KEY=VALUE"),
-        ("colour=red", "--set colour: unknown key; allowed keys: name"),
+        ("colour=red", "--set colour: unknown key; allowed keys: format_version, name"),
         ("battery.mas_kg=1", "--set battery.mas_kg: unknown key; did you mean 'mass_kg'?"),
         ("battery.mass_kg=abc", "--set battery.mass_kg: must be a number (got 'abc')"),
         ("battery.mass_kg='3'", "--set battery.mass_kg: must be a number (got '3')"),
@@ -252,7 +252,7 @@ def test_all_problems_of_both_files_are_reported_together(run: Run, tmp_path: Pa
         ("mission.dates.on=02-29", "dates.on: month 02 has days 01 to 28 (got '02-29')"),
         (
             "mission.colour=red",
-            "colour: unknown key; allowed keys: name, description, latitude_deg",
+            "colour: unknown key; allowed keys: format_version, name, description, latitude_deg",
         ),
     ],
 )
