@@ -218,7 +218,7 @@ class _Skies(NamedTuple):
 
 
 # Points computed at once: what a formula needs stays near the processor.
-_POINTS_AT_ONCE = 8192
+_POINTS_AT_ONCE = 16384
 
 
 def _over_the_day(

@@ -80,7 +80,8 @@ class Cells:
 
     def above_nominal_w(self) -> FloatArray:
         """Solar power less the nominal load."""
-        if np.array_equal(self.load_w, np.broadcast_to(self.nominal_w, self.load_w.shape)):
+        steady = self.load_w[:1] if self.load_w.strides[0] == 0 else self.load_w
+        if np.array_equal(steady, np.broadcast_to(self.nominal_w, steady.shape)):
             return self.balance.net_w
         return self.solar_w - self.nominal_w
 

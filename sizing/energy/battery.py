@@ -328,7 +328,7 @@ class Store:
         allowed = energy_wh + self._constant_limit_w * np.asarray(hours, float)
         charged = np.asarray(np.minimum(target, allowed))
         tapered = charged > np.maximum(energy_wh, self._constant_up_to_wh)
-        at = np.flatnonzero(tapered)
+        at = tapered.reshape(-1).nonzero()[0]
         if len(at):
             full, start, goal, duration = (
                 _pick(v, tapered, at) for v in (self.battery_energy_wh, energy_wh, target, hours)
@@ -354,6 +354,8 @@ class Store:
 def _pick(values: ArrayLike, like: BoolArray, at: IntArray) -> FloatArray:
     """Values of an array, seen in the shape of another, at some of its places."""
     array = np.asarray(values, float)
+    if array.ndim == like.ndim == 1 and len(array) == len(like):
+        return array.take(at)
     if array.ndim and array.shape != like.shape:
         array = np.broadcast_to(array, like.shape)
     return array.reshape(-1).take(at) if array.ndim else array

@@ -38,7 +38,6 @@ from sizing.energy.power_balance import (
     blocks,
     crossing_fraction,
     interval_reaching,
-    running_sum,
     sum_over_time,
     surplus_phase_h,
 )
@@ -46,7 +45,8 @@ from solar.types import BoolArray, FloatArray, IntArray
 
 FULL = 1.0 - 1e-9  # state of charge that counts as full: what the clock's table resolves
 # Elements of a batch simulated at once: a day of each array stays near the processor.
-CELLS_AT_ONCE = 1024
+CELLS_AT_ONCE = 2048
+_ROWS_AT_ONCE = 16
 
 
 class Status(IntEnum):
@@ -386,7 +386,7 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     number = np.minimum(interval_reaching(day.cumulative_deficit_wh, level, cells), until - 1)
     interval = balance.interval_of(number, cells)
     rest = np.clip(day.cumulative_deficit_wh[number + 1, cells] - level, 0.0, None)
-    hours = running_sum(balance.deficit_h())
+    hours = balance.cumulative_deficit_h()
     missing = unserved_h(interval, rest) + hours[until, cells] - hours[number + 1, cells]
     return (
         np.bincount(cells, missing, minlength=count).astype(float),
@@ -415,7 +415,10 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
 
 def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
     store = run.store
-    into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
+    into_store = _sum_of_rows(
+        lambda some: run.after_charge_wh[some] - np.maximum(run.drained_wh[some], 0.0),
+        run.drained_wh.shape,
+    )
     surplus = sum_over_time(run.day.surplus_wh)
     stored = run.end_wh - run.start_wh
     drawn = into_store - stored
@@ -434,5 +437,21 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
 def _integral_wh(time_h: FloatArray, power_w: FloatArray) -> FloatArray:
     """Integral over time by the trapezoidal rule."""
     halves = np.diff(time_h) / 2.0
-    weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))
-    return sum_over_time(weights[:, np.newaxis] * power_w)
+    weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))[:, np.newaxis]
+    if power_w.strides[1] == 0 and power_w.shape[1] > 1:  # the same in all elements
+        return np.broadcast_to(_integral_wh(time_h, power_w[:, :1]), power_w.shape[1:])
+    return _sum_of_rows(lambda some: weights[some] * power_w[some], power_w.shape)
+
+
+def _sum_of_rows(rows: Callable[[slice], FloatArray], shape: tuple[int, ...]) -> FloatArray:
+    """Sum of computed rows in the order of time, some rows at a time: no array of all is made.
+
+    Every sum begins with the one before it, so that the digits are those of a single sum.
+    """
+    total = np.zeros(shape[1])
+    for some in blocks(shape[0], _ROWS_AT_ONCE):
+        part = rows(some)
+        if len(part):
+            part[0] += total
+            total = sum_over_time(part)
+    return total

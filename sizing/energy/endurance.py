@@ -23,7 +23,6 @@ from sizing.energy.power_balance import (
     deficit_phase_h,
     interval_reaching,
     positive_part_wh,
-    running_sum,
 )
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -67,7 +66,7 @@ def longest_flight(
     balance = PowerBalance.of(np.asarray(time_h, float), solar, load)
     shape = balance.batch_shape
     flights = _Flights.of(balance.flat(), store, shape)
-    dark_h = running_sum(flights.balance.deficit_h())
+    dark_h = flights.balance.cumulative_deficit_h()
     cells = np.arange(dark_h.shape[1])
     spacing_h = dark_h[-1] / _LAUNCHES
     tries_h = np.arange(_LAUNCHES)[:, np.newaxis] * spacing_h

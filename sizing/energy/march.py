@@ -252,7 +252,7 @@ class ChargingDay:
         cumulative = running_sum(balance.deficit_wh)
         falls_first = balance.net_w[:-1][lit] < 0.0
         before_surplus = np.where(falls_first, cumulative[1:][lit], cumulative[:-1][lit])
-        before_surplus[~charging[lit]] = -np.inf
+        np.copyto(before_surplus, -np.inf, where=~charging[lit])
         return cls(
             first=lit.start,
             hours=np.diff(balance.time_h)[lit],
@@ -313,9 +313,13 @@ class ChargingDay:
         settled = np.asarray(settled_deficit_wh, float)
         surpluses = zip(self.hours, self.surplus_wh, self.deficit_before_surplus_wh, strict=True)
         for hours, surplus, deficit in surpluses:
-            drained = energy_wh - np.maximum(deficit - settled, 0.0) / eta
-            energy_wh = store.charged(np.maximum(drained, 0.0), surplus, hours)
-            settled = np.maximum(settled, deficit)
+            # Between the surpluses of one day there is mostly no deficit: nothing is taken then.
+            drained = before = energy_wh
+            if (deficit > settled).any():
+                drained = energy_wh - np.maximum(deficit - settled, 0.0) / eta
+                before = np.maximum(drained, 0.0)
+                settled = np.maximum(settled, deficit)
+            energy_wh = store.charged(before, surplus, hours)
             yield Charging(drained, energy_wh, settled)
 
     def midnight_wh(

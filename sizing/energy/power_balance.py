@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from solar.types import FloatArray, IntArray
 
 _POINTS_AT_ONCE = 16384
+_LEAST = 1e-300  # keeps zero over zero at zero
 
 
 def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) -> FloatArray:
@@ -37,12 +38,8 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
         Of the arguments' broadcast shape, not negative [Wh].
     """
     positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
-    return _part_wh(positive, np.abs(left_w) + np.abs(right_w), hours)
-
-
-def _part_wh(part_w: FloatArray, total_w: FloatArray, hours: ArrayLike) -> FloatArray:
-    """Integral of one sign's part of a linear power, from its and the total end values."""
-    mean_w = part_w * part_w / np.maximum(2.0 * total_w, 1e-300)
+    total = np.abs(left_w) + np.abs(right_w)
+    mean_w = positive * positive / np.maximum(2.0 * total, _LEAST)
     return np.asarray(mean_w * np.asarray(hours, float))
 
 
@@ -167,9 +164,13 @@ class PowerBalance:
             above = np.maximum(some, 0.0)
             below = above - some
             above, below = above[:-1] + above[1:], below[:-1] + below[1:]
-            total = above + below
-            surplus[part] = _part_wh(above, total, column[part])
-            deficit[part] = _part_wh(below, total, column[part])
+            twice = above + below
+            twice *= 2.0
+            np.maximum(twice, _LEAST, out=twice)
+            for part_w, found in ((above, surplus[part]), (below, deficit[part])):
+                part_w *= part_w
+                part_w /= twice
+                np.multiply(part_w, column[part], out=found)
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     @property
@@ -213,12 +214,19 @@ class PowerBalance:
             late_deficit_wh=deficit - early,
         )
 
-    def deficit_h(self) -> FloatArray:
-        """Length of the deficit in every interval [h]; time first."""
-        lengths = np.where(self.deficit_wh > 0.0, np.diff(self.time_h)[:, np.newaxis], 0.0)
-        mixed = np.nonzero((self.deficit_wh > 0.0) & (self.surplus_wh > 0.0))
-        lengths[mixed] = deficit_phase_h(self.interval_of(*mixed))[1]
-        return lengths
+    def cumulative_deficit_h(self) -> FloatArray:
+        """Length of all deficits from the first to every node [h]; time first, then elements."""
+        lacks = self.deficit_wh > 0.0
+        row, cell = np.divmod(np.flatnonzero(lacks & (self.surplus_wh > 0.0)), lacks.shape[1])
+        of_mixed = deficit_phase_h(self.interval_of(row, cell))[1]
+        ends = np.searchsorted(row, np.arange(len(lacks) + 1))
+        sums = np.zeros((len(lacks) + 1, lacks.shape[1]))
+        for k, hours in enumerate(np.diff(self.time_h)):
+            lengths = np.multiply(lacks[k], hours, out=sums[k + 1])
+            mixed = slice(ends[k], ends[k + 1])
+            lengths[cell[mixed]] = of_mixed[mixed]
+            lengths += sums[k]
+        return sums
 
     def intervals(self) -> Iterator[Interval]:
         """Walk the time axis interval by interval."""
