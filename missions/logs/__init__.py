@@ -1,1 +1,7 @@
-"""Logs of real flights: ``csv`` and ``px4_ulog`` read them, ``table`` checks what they hold."""
+"""Logs of real flights.
+
+* ``csv``: ``read_flight_log``, and text tables; ``delimited``: how such a table is written
+* ``columns``: which column is what; ``units``, ``clock``: what its values mean
+* ``px4_ulog``, ``dataflash``: files of autopilots; ``streams``: their messages as one log
+* ``table``: the log, and the checks of what it holds
+"""

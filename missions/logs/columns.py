@@ -259,7 +259,9 @@ class Recipes(NamedTuple):
     problems: list[str]
 
 
-def recipes_for(header: Sequence[str], given: ColumnMap | None = None) -> Recipes:
+def recipes_for(
+    header: Sequence[str], given: ColumnMap | None = None, *, guess: bool = True
+) -> Recipes:
     """Find out how the quantities of the log format are made of the columns of a log.
 
     Parameters
@@ -268,6 +270,8 @@ def recipes_for(header: Sequence[str], given: ColumnMap | None = None) -> Recipe
         Names of the columns.
     given : ColumnMap, optional
         What is known of them.
+    guess : bool
+        Whether the rest is guessed from the names.
 
     Returns
     -------
@@ -281,7 +285,7 @@ def recipes_for(header: Sequence[str], given: ColumnMap | None = None) -> Recipe
         except ValueError as error:
             problems.append(str(error))
     taken = {column for recipe in found.values() for column in recipe.columns}
-    for quantity in QUANTITIES:
+    for quantity in QUANTITIES if guess else ():
         if quantity not in found and (column := _guess(quantity, header, taken)) is not None:
             own = column.column == quantity or column.column in TIME_NAMES
             found[quantity] = Recipe(quantity, ((column,),), guessed=not own)

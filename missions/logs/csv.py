@@ -21,6 +21,7 @@ from missions.logs.columns import (
     problems_of,
     recipes_for,
 )
+from missions.logs.dataflash import read_dataflash
 from missions.logs.delimited import Text, read_text
 from missions.logs.px4_ulog import read_ulog
 from missions.logs.table import (
@@ -43,7 +44,7 @@ _RADIANS = "roll, pitch and yaw read as radians: the yaw turns within 2 pi and n
 
 
 def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
-    """Read a log: PX4 ULog by the suffix ``.ulg``, a text table otherwise.
+    """Read a log: PX4 ULog (``.ulg``), DataFlash of ArduPilot (``.bin``), else a text table.
 
     Parameters
     ----------
@@ -62,7 +63,9 @@ def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = No
         If the file cannot be read or anything in it is wrong.
     """
     if Path(path).suffix.lower() == ".ulg":
-        return read_ulog(path)
+        return read_ulog(path, columns)
+    if Path(path).suffix.lower() == ".bin":
+        return read_dataflash(path, columns)
     return read_csv(path, columns)
 
 

@@ -5,76 +5,87 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missions.files.errors import file_error, printable
-from missions.logs.table import ATTITUDE, EPOCH, FlightLog, log_from_table
+from missions.logs.columns import ColumnMap
+from missions.logs.streams import (
+    Series,
+    Stream,
+    constants_of,
+    given_series,
+    kinds_named,
+    log_from_series,
+    no_power,
+)
+from missions.logs.table import ATTITUDE, FlightLog
 from solar.types import BoolArray, FloatArray
 
-# A sample of a topic stands for a time no further from it than this [s].
-_ATTITUDE_AGE_S, _POSITION_AGE_S, _BATTERY_AGE_S = 0.5, 2.0, 5.0
 _FIX_3D = 3
 _POWER_TOPIC = "sensor_mppt"
 _POSITION_TOPICS = ("vehicle_gps_position", "sensor_gps")
-_POWER_HELP = (
-    f"the power is read from a topic {_POWER_TOPIC} with mppt_volt[i] and mppt_amp[i]; "
-    "logs that have it elsewhere must be exported to CSV"
-)
+_AIRSPEED_TOPICS = ("airspeed_validated", "airspeed")
+_EXAMPLE = "battery_status[1].voltage_v * battery_status[1].current_a"
 # How often a log is read over before its reader is taken to go round in circles.
 _MOST_PASSES = 20
 _DAMAGED = "the log is damaged; what of it could be read is used"
 
 
-class _Topic(NamedTuple):
-    """Fields of one topic over time since boot [s]."""
-
-    name: str
-    time_s: FloatArray
-    fields: dict[str, NDArray[Any]]
-
-
 @np.errstate(invalid="ignore", over="ignore")  # damaged numbers need not be any
-def read_ulog(path: str | os.PathLike[str]) -> FlightLog:
+def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
     """Read a PX4 ULog; needs the package pyulog.
 
-    Power and MPPT voltage come from ``sensor_mppt``, whose times are the log's; of the other
-    topics the nearest sample is taken, none if that is too old. Boot time becomes universal time by
-    the median difference to the time of the satellites.
+    Power and MPPT voltage come from ``sensor_mppt``, or from where ``columns`` says, such as
+    ``battery_status[1].voltage_v * battery_status[1].current_a``; their times are the log's. Of the
+    other topics the nearest sample is taken, none if that is too old. Boot time becomes universal
+    time by the median difference to the time of the satellites.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    columns : ColumnMap, optional
+        Topics and fields of quantities that are elsewhere than expected.
+
+    Returns
+    -------
+    FlightLog
 
     Raises
     ------
     InputError
         If the package, the file, a topic or a field is missing, or a value is wrong.
     """
-    import pandas as pd
-
-    source = os.fspath(path)
-    topics, damaged = _ulog_topics(source)
-    power = _topic(topics, (_POWER_TOPIC,), source, _POWER_HELP)
-    attitude = _topic(topics, ("vehicle_attitude",), source, "needed for the attitude")
+    source, layout = os.fspath(path), columns or ColumnMap()
+    topics, damaged = _ulog_topics(source, kinds_named(layout))
+    given = given_series(topics, layout, source)
+    constants = constants_of(layout)
+    series: dict[str, Series] = {}
+    if "solar_power_w" not in given:
+        if _POWER_TOPIC not in topics:
+            raise no_power(topics, source, _EXAMPLE)
+        series |= _mppt(topics[_POWER_TOPIC], source)
     position = _topic(topics, _POSITION_TOPICS, source, "needed for position and universal time")
-    time_s = power.time_s
-    volts, watts = _mppt(power, source)
-    columns = {
-        EPOCH: time_s + _boot_s(position, source),
-        "solar_power_w": watts,
-        "mppt_voltage_v": volts,
-    }
-    columns |= _sampled(position, time_s, _POSITION_AGE_S, _place(position, source))
-    columns |= _sampled(attitude, time_s, _ATTITUDE_AGE_S, _euler_deg(attitude, source))
+    series |= _place(position, source)
+    if not all(name in given or name in constants for name in ATTITUDE):
+        needed = ("vehicle_attitude",)
+        series |= _euler_deg(_topic(topics, needed, source, "needed for the attitude"), source)
     if "battery_status" in topics:
-        battery = topics["battery_status"]
-        columns |= _sampled(battery, time_s, _BATTERY_AGE_S, _battery(battery))
-    table = pd.DataFrame(columns)
+        series |= _battery(topics["battery_status"])
+    series |= _airspeed(topics)
     notes = [_DAMAGED] if damaged else []
-    if "load_w" in table:
+    if "load_w" in series and "load_w" not in given:
         notes.append("load_w is voltage times current of battery_status")
-    return log_from_table(table, source, notes=notes)
+    if "airspeed_m_per_s" in series and "airspeed_m_per_s" not in given:
+        notes.append("airspeed_m_per_s is the true airspeed of the autopilot")
+    boot_s = _boot_s(position, source)
+    varying = {name: one for name, one in (series | given).items() if name not in constants}
+    return log_from_series(varying, boot_s, source, notes, constants)
 
 
 class _EndlessError(Exception):
@@ -105,8 +116,8 @@ class _BoundedFile:
         self._file.close()
 
 
-def _ulog_topics(source: str) -> tuple[dict[str, _Topic], bool]:
-    """First instance of every topic in the log; whether the log is damaged."""
+def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream], bool]:
+    """Topics in the log, of the first instance without a number; whether the log is damaged."""
     try:
         from pyulog import ULog
     except ImportError:
@@ -115,54 +126,72 @@ def _ulog_topics(source: str) -> tuple[dict[str, _Topic], bool]:
         ) from None
     if not Path(source).is_file():
         raise file_error(source, "cannot be read: no such file")
-    names = [_POWER_TOPIC, "vehicle_attitude", *_POSITION_TOPICS, "battery_status"]
+    names = {_POWER_TOPIC, "vehicle_attitude", "battery_status", *others}
+    names |= {*_POSITION_TOPICS, *_AIRSPEED_TOPICS}
     # What pyulog prints of damaged logs would stand among the results.
     with contextlib.redirect_stdout(io.StringIO()):
         try:
             with open(source, "rb") as file:  # noqa: PTH123
-                log = ULog(_BoundedFile(file), names)
+                log = ULog(_BoundedFile(file), sorted(names))
         except OSError as error:
             raise file_error(source, f"cannot be read: {error.strerror}") from None
         except Exception as error:  # pyulog raises whatever its parsing trips over
             raise file_error(source, f"is not a ULog: {printable(str(error))[:200]}") from None
-    topics: dict[str, _Topic] = {}
+    topics: dict[str, Stream] = {}
     for data in sorted(log.data_list, key=lambda d: int(d.multi_id)):
         fields = {str(k): np.asarray(v) for k, v in data.data.items()}
+        name = str(data.name)
         if "timestamp" not in fields:
-            raise file_error(source, f"topic {printable(str(data.name))} has no field timestamp")
+            raise file_error(source, f"topic {printable(name)} has no field timestamp")
         if len(fields["timestamp"]):
-            topic = _Topic(str(data.name), fields["timestamp"] / 1e6, fields)
-            topics.setdefault(topic.name, topic)
+            # Instances are counted by where they first stand: some logs begin at 1.
+            name = name if name not in topics else f"{name}[{int(data.multi_id)}]"
+            topic = Stream(name, np.asarray(fields["timestamp"], float) / 1e6, fields)
+            topics.setdefault(name, topic)
     return topics, bool(log.file_corruption)
 
 
-def _topic(topics: dict[str, _Topic], names: Sequence[str], source: str, purpose: str) -> _Topic:
+def _topic(topics: dict[str, Stream], names: Sequence[str], source: str, purpose: str) -> Stream:
     for name in names:
         if name in topics:
             return topics[name]
     raise file_error(source, f"has no topic {' or '.join(names)}: {purpose}")
 
 
-def _field(topic: _Topic, source: str, *names: str) -> NDArray[Any]:
+def _field(topic: Stream, source: str, *names: str) -> NDArray[Any]:
     for name in names:
         if name in topic.fields:
             return topic.fields[name]
     raise file_error(source, f"topic {topic.name} has no field {' or '.join(names)}")
 
 
-def _mppt(power: _Topic, source: str) -> tuple[FloatArray, FloatArray]:
+def _series(topic: Stream, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
+    return {name: Series(topic.time_s, np.asarray(v, float)) for name, v in values.items()}
+
+
+def _mppt(power: Stream, source: str) -> dict[str, Series]:
     """Mean voltage [V] of the MPPTs in use, and power of all [W]."""
     _field(power, source, "mppt_volt[0]")
     _field(power, source, "mppt_amp[0]")
     count = sum(name.startswith("mppt_volt[") for name in power.fields)
-    volt = np.array([power.fields[f"mppt_volt[{i}]"] for i in range(count)], float)
+    volt = np.array([_field(power, source, f"mppt_volt[{i}]") for i in range(count)], float)
     amp = np.array([_field(power, source, f"mppt_amp[{i}]") for i in range(count)], float)
     used = np.any(volt != 0.0, axis=1)
     mean = volt[used].mean(axis=0) if used.any() else np.full(volt.shape[1], np.nan)
-    return np.asarray(mean), np.asarray((volt * amp).sum(axis=0))
+    return _series(power, {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)})
 
 
-def _boot_s(position: _Topic, source: str) -> float:
+def _airspeed(topics: Mapping[str, Stream]) -> dict[str, Series]:
+    """True airspeed [m/s], NaN where the autopilot does not trust its sensor."""
+    for name in _AIRSPEED_TOPICS:
+        if name in topics and "true_airspeed_m_s" in topics[name].fields:
+            return _series(
+                topics[name], {"airspeed_m_per_s": topics[name].fields["true_airspeed_m_s"]}
+            )
+    return {}
+
+
+def _boot_s(position: Stream, source: str) -> float:
     """Universal time of the boot [s since 1970]."""
     utc = np.asarray(_field(position, source, "time_utc_usec"), float) / 1e6
     known = (utc > 0.0) & _has_fix(position)
@@ -171,14 +200,14 @@ def _boot_s(position: _Topic, source: str) -> float:
     return float(np.median((utc - position.time_s)[known]))
 
 
-def _has_fix(position: _Topic) -> BoolArray:
+def _has_fix(position: Stream) -> BoolArray:
     fix = position.fields.get("fix_type")
     if fix is None:
         return np.ones(len(position.time_s), bool)
     return np.asarray(fix >= _FIX_3D)
 
 
-def _place(position: _Topic, source: str) -> dict[str, FloatArray]:
+def _place(position: Stream, source: str) -> dict[str, Series]:
     """Position in degrees and metres, from floating-point fields or the integers of old logs."""
     columns = {
         "latitude_deg": ("latitude_deg", "lat", 1e-7),
@@ -191,10 +220,10 @@ def _place(position: _Topic, source: str) -> dict[str, FloatArray]:
         values = np.asarray(_field(position, source, new, old), float)
         scaled = values if new in position.fields else values * unit
         result[column] = np.where(fixed, scaled, np.nan)
-    return result
+    return _series(position, result)
 
 
-def _euler_deg(attitude: _Topic, source: str) -> dict[str, FloatArray]:
+def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
     """Roll, pitch and yaw [deg] from the quaternion body (FRD) to North-East-Down.
 
     Source: Beard & McLain, Small Unmanned Aircraft (2012), eq. B.1 to B.3.
@@ -207,29 +236,18 @@ def _euler_deg(attitude: _Topic, source: str) -> dict[str, FloatArray]:
     roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return dict(zip(ATTITUDE, map(np.degrees, (roll, pitch, yaw)), strict=True))
+    degrees = map(np.degrees, (roll, pitch, yaw))
+    return _series(attitude, dict(zip(ATTITUDE, degrees, strict=True)))
 
 
-def _battery(battery: _Topic) -> dict[str, FloatArray]:
+def _battery(battery: Stream) -> dict[str, Series]:
     """Load [W] and state of charge, where they are known (negative: unknown)."""
-    fields, result = battery.fields, {}
+    fields = battery.fields
+    result: dict[str, FloatArray] = {}
     if "voltage_v" in fields and "current_a" in fields:
         volt, amp = (np.asarray(fields[name], float) for name in ("voltage_v", "current_a"))
         result["load_w"] = np.where(amp == -1.0, np.nan, volt * amp)
     if "remaining" in fields:
         remaining = np.asarray(fields["remaining"], float)
         result["state_of_charge"] = np.where(remaining < 0.0, np.nan, remaining)
-    return result
-
-
-def _sampled(
-    topic: _Topic, time_s: FloatArray, age_s: float, columns: dict[str, FloatArray]
-) -> dict[str, FloatArray]:
-    """Nearest sample of a topic at other times, NaN if it is older or younger than allowed."""
-    after = np.clip(np.searchsorted(topic.time_s, time_s), 1, max(len(topic.time_s) - 1, 1))
-    after = np.minimum(after, len(topic.time_s) - 1)
-    before = np.maximum(after - 1, 0)
-    earlier = np.abs(time_s - topic.time_s[before]) <= np.abs(topic.time_s[after] - time_s)
-    nearest = np.where(earlier, before, after)
-    fresh = np.abs(topic.time_s[nearest] - time_s) <= age_s
-    return {name: np.where(fresh, values[nearest], np.nan) for name, values in columns.items()}
+    return _series(battery, result)

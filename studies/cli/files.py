@@ -33,7 +33,7 @@ T = TypeVar("T")
 
 DEFAULT_MISSION = " (default mission)"  # behind the name of one that nobody chose
 _AIRCRAFT_PREFIX = "aircraft."
-_YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg")
+_YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg", ".bin")
 _A_KIND: dict[Kind, str] = {"aircraft": "an aircraft", "mission": "a mission"}
 _OTHER: dict[Kind, Kind] = {"aircraft": "mission", "mission": "aircraft"}
 

@@ -74,7 +74,7 @@ def verify(
     figure: FigureOptions,
     report_file: str | None,
 ) -> None:
-    """Compare the solar power models with the flight LOG (CSV or ULog) of AIRCRAFT."""
+    """Compare the solar power models with the flight LOG (table, ULog, DataFlash) of AIRCRAFT."""
     from missions.files.writing import check_writable_folder
     from missions.logs.csv import read_flight_log
     from studies.cli.files import load, refuse_swapped_log

@@ -351,7 +351,7 @@ def test_ulog_stale_attitude_is_not_used(ulog: Any) -> None:
 @pytest.mark.parametrize(
     ("topic", "expected"),
     [
-        ("sensor_mppt", "has no topic sensor_mppt: the power is read"),
+        ("sensor_mppt", "does not say where the solar power is"),
         ("vehicle_attitude", "has no topic vehicle_attitude"),
         ("vehicle_gps_position", "has no topic vehicle_gps_position or sensor_gps"),
     ],

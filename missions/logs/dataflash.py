@@ -1,0 +1,245 @@
+"""Flight logs from ArduPilot's DataFlash files (``.bin``), which describe themselves.
+
+A file is a row of messages: two bytes 0xA3 0x95, a type, and a body whose fields a message of type
+128 (FMT) has described before. Source: ArduPilot, Logging data interpretation (dev documentation of
+the DataFlash log format); the scales of the letters are those of the library AP_Logger.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missions.files.errors import file_error, printable
+from missions.files.reading import read_plain_file
+from missions.logs.columns import ColumnMap
+from missions.logs.streams import (
+    Series,
+    Stream,
+    constants_of,
+    given_series,
+    kinds_named,
+    log_from_series,
+    no_power,
+    rising,
+)
+from missions.logs.table import ATTITUDE, FlightLog
+from solar.types import FloatArray
+
+_MOST_BYTES = 500_000_000
+_HEAD, _FMT, _FMT_LENGTH = b"\xa3\x95", 128, 89
+# Letter of a field: type of the file, and what a step is worth.
+_LETTERS: Mapping[str, tuple[str, float]] = {
+    "b": ("i1", 1.0), "B": ("u1", 1.0), "M": ("u1", 1.0), "h": ("<i2", 1.0), "H": ("<u2", 1.0),
+    "i": ("<i4", 1.0), "I": ("<u4", 1.0), "q": ("<i8", 1.0), "Q": ("<u8", 1.0),
+    "f": ("<f4", 1.0), "d": ("<f8", 1.0), "g": ("<f2", 1.0), "c": ("<i2", 0.01),
+    "C": ("<u2", 0.01), "e": ("<i4", 0.01), "E": ("<u4", 0.01), "L": ("<i4", 1e-7),
+    "n": ("S4", 0.0), "N": ("S16", 0.0), "Z": ("S64", 0.0), "a": ("(32,)<i2", 0.0),
+}  # fmt: skip
+_INSTANCES = ("I", "Inst", "Instance")
+_KINDS = ("ATT", "GPS", "BAT", "CURR", "ARSP")
+_EXAMPLE = "BAT[1].Volt * BAT[1].Curr"
+_FIX_3D = 3
+# GPS time began on 1980-01-06; it is ahead of UTC by so many seconds from each of these instants
+# on [s since 1970]: IERS, Bulletin C 28 to 52.
+_GPS_EPOCH_S, _WEEK_S = 315964800.0, 604800.0
+_LEAP = ((1230768000.0, 15.0), (1341100800.0, 16.0), (1435708800.0, 17.0), (1483228800.0, 18.0))
+_LEAP_BEFORE = 14.0
+
+
+class _Kind(NamedTuple):
+    """One kind of message: its name, length with head, fields, and their scales."""
+
+    name: str
+    length: int
+    dtype: np.dtype[Any]
+    scales: dict[str, float]
+
+
+def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
+    """Read a DataFlash log of ArduPilot.
+
+    ``columns`` must say where the solar power is, for instance
+    ``BAT[1].Volt * BAT[1].Curr`` where the second battery monitor measures it; its times are the
+    log's. Attitude, position and universal time are those of ATT and GPS.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    columns : ColumnMap, optional
+        Messages and fields of quantities that are elsewhere than expected.
+
+    Returns
+    -------
+    FlightLog
+
+    Raises
+    ------
+    InputError
+        If the file, a message or a field is missing, or a value is wrong.
+    """
+    source, layout = os.fspath(path), columns or ColumnMap()
+    content = read_plain_file(source, most_bytes=_MOST_BYTES)
+    streams, skipped = _streams(content, {*_KINDS, *kinds_named(layout)}, source)
+    given, constants = given_series(streams, layout, source), constants_of(layout)
+    if "solar_power_w" not in given:
+        raise no_power(streams, source, _EXAMPLE)
+    series = _place(_needed(streams, "GPS", source), source)
+    if not all(name in given or name in constants for name in ATTITUDE):
+        series |= _attitude(_needed(streams, "ATT", source), source)
+    series |= _battery(streams)
+    notes = []
+    if skipped:
+        notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
+    if "load_w" in series and "load_w" not in given:
+        notes.append("load_w is voltage times current of the first battery monitor")
+    boot_s = _boot_s(streams["GPS"], source)
+    varying = {name: one for name, one in (series | given).items() if name not in constants}
+    return log_from_series(varying, boot_s, source, notes, constants)
+
+
+def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, Stream], int]:
+    """Messages of the kinds that are wanted, by instance; bytes that are no messages."""
+    kinds: dict[int, _Kind] = {}
+    lengths = {_FMT: _FMT_LENGTH}
+    places: dict[int, list[int]] = {}
+    at, end, skipped = 0, len(content) - 3, 0
+    while at <= end:
+        kind = content[at + 2]
+        length = lengths.get(kind)
+        if content[at] != 0xA3 or content[at + 1] != 0x95 or length is None:
+            found = content.find(_HEAD, at + 1)
+            found = len(content) if found < 0 else found
+            skipped += found - at
+            at = found
+            continue
+        if at + length > len(content):
+            break
+        if kind == _FMT:
+            _describe(content[at + 3 : at + length], kinds, lengths, wanted, places)
+        elif kind in places:
+            places[kind].append(at)
+        at += length
+    if _FMT not in lengths or len(lengths) == 1:
+        raise file_error(source, "is not a DataFlash log: it describes no messages")
+    streams: dict[str, Stream] = {}
+    for number, found_at in places.items():
+        if found_at:
+            streams |= _by_instance(kinds[number], content, np.array(found_at))
+    return streams, skipped
+
+
+def _describe(
+    body: bytes,
+    kinds: dict[int, _Kind],
+    lengths: dict[int, int],
+    wanted: set[str],
+    places: dict[int, list[int]],
+) -> None:
+    """Take in a FMT message; what it cannot be is left out."""
+    number, length = body[0], body[1]
+    name, letters, labels = (
+        part.split(b"\0")[0].decode("ascii", "replace")
+        for part in (body[2:6], body[6:22], body[22:86])
+    )
+    fields = labels.split(",")
+    if number == _FMT or length < 4 or number in lengths:
+        return
+    known = all(letter in _LETTERS for letter in letters)
+    lengths[number] = length
+    if not known or len(fields) != len(letters) or len(set(fields)) != len(fields):
+        return
+    dtype = np.dtype(
+        [("head", "S3"), *((f, _LETTERS[c][0]) for f, c in zip(fields, letters, strict=True))]
+    )
+    if dtype.itemsize == length and name in wanted:
+        scales = {f: _LETTERS[c][1] for f, c in zip(fields, letters, strict=True)}
+        kinds[number] = _Kind(name, length, dtype, {f: s for f, s in scales.items() if s})
+        places[number] = []
+
+
+def _by_instance(kind: _Kind, content: bytes, at: NDArray[Any]) -> dict[str, Stream]:
+    """Streams of one kind of message, apart by instance where it has such."""
+    raw = np.frombuffer(content, np.uint8)
+    rows = raw[at[:, np.newaxis] + np.arange(kind.length)]
+    table = np.ascontiguousarray(rows).view(kind.dtype)[:, 0]
+    fields = {f: table[f].astype(float) * s for f, s in kind.scales.items()}
+    clock, step = ("TimeUS", 1e-6) if "TimeUS" in fields else ("TimeMS", 1e-3)
+    if clock not in fields:
+        return {}
+    whole = Stream(kind.name, fields[clock] * step, fields)
+    instance = next((fields[n] for n in _INSTANCES if n in fields), None)
+    if instance is None:
+        return {kind.name: rising(whole)}
+    streams = {}
+    for number in np.unique(instance)[:16]:
+        rows_of = instance == number
+        name = kind.name if number == 0 else f"{kind.name}[{int(number)}]"
+        own = {f: v[rows_of] for f, v in fields.items()}
+        streams[name] = rising(Stream(name, whole.time_s[rows_of], own))
+    return streams
+
+
+def _needed(streams: Mapping[str, Stream], name: str, source: str) -> Stream:
+    if name not in streams:
+        raise file_error(source, f"has no messages {name}")
+    return streams[name]
+
+
+def _field(stream: Stream, source: str, name: str) -> FloatArray:
+    if name not in stream.fields:
+        raise file_error(source, f"message {printable(stream.name)} has no field {name}")
+    return np.asarray(stream.fields[name], float)
+
+
+def _fixed(gps: Stream) -> NDArray[np.bool_]:
+    status = gps.fields.get("Status")
+    return np.ones(len(gps.time_s), bool) if status is None else np.asarray(status >= _FIX_3D)
+
+
+def _place(gps: Stream, source: str) -> dict[str, Series]:
+    names = {"latitude_deg": "Lat", "longitude_deg": "Lng", "altitude_m": "Alt"}
+    good = _fixed(gps)
+    return {
+        quantity: Series(gps.time_s, np.where(good, _field(gps, source, field), np.nan))
+        for quantity, field in names.items()
+    }
+
+
+def _attitude(attitude: Stream, source: str) -> dict[str, Series]:
+    fields = zip(ATTITUDE, ("Roll", "Pitch", "Yaw"), strict=True)
+    return {name: Series(attitude.time_s, _field(attitude, source, f)) for name, f in fields}
+
+
+def _battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
+    """Load [W] and state of charge of the first battery monitor, where it has them."""
+    battery = streams.get("BAT", streams.get("CURR"))
+    if battery is None:
+        return {}
+    fields, result = battery.fields, {}
+    if "Volt" in fields and "Curr" in fields:
+        result["load_w"] = Series(battery.time_s, fields["Volt"] * fields["Curr"])
+    if "RemPct" in fields:
+        share = np.asarray(fields["RemPct"], float) / 100.0
+        known = (share >= 0.0) & (share <= 1.0)
+        result["state_of_charge"] = Series(battery.time_s, np.where(known, share, np.nan))
+    return result
+
+
+def _boot_s(gps: Stream, source: str) -> float:
+    """Universal time of the boot [s since 1970], from the satellites' weeks and milliseconds."""
+    week, ms = _field(gps, source, "GWk"), _field(gps, source, "GMS")
+    known = _fixed(gps) & (week > 0.0)
+    if not known.any():
+        raise file_error(source, "message GPS never knows the universal time")
+    gps_s = _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms
+    leap = _LEAP_BEFORE
+    middle = float(np.median(gps_s[known]))
+    for since, ahead in _LEAP:
+        leap = ahead if middle - ahead >= since else leap
+    return float(np.median((gps_s - gps.time_s)[known])) - leap

@@ -1,0 +1,206 @@
+"""Logs of autopilots: streams of messages, each with its own times, put together into one log."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missions.files.errors import InputError, file_error, printable
+from missions.logs.columns import ColumnMap, Recipe, Source, problems_of, recipes_for
+from missions.logs.table import EPOCH, FlightLog, log_from_table
+from solar.types import FloatArray
+
+# A sample of a stream stands for a time no further from it than this [s].
+ATTITUDE_AGE_S, POSITION_AGE_S, OTHER_AGE_S = 0.5, 2.0, 5.0
+_AGES = {
+    **dict.fromkeys(("roll_deg", "pitch_deg", "yaw_deg"), ATTITUDE_AGE_S),
+    **dict.fromkeys(("latitude_deg", "longitude_deg", "altitude_m"), POSITION_AGE_S),
+}
+_STREAM = re.compile(r"([A-Za-z0-9_]+)(?:\[\d+\])?\.")
+
+
+class Stream(NamedTuple):
+    """Messages of one kind over time since boot [s]; further instances are ``NAME[1]``, ..."""
+
+    name: str
+    time_s: FloatArray
+    fields: Mapping[str, NDArray[Any]]
+
+
+class Series(NamedTuple):
+    """A quantity in the unit of the log format, over time since boot [s]."""
+
+    time_s: FloatArray
+    values: FloatArray
+
+
+def kinds_named(layout: ColumnMap) -> set[str]:
+    """Kinds of messages that a map of columns names."""
+    texts = [s.name or "" if isinstance(s, Source) else s for s in layout.columns.values()]
+    return {match[1] for text in texts for match in _STREAM.finditer(text)}
+
+
+def rising(stream: Stream) -> Stream:
+    """Stream without the messages whose times do not rise, as in damaged logs."""
+    time_s = stream.time_s
+    keep = np.isfinite(time_s)
+    highest = np.maximum.accumulate(np.where(keep, time_s, -np.inf))
+    keep &= np.concatenate(([True], time_s[1:] > highest[:-1]))
+    if keep.all():
+        return stream
+    return Stream(stream.name, time_s[keep], {k: v[keep] for k, v in stream.fields.items()})
+
+
+def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
+    """Nearest sample at other times, NaN if it is older or younger than allowed.
+
+    Parameters
+    ----------
+    series : Series
+        What is sampled.
+    time_s : ndarray
+        Times since boot [s].
+    age_s : float
+        Largest difference of times [s].
+
+    Returns
+    -------
+    ndarray
+    """
+    own = series.time_s
+    if not len(own):
+        return np.full(len(time_s), np.nan)
+    after = np.minimum(np.searchsorted(own, time_s), len(own) - 1)
+    before = np.maximum(after - 1, 0)
+    earlier = np.abs(time_s - own[before]) <= np.abs(own[after] - time_s)
+    nearest = np.where(earlier, before, after)
+    fresh = np.abs(own[nearest] - time_s) <= age_s
+    return np.where(fresh, series.values[nearest], np.nan)
+
+
+def given_series(
+    streams: Mapping[str, Stream], layout: ColumnMap, source: str
+) -> dict[str, Series]:
+    """Quantities that a map of columns makes of ``STREAM.FIELD``.
+
+    Parameters
+    ----------
+    streams : mapping
+        Streams of the log by name.
+    layout : ColumnMap
+        What is known of the log.
+    source : str
+        File name for messages.
+
+    Returns
+    -------
+    dict
+        Series by quantity.
+
+    Raises
+    ------
+    InputError
+        If there is no such stream or field.
+    """
+    header = [f"{name}.{field}" for name, stream in streams.items() for field in stream.fields]
+    recipes = recipes_for(header, layout, guess=False)
+    if recipes.problems:
+        raise InputError(problems_of(recipes, source, None))
+    return {
+        quantity: _made(recipe, streams)
+        for quantity, recipe in recipes.found.items()
+        if quantity != "time"
+    }
+
+
+def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> Series:
+    """Series at the times of its first stream."""
+    if recipe.value is not None:
+        return Series(np.zeros(1), np.full(1, recipe.value))
+    first = streams[recipe.columns[0].rpartition(".")[0]].time_s
+
+    def column(name: str) -> FloatArray:
+        stream, _, field = name.rpartition(".")
+        values = np.asarray(streams[stream].fields[field], float)
+        return sampled(Series(streams[stream].time_s, values), first, OTHER_AGE_S)
+
+    return Series(first, recipe.values(column))
+
+
+def log_from_series(
+    series: Mapping[str, Series],
+    boot_s: float,
+    source: str,
+    notes: Sequence[str] = (),
+    constants: Mapping[str, float] | None = None,
+) -> FlightLog:
+    """Put quantities together at the times of the solar power.
+
+    Parameters
+    ----------
+    series : mapping
+        Series by quantity; ``solar_power_w`` must be among them.
+    boot_s : float
+        Universal time of the boot [s since 1970].
+    source : str
+        File name.
+    notes : sequence of str
+        What the reader of results should know.
+    constants : mapping, optional
+        Quantities of one value.
+
+    Returns
+    -------
+    FlightLog
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
+    """
+    import pandas as pd
+
+    time_s = series["solar_power_w"].time_s
+    columns: dict[str, Any] = {EPOCH: time_s + boot_s}
+    for quantity, one in series.items():
+        age = _AGES.get(quantity, OTHER_AGE_S)
+        columns[quantity] = sampled(one, time_s, age)
+    columns |= dict(constants or {})
+    return log_from_table(pd.DataFrame(columns), source, notes=notes)
+
+
+def constants_of(layout: ColumnMap) -> dict[str, float]:
+    """Quantities that a map of columns gives as one value."""
+    return {
+        quantity: one.factor * one.value
+        for quantity, one in layout.columns.items()
+        if isinstance(one, Source) and one.value is not None
+    }
+
+
+def no_power(streams: Mapping[str, Stream], source: str, example: str) -> InputError:
+    """Error of a log that does not say which message holds the solar power.
+
+    Parameters
+    ----------
+    streams : mapping
+        Streams that were read.
+    source : str
+        File name.
+    example : str
+        Recipe that may be right.
+
+    Returns
+    -------
+    InputError
+    """
+    names = ", ".join(printable(name) for name in list(streams)[:12])
+    return file_error(
+        source,
+        f"does not say where the solar power is; give it, for instance --column "
+        f"'solar_power_w={example}'; read: {names}",
+    )

@@ -1,0 +1,167 @@
+"""Logs of autopilots: DataFlash of ArduPilot, and ULog whose power is not where it is expected."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from missions.files.errors import InputError
+from missions.logs.columns import ColumnMap, parse_column
+from missions.logs.csv import read_flight_log
+from missions.logs.table import FlightLog
+from tests.missions.logs.test_flight_log import EPOCH_S, topics, ulog_bytes
+
+COUNT = 24
+SOLAR = "BAT[1].Volt * BAT[1].Curr"
+# Name: number, letters, fields.
+FORMATS = {
+    "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns"),
+    "ATT": (130, "QccccCC", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw"),
+    "GPS": (131, "QBBIHBcLLe", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt"),
+    "BAT": (132, "QBffB", "TimeUS,Inst,Volt,Curr,RemPct"),
+    "MSG": (133, "QZ", "TimeUS,Message"),
+}
+PACKED = {"b": "b", "B": "B", "h": "h", "H": "H", "i": "i", "I": "I", "Q": "Q", "f": "f"}
+PACKED |= {"c": "h", "C": "H", "e": "i", "L": "i", "n": "4s", "N": "16s", "Z": "64s"}
+
+
+def layout(power: str = SOLAR) -> ColumnMap:
+    return ColumnMap().with_options(dict([parse_column(f"solar_power_w={power}")]), None)
+
+
+def message(name: str, *values: Any) -> bytes:
+    number, letters, _ = FORMATS[name]
+    body = struct.pack("<" + "".join(PACKED[letter] for letter in letters), *values)
+    return b"\xa3\x95" + bytes([number]) + body
+
+
+def dataflash(*, formats: bool = True) -> bytes:
+    """Twelve seconds at 2 Hz of each message, booted 100 s before the first."""
+    out = b""
+    for name, (number, letters, labels) in FORMATS.items() if formats else ():
+        length = 3 + struct.calcsize("<" + "".join(PACKED[letter] for letter in letters))
+        row = (number, length, name.encode(), letters.encode(), labels.encode())
+        out += message("FMT", *row)
+    # 2015-07-01T05:30:00Z, 17 s after GPS time had been set back by the leap second of that day.
+    gps_s = EPOCH_S + 17.0 - 315964800.0
+    week, seconds = divmod(gps_s, 604800.0)
+    for i in range(COUNT):
+        time_us = 100_000_000 + 500_000 * i
+        ms = round(1e3 * seconds) + 500 * i
+        out += message("ATT", time_us, 0, 1000, 0, -250, 0, 27000)
+        place = (900, 476000000, 85300000, 53600)
+        out += message("GPS", time_us, 0, 3, ms, int(week), 12, *place)
+        out += message("BAT", time_us, 0, 24.0, 2.0, 80)
+        out += message("BAT", time_us, 1, 20.0, 5.0 + 0.1 * i, 0)
+        out += message("MSG", time_us, b"hello")
+    return out
+
+
+def read(folder: Path, content: bytes, columns: ColumnMap | None = None) -> FlightLog:
+    file = folder / "flight.bin"
+    file.write_bytes(content)
+    return read_flight_log(file, columns)
+
+
+def test_dataflash_becomes_a_log(tmp_path: Path) -> None:
+    log = read(tmp_path, dataflash(), layout())
+    assert log.time_s == pytest.approx(EPOCH_S + 0.5 * np.arange(COUNT), abs=1e-3)
+    assert log.solar_power_w == pytest.approx(20.0 * (5.0 + 0.1 * np.arange(COUNT)))
+    assert log.latitude_deg == pytest.approx(47.6)
+    assert log.longitude_deg == pytest.approx(8.53)
+    assert log.altitude_m == pytest.approx(536.0)
+    assert log.attitude is not None
+    angles = [float(np.degrees(angle[0])) for angle in log.attitude]
+    assert angles == pytest.approx([10.0, -2.5, 270.0])
+    assert log.load_w == pytest.approx(48.0)
+    assert log.state_of_charge == pytest.approx(0.8)
+
+
+def test_dataflash_agrees_with_pymavlink(tmp_path: Path) -> None:
+    reader = pytest.importorskip("pymavlink.DFReader")
+    file = tmp_path / "flight.bin"
+    file.write_bytes(dataflash())
+    log = read_flight_log(file, layout())
+    other = reader.DFReader_binary(str(file))
+    volts, yaws, times = [], [], []
+    while (found := other.recv_match(type=["BAT", "ATT", "GPS"])) is not None:
+        if found.get_type() == "BAT" and found.Inst == 1:
+            volts.append(found.Volt * found.Curr)
+        elif found.get_type() == "ATT":
+            yaws.append(found.Yaw)
+        elif found.get_type() == "GPS":
+            times.append(found._timestamp)
+    assert log.solar_power_w == pytest.approx(volts)
+    assert log.attitude is not None
+    assert np.degrees(log.attitude.yaw_rad) == pytest.approx(yaws)
+    assert log.time_s == pytest.approx(
+        times, abs=1.5
+    )  # it counts 16 s of leap seconds at all times
+
+
+def test_dataflash_that_does_not_say_where_the_power_is(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, dataflash())
+    message = str(caught.value)
+    assert "--column 'solar_power_w=BAT[1].Volt * BAT[1].Curr'" in message
+    assert "read: ATT, GPS, BAT, BAT[1]" in message
+    with pytest.raises(InputError, match="no such column"):
+        read(tmp_path, dataflash(), layout("BAT[2].Volt * BAT[2].Curr"))
+
+
+@pytest.mark.parametrize("content", [b"", b"no log", b"\xa3\x95" * 50, dataflash(formats=False)])
+def test_what_is_no_dataflash(tmp_path: Path, content: bytes) -> None:
+    with pytest.raises(InputError, match="is not a DataFlash log"):
+        read(tmp_path, content, layout())
+
+
+def test_damage_is_told(tmp_path: Path) -> None:
+    head = b"\xa3\x95" + bytes([FORMATS["GPS"][0]])
+    first = dataflash().index(head)
+    content = dataflash()[:first] + b"\0" * 10 + dataflash()[first:]
+    log = read(tmp_path, content, layout())
+    assert len(log) == COUNT
+    assert f"the log is damaged: 10 of {len(content)} bytes are no messages" in log.notes
+
+
+@settings(max_examples=60)
+@given(
+    st.lists(st.tuples(st.floats(0.0, 1.0), st.integers(0, 255)), min_size=1, max_size=4),
+    st.floats(0.3, 1.0),
+)
+def test_damaged_dataflash_is_read_or_refused_in_words(
+    tmp_path_factory: pytest.TempPathFactory, changes: list[tuple[float, int]], kept: float
+) -> None:
+    content = bytearray(dataflash())
+    content = content[: int(kept * len(content))]
+    for place, value in changes:
+        content[min(int(place * len(content)), len(content) - 1)] = value
+    folder = tmp_path_factory.mktemp("log")
+    try:
+        log = read(folder, bytes(content), layout())
+    except InputError:
+        return
+    assert np.all(np.isfinite(log.solar_power_w))
+
+
+def test_ulog_with_solar_power_on_a_second_battery_monitor(tmp_path: Path) -> None:
+    pytest.importorskip("pyulog")
+    content = topics(old_position=True)
+    del content["sensor_mppt"]
+    micros = content["battery_status"]["timestamp"]
+    airspeed = {"timestamp": micros, "true_airspeed_m_s": np.full(COUNT, 9.5)}
+    content |= {"airspeed": airspeed}
+    file = tmp_path / "flight.ulg"
+    file.write_bytes(ulog_bytes(content))
+    power = "battery_status.voltage_v * battery_status.current_a"
+    log = read_flight_log(file, layout(power))
+    assert log.solar_power_w == pytest.approx(48.0)
+    assert log.airspeed_m_per_s == pytest.approx(9.5)
+    with pytest.raises(InputError, match="does not say where the solar power is"):
+        read_flight_log(file)
