@@ -15,7 +15,7 @@ from missions.files.validation import validate
 from missions.files.yaml import Document, parse_yaml
 from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
 
-__all__ = ["KINDS", "Kind", "entries", "entry", "is_entry_path"]
+__all__ = ["KINDS", "Kind", "entries", "entry", "entry_names", "is_entry_path"]
 
 Kind = Literal["cells", "batteries", "motors"]
 
@@ -50,6 +50,11 @@ def _shipped(kind: Kind, name: str) -> Entry:
 def entries(kind: Kind) -> dict[str, Entry]:
     """All entries of a shipped catalogue by their names, in the order of its file."""
     return {name: _shipped(kind, name) for name in _documents(kind)}
+
+
+def entry_names(kind: Kind) -> list[str]:
+    """Names of all entries of a shipped catalogue."""
+    return list(_documents(kind))
 
 
 def entry(kind: Kind, name: str) -> Entry:

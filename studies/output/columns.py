@@ -183,14 +183,14 @@ def attributes(
 
 
 def failed_cells(
-    cells: Sequence[tuple[float, ...]], failures: Mapping[int, str], names: Sequence[str]
+    cells: Sequence[tuple[Any, ...]], failures: Mapping[int, str], names: Sequence[str]
 ) -> dict[str, str]:
     """Attribute that says which cells failed, and why; none where none did.
 
     Parameters
     ----------
-    cells : sequence of tuple of float
-        All cells.
+    cells : sequence of tuple
+        All cells: numbers, or names.
     failures : mapping
         Reasons by the number of the cell.
     names : sequence of str
@@ -204,7 +204,10 @@ def failed_cells(
     if not failures:
         return {}
     lines = [
-        ", ".join(f"{name} {value:g}" for name, value in zip(names, cells[i], strict=True))
+        ", ".join(
+            f"{name} {value if isinstance(value, str) else format(value, 'g')}"
+            for name, value in zip(names, cells[i], strict=True)
+        )
         + f": {text}"
         for i, text in sorted(failures.items())
     ]

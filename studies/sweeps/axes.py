@@ -7,15 +7,18 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from difflib import get_close_matches
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sizing.catalogues.files import Kind, entry_names
 from sizing.parameters import catalogue
 
 __all__ = [
     "DESIGN_KEYS",
+    "NAMED_KEYS",
     "SAMPLE_NAMES",
     "Axis",
     "SampleName",
@@ -26,6 +29,7 @@ __all__ = [
     "design_variable",
     "parse_axis",
     "points",
+    "shown_value",
     "unit_label",
     "unit_of",
     "without_unit",
@@ -39,6 +43,15 @@ _MAXIMUM_VALUES = 10_000
 
 # Design variables: their short names, and the keys of the aircraft file.
 DESIGN_KEYS = {one.name: one.key for one in catalogue().values() if one.kind == "design"}
+
+# Keys that take the names of a catalogue's entries, and that catalogue.
+NAMED_KEYS: dict[str, Kind] = {
+    "modules.cell": "cells",
+    "battery.cell": "batteries",
+    "airframe.propulsion.motor": "motors",
+}
+
+_NAMED_LABELS: dict[Kind, str] = {"cells": "solar cell", "batteries": "battery", "motors": "motor"}
 
 # How names that the catalogue of parameters has not end -> unit as CF spells it; longer ones first.
 _UNITS = (
@@ -90,11 +103,14 @@ class Axis:
         Its values; two ends where only a range was given.
     is_range : bool
         Whether the values are the ends of a range and nothing between them was chosen.
+    names : tuple of str
+        Entries of a catalogue, whose places from 0 are then the values; none for numbers.
     """
 
     key: str
     values: tuple[float, ...]
     is_range: bool = False
+    names: tuple[str, ...] = ()
 
     @property
     def design_variable(self) -> str | None:
@@ -117,6 +133,8 @@ def unit_of(key: str) -> str:
 
 def axis_label(key: str) -> str:
     """Key in words: the catalogue's, else its name without the unit that it ends in."""
+    if key in NAMED_KEYS:
+        return _NAMED_LABELS[NAMED_KEYS[key]]
     known = catalogue().get(key)
     return without_unit(_short(key)).replace("_", " ") if known is None else known.label
 
@@ -164,6 +182,9 @@ def axes_of(vary: Mapping[str, ArrayLike]) -> list[Axis]:
     """
     axes = []
     for key, values in vary.items():
+        if key.removeprefix("aircraft.") in NAMED_KEYS:
+            axes.append(_named_axis(key, [str(one) for one in np.atleast_1d(np.asarray(values))]))
+            continue
         numbers = np.atleast_1d(np.asarray(values))
         if numbers.dtype.kind not in "iuf" or numbers.ndim != 1 or not np.isfinite(numbers).all():
             raise ValueError(f"{key} needs a list of finite numbers")
@@ -180,8 +201,48 @@ def _axis(key: str, values: tuple[float, ...], *, is_range: bool = False) -> Axi
     return Axis(full, values, is_range)
 
 
+def _named_axis(key: str, given: Sequence[str]) -> Axis:
+    """Axis over entries of a catalogue.
+
+    Raises
+    ------
+    ValueError
+        If there is no such entry.
+    """
+    full = key.removeprefix("aircraft.")
+    names = tuple(name.strip() for name in given)
+    allowed = entry_names(NAMED_KEYS[full])
+    for name in names:
+        if name not in allowed:
+            near = get_close_matches(name, allowed, n=3, cutoff=0.5)
+            meant = f"; did you mean {', '.join(near)}?" if near else ""
+            raise ValueError(f"{key}: no entry of the catalogue is called {name[:40]!r}{meant}")
+    places = tuple(float(place) for place in range(len(names)))
+    if len(set(names)) < len(names):
+        raise ValueError(f"{key} has a value twice")
+    if not names:
+        raise ValueError(f"{key} needs values")
+    return Axis(full, places, names=names)
+
+
+def shown_value(axis: Axis, value: float) -> Any:
+    """Value as results have it: a number, or the name at a place; empty for the file's own name.
+
+    Parameters
+    ----------
+    axis : Axis
+    value : float
+        One of its values, or -1 for the file's own name.
+    """
+    if not axis.names:
+        return value
+    return axis.names[int(value)] if value >= 0.0 else ""
+
+
 def parse_axis(text: str) -> Axis:
     """Read ``KEY=first:last:step``, ``KEY=first:last`` or ``KEY=v1,v2,...``.
+
+    Keys that name an entry of a catalogue take names: ``modules.cell=sunpower-c60,sunpower-e60``.
 
     Steps begin at ``first`` and do not lead beyond ``last``.
 
@@ -194,6 +255,8 @@ def parse_axis(text: str) -> Axis:
     key = key.strip().removeprefix("aircraft.")
     if not (key and equals and values.strip()):
         raise ValueError("write KEY=first:last:step or KEY=v1,v2, e.g. battery_mass_kg=1:5:0.5")
+    if key in NAMED_KEYS:
+        return _named_axis(key, values.split(","))
     if ":" in values:
         numbers = [_number(part) for part in values.split(":")]
         return _axis(key, _stepped(key, numbers), is_range=len(numbers) == 2)
@@ -308,6 +371,8 @@ def _drawn(
     from scipy.stats import qmc
 
     for axis in axes:
+        if axis.names:
+            raise ValueError(f"{axis.key} has names, of which none can be drawn between two others")
         if len(axis.values) < 2:
             raise ValueError(f"{axis.key} needs a range to draw samples from, first:last")
     low = np.array([min(axis.values) for axis in axes])

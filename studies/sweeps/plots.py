@@ -144,10 +144,11 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     (name,) = (str(n) for n in data["status"].dims)
     figure, panels = new_figure(2, canvas=canvas, **_heading(data), size_in=(7.0, 5.4), sharex=True)
     shown = _drawable(data).to_numpy()
-    x = data[name].to_numpy()
+    x = _numbers(data, name)
+    style = "o" if _has_names(data, name) else "o-"  # nothing lies between two names
     for axes, variable, colour in zip(panels, _variables(data), (LOAD, CHARGE), strict=True):
         values = np.where(shown, data[variable].to_numpy(), np.nan)
-        axes.plot(x, np.where(np.isinf(values), np.nan, values), "o-", color=colour, markersize=4)
+        axes.plot(x, np.where(np.isinf(values), np.nan, values), style, color=colour, markersize=4)
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
             axes.axhline(0.0, color=ink(), linewidth=0.8)
@@ -163,6 +164,7 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
                     label=reason.replace("_", " "),
                 )
                 axes.legend()
+    _name_places(panels[-1].xaxis, data, name)
     panels[-1].set(xlabel=_label(data, name))
     return figure
 
@@ -200,9 +202,13 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             mesh, entries = _draw_contours(axes, part, names[:2], variable, norm)
             handles |= {str(entry.get_label()): entry for entry in entries}
             if value is not None and variable == _variables(data)[0]:
-                axes.set_title(f"{_label(data, names[2])} = {value:g}", fontsize="medium")
+                told = value if isinstance(value, str) else f"{value:g}"
+                axes.set_title(f"{_label(data, names[2])} = {told}", fontsize="medium")
         unlimited = bool(np.isposinf(every).any())
         draw_colour_bar(figure, mesh, row, _label(data, variable), unlimited=unlimited)
+    for axes in panels:
+        _name_places(axes.xaxis, data, names[0])
+        _name_places(axes.yaxis, data, names[1])
     for axes in rows[-1]:
         axes.set(xlabel=_label(data, names[0]))
     for row in rows:
@@ -210,6 +216,30 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     if handles:
         figure.legend(handles=list(handles.values()), loc="outside lower right", ncols=4)
     return figure
+
+
+def _has_names(data: xr.Dataset, name: str) -> bool:
+    """Whether a varied key takes names of a catalogue."""
+    return data[name].dtype.kind in "OU"
+
+
+def _numbers(data: xr.Dataset, name: str) -> NDArray[Any]:
+    """Values of a varied key, the places of its names from 0."""
+    return np.arange(data[name].size) if _has_names(data, name) else data[name].to_numpy()
+
+
+# Letters of all names of a horizontal axis that stand beside each other.
+_LETTERS_IN_A_ROW = 45
+
+
+def _name_places(axis: Any, data: xr.Dataset, name: str) -> None:
+    """Write the names of a varied key at their places, upright where they are many."""
+    if not _has_names(data, name):
+        return
+    names = [str(one) for one in data[name].to_numpy()]
+    upright = axis.axis_name == "x" and sum(map(len, names)) > _LETTERS_IN_A_ROW
+    axis.set_ticks(_numbers(data, name), names, rotation=90 if upright else 0)
+    axis.set_gid(NAMES)
 
 
 def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
@@ -222,7 +252,7 @@ def _draw_contours(
     axes: Axes, data: xr.Dataset, names: list[str], variable: str, norm: Normalize
 ) -> tuple[Any, list[Any]]:
     flat = data.transpose(*names[::-1])
-    x, y = (data[name].to_numpy() for name in names)
+    x, y = (_numbers(data, name) for name in names)
     values = _shown_values(flat, variable)
     mesh = draw_cells(axes, x, y, values, norm)
     good = feasible(flat).to_numpy()
@@ -231,7 +261,8 @@ def _draw_contours(
         grey = hatch_cells(axes, x, y, ~good & _drawable(flat).to_numpy(), {True: ""}, _LIMITED)
         entries += grey
     entries += hatch_reasons(axes, x, y, flat)
-    draw_level_lines(axes, x, y, values, norm)
+    if not any(_has_names(data, name) for name in names):
+        draw_level_lines(axes, x, y, values, norm)
     return mesh, entries
 
 
@@ -255,6 +286,9 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     if table.empty:
         raise ValueError("no point has a result: there is nothing to draw")
     names = [n for n in (str(name) for name in data.coords) if n in table.columns]
+    odd = [name for name in names if _has_names(data, name)]
+    if odd:
+        raise ValueError(f"{odd[0]} has names: a chart of more than three keys takes numbers")
     columns = [*names, variable]
     lost = int((~_drawable(data)).sum())
     note = f"{lost} points without a result left out" if lost else ""
@@ -294,8 +328,11 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     Raises
     ------
     ValueError
-        If the point of the files has no result.
+        If the point of the files has no result, or names are varied.
     """
+    odd = [str(name) for name in data.coords if name != "varied" and _has_names(data, str(name))]
+    if odd:
+        raise ValueError(f"{odd[0]} has names: this chart is one of less and more of numbers")
     variable = _variables(data)[0]
     table = to_table(data)
     table["drawable"] = np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])

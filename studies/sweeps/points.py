@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -98,7 +98,8 @@ SIZED_DESCRIBED = sizing_columns.DESCRIBED | {"message": DESCRIBED["message"]}
 class SweepConfiguration:
     """What all points have in common; aircraft and mission as plain data of files.
 
-    Tables that the aircraft names go along with their text: workers may be elsewhere.
+    Tables that the aircraft names go along with their text: workers may be elsewhere. ``names`` are
+    what the values of a key stand for, where they are places in it.
     """
 
     aircraft: Mapping[str, Any]
@@ -108,6 +109,7 @@ class SweepConfiguration:
     cover: bool
     objective: Objective | None
     tables: Mapping[str, str]
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def plain_data(value: Any) -> Any:
@@ -133,7 +135,11 @@ def _text(value: float) -> str:
 
 
 def varied_files(
-    aircraft: Document, mission: Document, keys: Sequence[str], values: Sequence[float]
+    aircraft: Document,
+    mission: Document,
+    keys: Sequence[str],
+    values: Sequence[float],
+    names: Mapping[str, tuple[str, ...]],
 ) -> tuple[Aircraft, Mission]:
     """Aircraft and mission with values put in, checked like files.
 
@@ -143,6 +149,8 @@ def varied_files(
         Plain data of files, see :func:`plain_data`.
     keys, values : sequence
         What is put in; keys of the mission begin with ``mission.``.
+    names : mapping
+        What values of a key stand for, by key; a value below 0 leaves what the file has.
 
     Returns
     -------
@@ -153,7 +161,11 @@ def varied_files(
     InputError
         If a key is unknown or a value is not allowed.
     """
-    texts = [f"{key}={_text(value)}" for key, value in zip(keys, values, strict=True)]
+    texts = [
+        f"{key}={names[key][int(value)] if key in names else _text(value)}"
+        for key, value in zip(keys, values, strict=True)
+        if key not in names or value >= 0.0
+    ]
     of_mission = [t.removeprefix(MISSION_PREFIX) for t in texts if t.startswith(MISSION_PREFIX)]
     of_aircraft = [t for t in texts if not t.startswith(MISSION_PREFIX)]
     return (
@@ -216,7 +228,9 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
     for own, numbers in _groups(configuration, cells, batch).items():
         try:
             with texts_as_read(configuration.tables):
-                aircraft, mission = varied_files(aircraft_file, mission_file, keys, own)
+                aircraft, mission = varied_files(
+                    aircraft_file, mission_file, keys, own, configuration.names
+                )
         except InputError as error:
             for number in numbers:
                 rows[number] = {"status": PointStatus.invalid, "message": _problems(error)}
@@ -408,7 +422,8 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
         try:
             with texts_as_read(configuration.tables):
                 aircraft, mission = varied_files(
-                    aircraft_file, mission_file, list(files), list(files.values())
+                    *(aircraft_file, mission_file, list(files), list(files.values())),
+                    configuration.names,
                 )
         except InputError as error:
             rows.append({"status": SizingStatus.invalid, "message": _problems(error)})

@@ -48,6 +48,7 @@ from studies.sweeps.axes import (
     axes_of,
     axis_names,
     points,
+    shown_value,
     unit_of,
 )
 from studies.sweeps.points import (
@@ -125,7 +126,8 @@ def sweep(
     vary : mapping
         Values by key: of the aircraft's file, of the mission's behind ``mission.``, or
         ``wingspan_m``, ``aspect_ratio``, ``battery_mass_kg``, ``module_area_m2``. Drawn samples
-        lie between the least and the largest value.
+        lie between the least and the largest value. ``modules.cell``, ``battery.cell`` and
+        ``airframe.propulsion.motor`` take names of the catalogues.
     resize : str or Objective, optional
         Size every point for this objective: ``min_wingspan``, ``min_mass``, ``max_excess_time``,
         ``max_payload_mass`` or ``max_payload_power``. Varied design variables are held.
@@ -224,7 +226,7 @@ def prepare(
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
     objective = None if resize is None else resize_objective(resize)
-    files = _Files(aircraft, mission)
+    files = _Files(aircraft, mission, {axis.key: axis.names for axis in axes if axis.names})
     _check(files, axes, objective, cover, combined=sample != "one-at-a-time")
     base = None
     if sample == "one-at-a-time":
@@ -242,6 +244,7 @@ def prepare(
         _covers(aircraft, axes, objective, cover),
         objective,
         aircraft.texts_read,
+        {axis.key: axis.names for axis in axes if axis.names},
     )
     each = _points_per_chunk(mission, axes, solar, objective)
     cells = [tuple(float(value) for value in table[i]) for i in order]
@@ -273,6 +276,7 @@ class _Files:
 
     aircraft: Aircraft
     mission: Mission
+    names: Mapping[str, tuple[str, ...]]
 
     @cached_property
     def aircraft_file(self) -> Document:
@@ -287,7 +291,8 @@ class _Files:
         try:
             with texts_as_read(self.aircraft.texts_read):
                 varied_files(
-                    self.aircraft_file, self.mission_file, list(values), list(values.values())
+                    *(self.aircraft_file, self.mission_file, list(values), list(values.values())),
+                    self.names,
                 )
         except InputError as error:
             return error
@@ -376,6 +381,8 @@ def _telling_values(values: Sequence[float]) -> list[float]:
 
 def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
     """Value that the file gives a key."""
+    if axis.names:
+        return -1.0  # the file's own, whatever it is
     on_mission = axis.key.startswith(MISSION_PREFIX)
     node: Any = mission if on_mission else aircraft
     for part in axis.key.removeprefix(MISSION_PREFIX).split("."):
@@ -466,7 +473,8 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     shape = tuple(len(axis.values) for axis in study.axes) if grid else (len(study.points),)
     for i, (name, axis) in enumerate(zip(names, study.axes, strict=True)):
         about = {"units": unit_of(axis.key), "long_name": axis.key}
-        values = np.array(axis.values) if grid else study.points[:, i]
+        places = axis.values if grid else study.points[:, i]
+        values = np.array([shown_value(axis, value) for value in places])
         coords[name] = ((name,) if grid else ("sample",), values, about)
     if study.sample == "one-at-a-time":
         varied = [names[i] if i >= 0 else "" for i in study.varied]
@@ -479,16 +487,23 @@ def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
         variables(dims, shaped, described, flags),
         coords=coords,
         attrs=_attributes(study)
-        | failed_cells(study.job.cells, outcome.failures, names)
+        | failed_cells(_shown_cells(study, outcome), outcome.failures, names)
         | extrapolation_attribute(told_of_cells(columns, with_result, "points")),
     )
+
+
+def _shown_cells(study: Study, outcome: Outcome) -> Sequence[tuple[Any, ...]]:
+    """Cells with names in place of their places; only where one is asked for."""
+    if not outcome.failures:
+        return ()
+    return [tuple(map(shown_value, study.axes, cell)) for cell in study.job.cells]
 
 
 def _attributes(study: Study) -> dict[str, Any]:
     asked: SweepConfiguration = study.job.configuration
     title = f"Trade study of {study.aircraft.name} on {study.mission.name}"
     return attributes(title, study.aircraft, study.mission, asked.solar) | {
-        "vary": json.dumps({axis.key: list(axis.values) for axis in study.axes}),
+        "vary": json.dumps({axis.key: list(axis.names or axis.values) for axis in study.axes}),
         "sample": study.sample,
         "seed": study.seed,
         "modules_cover_the_wing": int(asked.cover),

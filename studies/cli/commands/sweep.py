@@ -149,9 +149,13 @@ def sweep(
     if pareto is not None and sort is not None:
         raise click.UsageError("a front has its own order: give --pareto or --sort")
     blanks = BLANKS if objective is None else SIZED_BLANKS
-    numbers = [*axis_names(axes), *(n for n, blank in blanks.items() if isinstance(blank, float))]
+    varied = axis_names(axes)
+    numbers = [n for n, axis in zip(varied, axes, strict=True) if not axis.names]
+    numbers += [*(n for n, blank in blanks.items() if isinstance(blank, float))]
+    texts = [n for n in varied if n not in numbers]
     _check_names("--pareto", pareto or (), numbers)
-    _check_names("--sort", () if sort is None else (sort.removeprefix("-"),), ["status", *numbers])
+    sorted_by = () if sort is None else (sort.removeprefix("-"),)
+    _check_names("--sort", sorted_by, ["status", *texts, *numbers])
     check_image(plot_file)
     file_format = None if out_file is None else table_format(out_file)
     if out_file is not None:
