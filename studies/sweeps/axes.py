@@ -233,6 +233,10 @@ def shown_value(axis: Axis, value: float) -> Any:
     axis : Axis
     value : float
         One of its values, or -1 for the file's own name.
+
+    Returns
+    -------
+    float or str
     """
     if not axis.names:
         return value
