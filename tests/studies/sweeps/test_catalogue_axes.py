@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import numpy as np
+import pandas as pd
 import pytest
 from command_line import Run
 
@@ -85,9 +85,7 @@ def test_names_on_the_command_line(run: Run, tmp_path: Path) -> None:
     assert (outcome.code, outcome.err) == (0, "")
     assert "amprius-450" in outcome.out
     assert (tmp_path / "found.png").stat().st_size > 1_000
-    table = np.genfromtxt(
-        tmp_path / "found.csv", delimiter=",", names=True, dtype=None, encoding="utf-8"
-    )
+    table = pd.read_csv(tmp_path / "found.csv", comment="#")
     masses = dict(zip(table["battery_cell"], table["total_mass"], strict=True))
     assert masses["amprius-450"] < 0.8 * masses["samsung-35e"]
     refused = run(*calls, "--pareto", "battery_cell", "total_mass")
