@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["prepare", "resized_map"]
 
-_SIZING_S = 8e-3  # of a cell, roughly
+_SIZING_S = 4.5e-3  # of a cell, roughly
 
 
 @dataclass(frozen=True)
