@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from missions.mission import Mission
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
@@ -28,6 +30,7 @@ def size_in_weather(
     survive: float,
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
+    progress: Callable[[int, int], None] | None = None,
 ) -> SizingStudy:
     """Find the best design for which a share of the days of a season closes in a weather record.
 
@@ -53,6 +56,8 @@ def size_in_weather(
         Solar power model.
     correction : {"none", "report", "loiter"}
         Correction of the model's systematic error.
+    progress : callable, optional
+        Called with the steps of the search that are done, and those in all, which may become more.
 
     Returns
     -------
@@ -87,7 +92,11 @@ def size_in_weather(
             "clouds are the record's",
         )
     found = size_surviving(
-        *(aircraft, moved, wanted, solar), weather=weather, survive=survive, notes=notes
+        *(aircraft, moved, wanted, solar),
+        weather=weather,
+        survive=survive,
+        notes=notes,
+        progress=progress,
     )
     asked = (aircraft, in_the_record(moved), found.result, solar)
     low, high = under_model_error(*asked)

@@ -13,7 +13,8 @@ Chen, W. (2004), J. Mech. Des. 126, 225-233) optimisation and assessment alterna
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -60,6 +61,36 @@ _SCALED_LIMITS: dict[LimitedQuantity, float] = {
 }
 
 
+class Steps:
+    """Steps of one search after another: how many are done, and how many there are in all.
+
+    Parameters
+    ----------
+    progress : callable or None
+        Called with both numbers.
+    """
+
+    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
+        self._progress, self._done, self._total = progress, 0, 0
+
+    @contextmanager
+    def of(self, count: int) -> Iterator[None]:
+        """Steps of one more search; those that it leaves out are done at its end."""
+        self._total += count
+        self._tell(self._done)
+        yield
+        self._tell(self._total)
+
+    def next(self) -> None:
+        """Count one step."""
+        self._tell(self._done + 1)
+
+    def _tell(self, done: int) -> None:
+        self._done = done
+        if self._progress is not None:
+            self._progress(done, self._total)
+
+
 class Candidate(NamedTuple):
     """A design that is the best one of its income and storage.
 
@@ -96,6 +127,8 @@ class SurvivalSearch:
         Days of the record: what counts, and on wider nodes to find the edge.
     problems : SizingProblems
         Programs of this very aircraft.
+    steps : Steps, optional
+        Steps of the search, which are told as they are done.
     """
 
     def __init__(
@@ -107,7 +140,9 @@ class SurvivalSearch:
         flights: SeasonFlights,
         coarse: SeasonFlights,
         problems: SizingProblems,
+        steps: Steps | None = None,
     ) -> None:
+        self.steps = Steps(None) if steps is None else steps
         self.aircraft, self.mission, self.objective = aircraft, mission, objective
         self.solar, self.flights, self.coarse = solar, flights, coarse
         self.problems = problems
@@ -243,6 +278,10 @@ class SurvivalSearch:
         -------
         Candidate or None
         """
+        with self.steps.of(1 + len(_WIDTHS)):
+            return self._best(needed)
+
+    def _best(self, needed: int) -> Candidate | None:
         first = self.first()
         if first is None:
             return None
@@ -253,6 +292,7 @@ class SurvivalSearch:
         if here is None:
             return None
         for width in _WIDTHS:
+            self.steps.next()
             for _ in range(_REPEATS):
                 before = here
                 self._improve(before, needed, width)

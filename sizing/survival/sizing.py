@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -31,7 +32,7 @@ from sizing.sunlight import SolarModel
 from sizing.survival.contour import least_step
 from sizing.survival.flights import SeasonFlights
 from sizing.survival.result import SeasonDays, Survival
-from sizing.survival.search import Candidate, SurvivalSearch
+from sizing.survival.search import Candidate, Steps, SurvivalSearch
 from solar.types import FloatArray
 
 # What has a smallest or largest design on the edge of closing enough days.
@@ -104,6 +105,7 @@ def size_surviving(
     weather: Weather,
     survive: float,
     notes: tuple[str, ...] = (),
+    progress: Callable[[int, int], None] | None = None,
 ) -> Survived:
     """Find the best design for which a share of the days of a season closes.
 
@@ -120,6 +122,8 @@ def size_surviving(
         Least share of the season's days that close [-].
     notes : tuple of str
         What was changed to fly the mission at the site.
+    progress : callable, optional
+        Called with the steps of the search that are done, and those in all.
 
     Returns
     -------
@@ -131,7 +135,7 @@ def size_surviving(
     InputError
         If the record has no day of the season.
     """
-    sizing = _SurvivalSizing(aircraft, mission, objective, solar, weather, survive)
+    sizing = _SurvivalSizing(aircraft, mission, objective, solar, weather, survive, Steps(progress))
     return sizing.run(notes)
 
 
@@ -144,8 +148,9 @@ class _SurvivalSizing:
         solar: SolarModel,
         weather: Weather,
         required: float,
+        steps: Steps | None = None,
     ) -> None:
-        self.aircraft, self.objective, self.solar = aircraft, objective, solar
+        self.aircraft, self.objective, self.solar, self.steps = aircraft, objective, solar, steps
         self.mission = in_the_record(mission)
         self.weather, self.required = weather, required
         self.problems = SizingProblems(aircraft)
@@ -166,7 +171,16 @@ class _SurvivalSizing:
             self._flights(step_s, _LEAD_DAYS, aircraft) for step_s in (NODE_STEP_S, _COARSE_STEP_S)
         )
         return SurvivalSearch(
-            *(aircraft, self.mission, self.objective, self.solar, fine, coarse, problems)
+            *(
+                aircraft,
+                self.mission,
+                self.objective,
+                self.solar,
+                fine,
+                coarse,
+                problems,
+                self.steps,
+            )
         )
 
     def run(self, notes: tuple[str, ...]) -> Survived:

@@ -153,6 +153,7 @@ def size(
     )
     from studies.cli.files import load
     from studies.cli.outputs import tell
+    from studies.cli.progress import progress_of
     from studies.cli.reports import check_report, report_on_sizing
     from studies.output.run_folder import write_run_folder
     from studies.output.sizing_files import sized_inputs, sizing_files
@@ -200,12 +201,15 @@ def size(
         check_writable_folder(Path(out_dir))
     check_report(report_file, option="--report")
     if weather_file is not None and survive is not None:
-        study = size_in_weather(
-            *(case.aircraft, case.mission, load_weather(weather_file), asked),
-            survive=survive,
-            model=case.solar.model,
-            correction=case.solar.correction,
-        )
+        record_read = load_weather(weather_file)
+        with progress_of("steps of the search") as progress:
+            study = size_in_weather(
+                *(case.aircraft, case.mission, record_read, asked),
+                survive=survive,
+                model=case.solar.model,
+                correction=case.solar.correction,
+                progress=progress,
+            )
     else:
         study = sizing.size(
             *(case.aircraft, case.mission, asked),

@@ -48,9 +48,26 @@ def sized(survive, objective="min_wingspan", mission=MISSION, weather=RECORD, ai
     return sizing.size_in_weather(aircraft, mission, weather, objective, survive=survive)
 
 
+TOLD = []  # progress of the sizing that most tests share
+
+
 @pytest.fixture(scope="module")
 def most():
-    return sized(0.9)
+    return sizing.size_in_weather(
+        *(DESIGN, MISSION, RECORD, "min_wingspan"),
+        survive=0.9,
+        progress=lambda done, total: TOLD.append((done, total)),
+    )
+
+
+@pytest.mark.usefixtures("most")
+def test_progress_only_rises_and_ends_with_all_steps_done():
+    steps, totals = zip(*TOLD, strict=True)
+    assert list(steps) == sorted(steps)
+    assert list(totals) == sorted(totals)
+    assert steps[0] == 0
+    assert TOLD[-1][0] == TOLD[-1][1]
+    assert len(set(steps)) > 4
 
 
 def test_an_analysis_of_the_sized_aircraft_confirms_the_days(most, monkeypatch):
