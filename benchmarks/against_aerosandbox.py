@@ -24,7 +24,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.problem import SizingProblems, forget_programs
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
@@ -42,16 +42,18 @@ def sizing_against_aerosandbox() -> list[dict[str, Any]]:
     aircraft, mission = shared_aircraft(), shared_mission()
     day = sun_of(aircraft, mission)
     work = (
-        f"least span for 3 dates at 47.6 N; ours with confirmation by simulation, "
-        f"the peer with {POINTS_PER_DAY} points a day"
+        f"least span for 3 dates at 47.6 N; ours with confirmation by simulation and the program "
+        f"of its kind of aircraft kept, the peer with {POINTS_PER_DAY} points a day"
     )
+    first = "the same where no such aircraft has been sized before: ours builds its program as well"
     requirements = np.linspace(REQUIRED_H, REQUIRED_H + 2.0, 21)
     ours_s = best_time_s(lambda: size_ours(aircraft, mission, day))
     ours_again_s = _ours_again(aircraft, mission, requirements)
+    ours_first_s = best_time_s(lambda: _first_of_its_kind(aircraft, mission, day))
     asb = optional("aerosandbox")
-    names = ("sizing, build and solve", "sizing, solve again")
+    names = ("sizing, build and solve", "sizing, first of its kind", "sizing, solve again")
     if asb is None:
-        times = (ours_s, ours_again_s)
+        times = (ours_s, ours_first_s, ours_again_s)
         return [missing(n, work, s, _PEER) for n, s in zip(names, times, strict=True)]
     _quiet()
     built = Collocation.build(asb, aircraft, mission, day)
@@ -72,8 +74,15 @@ def sizing_against_aerosandbox() -> list[dict[str, Any]]:
     )
     return [
         row(names[0], f"{work}; {agreed}", ours_s, _PEER, peer_s),
-        row(names[1], again, ours_again_s, _PEER, peer_again_s),
+        row(names[1], first, ours_first_s, _PEER, peer_s),
+        row(names[2], again, ours_again_s, _PEER, peer_again_s),
     ]
+
+
+def _first_of_its_kind(aircraft: Aircraft, mission: Mission, day: SolarDay) -> None:
+    """Size an aircraft as if none of its kind had been sized before in this process."""
+    forget_programs()
+    size_ours(aircraft, mission, day)
 
 
 def _ours_again(aircraft: Aircraft, mission: Mission, requirements: FloatArray) -> float:

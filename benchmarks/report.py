@@ -66,10 +66,14 @@ three dates. Both sides use the same formulas for masses and power (AeroSandbox'
 the functions of this project), the same solar power as data, a power-law structure and no charge
 limit. AeroSandbox's program is a direct collocation with slack for surplus power, logarithmic
 design variables and good guesses; it is linear in the battery's state. Ours has a handful of
-variables, as the night's deficit and the day's surplus are integrated in closed form, and
+variables, as the night's deficit and the day's surplus are integrated in closed form, technology
+as parameters, so that it stands from the first sizing of its kind of aircraft on, and
 includes the simulation that confirms the optimum. The run fails if the optima differ by more than
 0.3 %. Both are fast; what AeroSandbox gives beyond this, a general language for optimisation with
 its own aerodynamics, is not measured here.""",
+    "sizing, first of its kind": """The same with nothing kept: expressions, derivatives and solver
+are built anew, as in a process that sizes once. AeroSandbox's time is that of the line above, which
+builds its program every time.""",
     "sizing, solve again": """More requirements for the same aircraft. AeroSandbox keeps its
 program, sets the parameter and starts from the last solution. Ours keeps its program as well and
 goes from one solution to the next by sequential quadratic programming
@@ -85,7 +89,7 @@ penalise its requirements too. Our time includes sun, simulation and cross-check
 no part in.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar
 structure, with the charge limit of the aircraft file.""",
-    "sizing, solver alone": """The part of it that IPOPT takes.""",
+    "sizing, solver alone": """The part of it that the solver takes.""",
     "map": """Feasibility map of AtlantikSolar AS-2 by CAM with 5 min steps, all metrics. The C loop
 does the same arithmetic in one thread, compiled where a compiler is found, and its numbers are
 checked against ours. The other lines give the cost against the number of cells, a process pool of

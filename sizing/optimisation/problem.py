@@ -521,6 +521,17 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
     return Program(blocks, names, constraints, technology, symbols)
 
 
+def forget_programs() -> None:
+    """Forget all programs that have been built: the next sizing is the first of its kind again."""
+    _program.cache_clear()
+    cycle_function.cache_clear()
+
+
+def programs_built() -> int:
+    """How many programs have been built since the last time that all were forgotten."""
+    return _program.cache_info().misses
+
+
 def _all_variables(
     chosen: Sequence[Variable], blocks: int, constraints: Sequence[Constraint]
 ) -> tuple[Variable, ...]:

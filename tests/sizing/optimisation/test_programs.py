@@ -22,9 +22,10 @@ from sizing.optimisation.problem import (
     Role,
     SizingProblem,
     SizingProblems,
-    _program,
     build_problem,
+    forget_programs,
     kind_of,
+    programs_built,
 )
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import all_replaced
@@ -39,9 +40,9 @@ DAWN, WORST_H, MASS_KG = 0.25, 3.0, 7.0
 @pytest.fixture
 def empty_cache() -> Iterator[None]:
     """No program has been built; afterwards, too, lest these crowd out others."""
-    _program.cache_clear()
+    forget_programs()
     yield
-    _program.cache_clear()
+    forget_programs()
 
 
 def design(*overrides: str) -> Aircraft:
@@ -126,7 +127,7 @@ def test_one_program_serves_all_sizings_of_a_kind() -> None:
         for objective in objectives
     ]
     assert all(one.feasible for one in sized)
-    assert _program.cache_info().misses == 1
+    assert programs_built() == 1
 
 
 @pytest.mark.parametrize("eased", [False, True])
@@ -168,7 +169,7 @@ def test_a_kept_program_gives_the_bits_of_a_fresh_one() -> None:
     together = [span_m(one) for one in others]
     alone = []
     for one in others:
-        _program.cache_clear()
+        forget_programs()
         alone.append(span_m(one))
     assert together == alone
     assert len(set(together)) == len(others)
