@@ -387,6 +387,7 @@ uncertainty_margins: {clearness_minimum: 0.9}
 
 
 @cache
+@cache
 def range_of_span(span_m: float, objective: Objective) -> WidestRange:
     plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL[1:])
     return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
