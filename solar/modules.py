@@ -125,11 +125,12 @@ class _Pieces:
         else:
             place = ((x - self.begin[0]) * self.bins_per_x).astype(np.intp)
             piece = self.piece_of_bin.take(place, mode="clip")
-            piece = piece + (x >= self.end.take(piece))
+            piece += x >= self.end.take(piece)
         along = x - self.begin.take(piece)
         value = self.cubic[0].take(piece)
         for coefficient in self.cubic[1:]:
-            value = value * along + coefficient.take(piece)
+            value *= along
+            value += coefficient.take(piece)
         return np.asarray(value)
 
 

@@ -370,7 +370,7 @@ def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray
     tells the instant.
     """
     day, eta, count = run.day, run.store.discharge_efficiency, len(run.start_wh)
-    row, cells = np.nonzero(run.drained_wh < 0.0)
+    row, cells = np.divmod(np.flatnonzero(run.drained_wh < 0.0), count)
     midnight = run.midnight_wh
     dark = np.flatnonzero(midnight < 0.0)
     if not len(cells) and not len(dark):
@@ -419,7 +419,6 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
         lambda some: run.after_charge_wh[some] - np.maximum(run.drained_wh[some], 0.0),
         run.drained_wh.shape,
     )
-    surplus = sum_over_time(run.day.surplus_wh)
     stored = run.end_wh - run.start_wh
     drawn = into_store - stored
     taken = into_store / store.charge_efficiency
@@ -430,7 +429,7 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
         stored_wh=stored,
         charge_loss_wh=taken - into_store,
         discharge_loss_wh=drawn * (1.0 - store.discharge_efficiency),
-        curtailed_wh=surplus - taken,
+        curtailed_wh=run.day.total_surplus_wh - taken,
     )
 
 

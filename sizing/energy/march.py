@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -261,6 +262,11 @@ class ChargingDay:
             cumulative_deficit_wh=cumulative,
         )
 
+    @cached_property
+    def total_surplus_wh(self) -> FloatArray:
+        """Surplus of the day [Wh]."""
+        return sum_over_time(self.surplus_wh)
+
     def select(self, cells: IntArray) -> ChargingDay:
         """Day of a part of the batch."""
         return replace(
@@ -505,7 +511,7 @@ def first_repetition(day: ChargingDay, store: Store) -> Repetition:
     """
     full, eta = store.battery_energy_wh, store.discharge_efficiency
     before_surplus = day.deficit_before_surplus_wh
-    storable = store.charge_efficiency * sum_over_time(day.surplus_wh) * eta
+    storable = store.charge_efficiency * day.total_surplus_wh * eta
     at_nightfall = np.maximum.reduce(before_surplus, axis=0, initial=0.0)
     full_at_nightfall = np.maximum(day.midnight_wh(store, full, at_nightfall), 0.0)
     loses = storable < day.cumulative_deficit_wh[-1]

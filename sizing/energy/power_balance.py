@@ -43,6 +43,20 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
     return np.asarray(mean_w * np.asarray(hours, float))
 
 
+def _means_w(net_w: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean surplus and mean deficit between neighbouring rows, as :func:`positive_part_wh` [W]."""
+    above = np.maximum(net_w, 0.0)
+    below = above - net_w
+    above, below = above[:-1] + above[1:], below[:-1] + below[1:]
+    twice = above + below
+    twice *= 2.0
+    np.maximum(twice, _LEAST, out=twice)
+    for part in (above, below):
+        part *= part
+        part /= twice
+    return above, below
+
+
 def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
     """Where a linear function is zero, as a fraction of the interval [-].
 
@@ -159,18 +173,19 @@ class PowerBalance:
         surplus, deficit = np.empty((2, len(hours), *net.shape[1:]))
         column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
         rows = max(1, _POINTS_AT_ONCE * len(net) // max(net.size, 1))
-        for part in blocks(len(hours), rows):
-            some = net[part.start : part.stop + 1]
-            above = np.maximum(some, 0.0)
-            below = above - some
-            above, below = above[:-1] + above[1:], below[:-1] + below[1:]
-            twice = above + below
-            twice *= 2.0
-            np.maximum(twice, _LEAST, out=twice)
-            for part_w, found in ((above, surplus[part]), (below, deficit[part])):
-                part_w *= part_w
-                part_w /= twice
-                np.multiply(part_w, column[part], out=found)
+        half, last = (len(hours) + 1) // 2, len(hours)
+        for part in blocks(half, rows):
+            begin, end = part.start, min(part.stop, half)
+            morning, afternoon = slice(begin, end), slice(last - end, last - begin)
+            some, mirrored = net[begin : end + 1], net[last - end : last - begin + 1]
+            means = _means_w(some)
+            for mean, found in zip(means, (surplus, deficit), strict=True):
+                np.multiply(mean, column[morning], out=found[morning])
+            # The same work need not be done for an afternoon that mirrors the morning.
+            alike = np.array_equal(some, mirrored[::-1])
+            means = (means[0][::-1], means[1][::-1]) if alike else _means_w(mirrored)
+            for mean, found in zip(means, (surplus, deficit), strict=True):
+                np.multiply(mean, column[afternoon], out=found[afternoon])
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     @property
