@@ -19,7 +19,7 @@ from starlette.types import ASGIApp
 
 from sizing.optimisation.objectives import Objective
 from studies.explorer.latest import Latest, SupersededError
-from studies.explorer.security import BodyTooLongError, Guard, error_body
+from studies.explorer.security import BodyTooLongError, BodyTooSlowError, Guard, error_body
 from studies.explorer.session import Session
 from studies.explorer.settings import Refusal, RefusedError, shown
 from studies.explorer.worker import (
@@ -124,6 +124,8 @@ class Explorer:
             return _error(error.status, "malformed", str(error))
         except BodyTooLongError:
             return _error(413, "size", "the request is too long")
+        except BodyTooSlowError:
+            return _error(408, "slow", "the rest of the request did not come")
         except SupersededError:
             return _error(409, "superseded", "a later request of this page took its place")
         except WorkerBusyError as error:
@@ -224,7 +226,7 @@ async def _body(request: Request) -> dict[str, Any]:
 
     try:
         data = json.loads(await request.body(), parse_constant=refuse)
-    except BodyTooLongError:
+    except (BodyTooLongError, BodyTooSlowError):
         raise
     except (ValueError, RecursionError) as error:
         words = "nested too deeply" if isinstance(error, RecursionError) else str(error)

@@ -8,6 +8,7 @@ when it started: in the cookie that the first page sets, or as ``Authorization: 
 
 from __future__ import annotations
 
+import asyncio
 import html
 import json
 import secrets
@@ -21,6 +22,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 __all__ = ["MAXIMUM_BODY_BYTES", "Guard", "error_body", "new_token"]
 
 MAXIMUM_BODY_BYTES = 16_384
+BODY_S = 10.0  # within which a body must come
 _MAXIMUM_QUERY_BYTES = 512
 _HEADERS = {
     # Scripts, styles and data from here alone; nothing may frame the page or send it elsewhere.
@@ -177,18 +179,34 @@ def _cookies(header: bytes, name: str) -> list[bytes]:
 
 
 def _limited(receive: Receive) -> Receive:
-    """Stream of a request's body that ends where it grows too long, whatever its header says."""
-    taken = 0
+    """Stream of a request's body that ends where it grows too long, whatever its header says.
+
+    The body must come within a time; what is received behind it, such as the end of the
+    connection, may take as long as it likes.
+    """
+    taken, whole = 0, False
+    end_s = asyncio.get_running_loop().time() + BODY_S
 
     async def limited() -> Message:
-        nonlocal taken
-        message = await receive()
+        nonlocal taken, whole
+        if whole:
+            return await receive()
+        try:
+            async with asyncio.timeout_at(end_s):
+                message = await receive()
+        except TimeoutError:
+            raise BodyTooSlowError from None
         taken += len(message.get("body", b""))
+        whole = not message.get("more_body", False)
         if taken > MAXIMUM_BODY_BYTES:
             raise BodyTooLongError
         return message
 
     return limited
+
+
+class BodyTooSlowError(ValueError):
+    """A body does not come."""
 
 
 class BodyTooLongError(ValueError):

@@ -13,6 +13,7 @@ from collections.abc import Callable
 import uvicorn
 
 from studies.explorer.app import Explorer
+from studies.explorer.protocol import MOST_CONNECTIONS, Connection
 from studies.explorer.security import new_token
 from studies.explorer.session import Session
 
@@ -81,7 +82,7 @@ def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
     server = _Server(
         uvicorn.Config(
             explorer.application(port=port, token=token),
-            http="h11",  # the same limits whatever else is installed
+            http=Connection,  # the same limits whatever else is installed
             log_level="error",
             access_log=False,
             lifespan="off",
@@ -90,7 +91,7 @@ def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
             date_header=False,
             proxy_headers=False,
             timeout_graceful_shutdown=1,
-            limit_concurrency=64,
+            limit_concurrency=MOST_CONNECTIONS,
             h11_max_incomplete_event_size=16_384,
         ),
         explorer,

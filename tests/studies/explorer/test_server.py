@@ -20,6 +20,7 @@ pytest.importorskip("uvicorn")
 
 from missions.files.shipped import find_document
 from studies.explorer.app import Explorer
+from studies.explorer.protocol import MOST_CONNECTIONS
 from studies.explorer.security import MAXIMUM_BODY_BYTES, new_token
 from studies.explorer.serve import ADDRESS, bound_socket, configured
 from studies.explorer.session import Session
@@ -319,6 +320,43 @@ def test_body_longer_than_allowed_is_cut_though_its_header_is_silent(server: Ser
         chunk = b"1000\r\n" + b" " * 4096 + b"\r\n"
         raw.sendall(head.encode() + chunk * 5 + b"0\r\n\r\n")
         assert raw.recv(4096).split()[1] == b"413"
+
+
+def test_half_sent_requests_keep_nobody_out(server: Server) -> None:
+    with contextlib.ExitStack() as stack:
+        for _ in range(3 * MOST_CONNECTIONS):
+            raw = stack.enter_context(socket.create_connection((ADDRESS, server.port), timeout=10))
+            raw.sendall(b"GET / HTTP/1.1\r\nHost: ")
+        assert server.get("/api/alive").status == 200
+
+
+def test_a_request_that_does_not_come_is_waited_for_no_longer(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studies.explorer.protocol.REQUEST_S", 0.02)
+    for part in (b"", b"GET / HTTP/1.1\r\nHost: "):
+        with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
+            raw.sendall(part)
+            assert raw.recv(100) == b""
+    with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
+        whole = f"GET /api/alive HTTP/1.1\r\nHost: {server.host}\r\n\r\n".encode()
+        raw.sendall(whole)
+        assert b" 403 " in raw.recv(100)
+        raw.sendall(whole[:20])  # and half a second one
+        while raw.recv(4096):
+            pass
+
+
+def test_a_body_that_does_not_come_is_told(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("studies.explorer.security.BODY_S", 0.02)
+    with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
+        head = (
+            f"POST /api/view HTTP/1.1\r\nHost: {server.host}\r\nOrigin: http://{server.host}\r\n"
+            f"Authorization: Bearer {server.token}\r\nContent-Type: application/json\r\n"
+            "Content-Length: 100\r\n\r\n{"
+        )
+        raw.sendall(head.encode())
+        assert raw.recv(4096).split()[1] == b"408"
 
 
 def test_other_content_is_refused(server: Server) -> None:
