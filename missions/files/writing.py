@@ -180,11 +180,15 @@ def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> 
     OutputError
         If one of the files cannot be written; existing files are then unchanged.
     """
+    _write_all(contents, follow=True)
+
+
+def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, follow: bool) -> None:
     staged: list[_Staged] = []
     path: str | os.PathLike[str] = ""
     try:
         for path, data in contents.items():
-            staged.append(_stage(Path(path), data))
+            staged.append(_stage(Path(path), data, follow=follow))
         for file in staged:
             path = file.target
             file.commit()
@@ -198,6 +202,9 @@ def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> 
 
 def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     """Write files into a folder, made if need be: all of them, or none.
+
+    The folder may have come from elsewhere: a symbolic link in it, which could lead to any file
+    of the user's, is replaced and not followed.
 
     Parameters
     ----------
@@ -218,7 +225,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
         name = printable(os.fspath(folder))
         raise OutputError(f"cannot write to {name}: {_writing_trouble(error)}") from error
     try:
-        write_files_atomically({folder / file: data for file, data in contents.items()})
+        _write_all({folder / file: data for file, data in contents.items()}, follow=False)
     except BaseException:  # a signal, too, leaves no empty folder
         for path in made:
             with suppress(OSError):  # not empty: somebody else's by now
@@ -263,9 +270,11 @@ class _Staged:
             self.scratch.unlink(missing_ok=True)
 
 
-def _stage(path: Path, data: bytes) -> _Staged:
+def _stage(path: Path, data: bytes, *, follow: bool) -> _Staged:
     if not os.fspath(path) or os.fspath(path) == ".":
         raise IsADirectoryError
+    if not follow and path.is_symlink():
+        return _beside(path, data, None)
     mode = path.stat().st_mode if path.exists() else None
     if mode is not None and stat.S_ISDIR(mode):
         raise IsADirectoryError
@@ -273,7 +282,11 @@ def _stage(path: Path, data: bytes) -> _Staged:
         # A device or a pipe must be written to, never replaced by a file.
         return _Staged(path, data, None)
     # Through a symbolic link the file it names is replaced, not the link.
-    target = Path(os.path.realpath(path))
+    return _beside(Path(os.path.realpath(path)), data, mode)
+
+
+def _beside(target: Path, data: bytes, mode: int | None) -> _Staged:
+    """Write a file's content beside it, with the permissions of what it replaces."""
     scratch = target.parent / f".{os.urandom(8).hex()}.tmp"
     # Created by hand, for the permissions of an ordinary new file rather than a private one.
     descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)

@@ -6,7 +6,7 @@ import csv
 import io
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from missions.files.errors import InputError, Problem, file_error
 from missions.weather.raw import START, RawTable, text_of
@@ -63,12 +63,13 @@ def read_plain(path: Path, source: str) -> RawTable:
     """
     import pandas as pd
 
-    lines = text_of(path).split("\n")
-    meta, problems = _site_lines(lines, source)
-    begin = next((i for i, line in enumerate(lines) if line and not line.startswith("#")), None)
-    if begin is None:
+    text = text_of(path)
+    head = _head(text)
+    begin = len(head.comments)
+    meta, problems = _site_lines(head.comments, source)
+    if not head.names:
         raise file_error(source, f"has no table: {CSV_HELP}")
-    names = [name.strip() for name in next(csv.reader([lines[begin]]))]
+    names = [name.strip() for name in next(csv.reader([head.names]))]
     unknown = [name for name in names if name not in _COLUMNS]
     chosen = [_COLUMNS[name] for name in names if name in _COLUMNS]
     if "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
@@ -83,14 +84,16 @@ def read_plain(path: Path, source: str) -> RawTable:
         for key in ("latitude_deg", "longitude_deg", "altitude_m")
         if key not in meta
     ]
-    first = next((i for i, line in enumerate(lines) if i > begin and line.strip()), begin)
-    count = len(next(csv.reader([lines[first]])))
+    count = len(next(csv.reader([head.row]), ()))
     if count > len(names):  # pandas would take the first of them for the names of rows
         message = f"has {count} values, but the table names {len(names)} columns"
-        problems.append(Problem(source, first + 1, None, "", message))
+        problems.append(Problem(source, head.row_line, None, "", message))
     if problems:
         raise InputError(problems)
-    table = pd.read_csv(io.StringIO("\n".join(lines[begin:])), skipinitialspace=True)
+    # As bytes: text in memory takes four of them for a character.
+    content = io.BytesIO(text[head.begin :].encode("utf-8", "surrogatepass"))
+    del text
+    table = pd.read_csv(content, skipinitialspace=True)
     table.columns = pd.Index(chosen)
     table = table.set_index(_plain_times(table.pop("time"), meta, source, begin + 2))
     site = Site(
@@ -101,6 +104,34 @@ def read_plain(path: Path, source: str) -> RawTable:
         float(meta.get("utc_offset_h", 0.0)),
     )
     return RawTable("CSV", site, table, START, first_line=begin + 2)
+
+
+class _Head(NamedTuple):
+    """Comment lines, line of column names, first row with its line, and where the names begin."""
+
+    comments: list[str]
+    names: str
+    row: str
+    row_line: int
+    begin: int
+
+
+def _head(text: str) -> _Head:
+    """Lines of a text up to its first row; the names are empty where it has no table."""
+    comments: list[str] = []
+    names, begin, at, number = "", 0, 0, 0
+    while at <= len(text):
+        end = text.find("\n", at)
+        end = len(text) if end < 0 else end
+        line, number = text[at:end], number + 1
+        if names and line.strip():
+            return _Head(comments, names, line, number, begin)
+        if not names and line and not line.startswith("#"):
+            names, begin = line, at
+        elif not names:
+            comments.append(line)
+        at = end + 1
+    return _Head(comments, names, "", len(comments) + 1, begin)
 
 
 def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Problem]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from missions.files.reading import read_plain_file
 from missions.files.writing import write_files_atomically
 from studies.cli.checks import check_outputs, uncertain_inputs_of
 from studies.cli.files import Case
@@ -31,6 +32,7 @@ __all__ = [
 ]
 
 _PAGE, _PRINTED = ".html", ".pdf"
+_MOST_BYTES = 10_000_000  # of a record of results
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
 _SAME_H = 1e-6
 
@@ -111,7 +113,7 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     if RunFolder.at(path) is None:
         return None
     try:
-        record = json.loads((Path(path) / RESULTS).read_text(encoding="utf-8"))
+        record = json.loads(read_plain_file(Path(path) / RESULTS, most_bytes=_MOST_BYTES))
         promised = record["simulated"]["excess_time_h"], record["total_mass_kg"]
         known = {"objective", "active_constraints", "masses_kg"} <= record.keys()
     except (OSError, ValueError, KeyError, TypeError, RecursionError):

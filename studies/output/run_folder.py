@@ -17,15 +17,18 @@ import hashlib
 import json
 import os
 import platform
+import re
 import shlex
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from missions.files.errors import InputError, Problem, file_error
+from missions.files.reading import read_plain_file
 from missions.files.texts import read_folder
 from missions.files.writing import file_text, write_folder
 from missions.files.yaml import PATH_SUFFIXES
@@ -39,6 +42,8 @@ __all__ = ["InputFile", "RunFolder", "RunInputs", "run_record", "write_run_folde
 
 AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
 POLAR = "polar"
+_NAME = re.compile(r"[A-Za-z0-9][\w.-]*", re.ASCII)  # of the files that commands write
+_MOST_BYTES = 10_000_000
 _LIBRARIES = ("casadi", "numpy", "pandas", "pydantic", "scipy", "xarray")
 
 
@@ -98,7 +103,7 @@ class RunFolder:
         if not os.path.isfile(folder / RUN):  # noqa: PTH113 - takes any text for a path
             return None
         try:
-            text = (folder / RUN).read_text(encoding="utf-8")
+            text = _read(folder / RUN).decode("utf-8")
             record = json.loads(text)
             _refuse_newer(record, text, str(folder / RUN))
             model, correction = record["model"], record["correction"]
@@ -160,14 +165,19 @@ def write_run_folder(
     earlier = _files_of_run(folder)
     write_folder(folder, contents)
     for name in earlier - contents.keys():
-        (folder / name).unlink(missing_ok=True)
+        with suppress(OSError):  # a folder of that name is none of ours
+            (folder / name).unlink(missing_ok=True)
+
+
+def _read(path: Path) -> bytes:
+    return read_plain_file(path, most_bytes=_MOST_BYTES)
 
 
 def _files_of_run(folder: Path) -> set[str]:
     """Files that an earlier run wrote into a folder; none but its own, and none elsewhere."""
     try:
-        names = json.loads((folder / RUN).read_text(encoding="utf-8"))["files"]
-        return {name for name in names if Path(name).name == name and name not in (".", "..")}
+        names = json.loads(_read(folder / RUN))["files"]
+        return {name for name in names if _NAME.fullmatch(name)}
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return set()
 

@@ -235,3 +235,15 @@ def test_folder_made_in_vain_goes_again(tmp_path: Path) -> None:
     with pytest.raises(OutputError):
         write_folder(tmp_path / "old", {"missing/b.txt": b"b"})
     assert (tmp_path / "old").is_dir()
+
+
+def test_link_in_a_folder_of_results_is_replaced_and_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "a.csv").symlink_to(tmp_path / "mine.txt")
+    (tmp_path / "results" / "b.csv").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "results" / "c.csv").symlink_to("/dev/null")
+    write_folder(tmp_path / "results", {"a.csv": b"1", "b.csv": b"2", "c.csv": b"3"})
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert not (tmp_path / "nowhere").exists()
+    assert [(tmp_path / "results" / f"{n}.csv").read_bytes() for n in "abc"] == [b"1", b"2", b"3"]

@@ -276,3 +276,31 @@ def test_a_folder_of_a_newer_version_is_refused_with_the_line(run: Run, tmp_path
     outcome = run("analyse", "sized")
     assert (outcome.code, outcome.out) == (2, "")
     assert re.match(r"\S*run\.json:\d+: format_version: must be at most 1 \(got 2\)", outcome.err)
+
+
+def test_a_folder_from_elsewhere_reaches_no_file_outside_of_it(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    folder = tmp_path / "r"
+    assert run("size", DESIGN, "-m", "rafz-july", "--out", "r").code == 0
+    record = json.loads((folder / "run.json").read_text())
+    (folder / "kept").mkdir()
+    odd = ["../mine.txt", str(tmp_path / "mine.txt"), "kept", "..", "a\0b", "\x1b", "old.csv"]
+    for names in ([*odd[:-1], 7], odd):
+        record["files"] = names
+        (folder / "run.json").write_text(json.dumps(record))
+        (folder / "old.csv").write_text("of an earlier run")
+        (folder / "results.json").unlink()
+        (folder / "results.json").symlink_to(tmp_path / "mine.txt")
+        assert run("size", DESIGN, "-m", "rafz-july", "--out", "r").code == 0
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert (folder / "kept").is_dir()
+    assert not (folder / "old.csv").exists()
+
+
+def test_a_record_of_a_run_that_never_ends_is_refused(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "r").mkdir()
+    for name, content in (("a", b"[" * 100_000), ("b", b" " * 11_000_000), ("c", b"9" * 9000)):
+        (tmp_path / "r" / "run.json").write_bytes(content)
+        outcome = run("analyse", "r")
+        assert (outcome.code, name) == (2, name)
+        assert re.search("is not the record of a run|is larger than 10 MB", outcome.err)
