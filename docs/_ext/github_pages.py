@@ -2,7 +2,7 @@
 
 * Comments for the tests are left out.
 * Blocks that show commands behind ``$`` get the colours of a console.
-* ``CONTRIBUTING.md`` and ``CHANGELOG.md`` beside ``docs/`` become pages, and links lead to them.
+* ``CONTRIBUTING.md``, ``CHANGELOG.md`` and ``SECURITY.md`` beside ``docs/`` become pages, and links lead to them.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[2]
 BESIDE = {
     "development/contributing": "CONTRIBUTING.md",
     "development/changelog": "CHANGELOG.md",
+    "development/security": "SECURITY.md",
 }
 COMMENT = re.compile(r"^<!-- .*? -->\n", re.M)
 FENCED = re.compile(r"(^```.*?^```$)", re.M | re.S)

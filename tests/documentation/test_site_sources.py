@@ -6,6 +6,7 @@ import importlib
 import json
 import re
 import runpy
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,14 @@ def test_every_page_is_in_the_tree_of_the_site() -> None:
     pages += [*NOTEBOOKS, *DOCS.glob("*.rst"), *(DOCS / "api").glob("*.rst")]
     names = {page.relative_to(DOCS).with_suffix("").as_posix() for page in pages} - {"index"}
     assert names - listed_pages() == set()
-    made = {"gallery/index", "development/contributing", "development/changelog"}
-    assert listed_pages() - names == made
+    beside = {f"development/{name}" for name in ("contributing", "changelog", "security")}
+    assert listed_pages() - names == {"gallery/index", *beside}
+
+
+def test_pages_beside_the_documentation_are_in_the_source_distribution() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    included = settings["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]
+    assert {f"/{page.name}" for page in ROOT.glob("*.md")} <= set(included)
 
 
 @pytest.mark.parametrize("package", PACKAGES)
