@@ -2,7 +2,8 @@
 
 * Comments for the tests are left out.
 * Blocks that show commands behind ``$`` get the colours of a console.
-* ``CONTRIBUTING.md``, ``CHANGELOG.md`` and ``SECURITY.md`` beside ``docs/`` become pages, and links lead to them.
+* ``CONTRIBUTING.md``, ``CHANGELOG.md`` and ``SECURITY.md`` beside ``docs/`` become pages, and
+  links lead to them.
 """
 
 from __future__ import annotations
