@@ -7,6 +7,7 @@ once and no more: without a limit of time, such a client alone would hold it.
 from __future__ import annotations
 
 import asyncio
+from typing import Any
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -25,7 +26,8 @@ class Connection(H11Protocol):
     @property
     def waits(self) -> bool:
         """Whether no request is under way."""
-        return self.cycle is None or self.cycle.response_complete
+        cycle: Any = self.cycle  # none before the first one
+        return cycle is None or bool(cycle.response_complete)
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Take a connection, and close the one that waits longest where there are too many.
