@@ -10,6 +10,8 @@ from .flight_path import StraightLegs as StraightLegs
 from .flight_path import Wind as Wind
 from .flight_path import orbit as orbit
 from .library import load_mission as load_mission
+from .logs.columns import ColumnMap as ColumnMap
+from .logs.columns import read_column_map as read_column_map
 from .logs.csv import read_flight_log as read_flight_log
 from .logs.table import FlightLog as FlightLog
 from .loiter_power import mean_power_on_path as mean_power_on_path

@@ -2,52 +2,31 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from log_layouts import FORMATS, formats_of, message
+from ulog_files import EPOCH_S, topics, ulog_bytes
 
 from missions.files.errors import InputError
 from missions.logs.columns import ColumnMap, parse_column
 from missions.logs.csv import read_flight_log
 from missions.logs.table import FlightLog
-from tests.missions.logs.test_flight_log import EPOCH_S, topics, ulog_bytes
 
 COUNT = 24
 SOLAR = "BAT[1].Volt * BAT[1].Curr"
-# Name: number, letters, fields.
-FORMATS = {
-    "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns"),
-    "ATT": (130, "QccccCC", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw"),
-    "GPS": (131, "QBBIHBcLLe", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt"),
-    "BAT": (132, "QBffB", "TimeUS,Inst,Volt,Curr,RemPct"),
-    "MSG": (133, "QZ", "TimeUS,Message"),
-}
-PACKED = {"b": "b", "B": "B", "h": "h", "H": "H", "i": "i", "I": "I", "Q": "Q", "f": "f"}
-PACKED |= {"c": "h", "C": "H", "e": "i", "L": "i", "n": "4s", "N": "16s", "Z": "64s"}
 
 
 def layout(power: str = SOLAR) -> ColumnMap:
     return ColumnMap().with_options(dict([parse_column(f"solar_power_w={power}")]), None)
 
 
-def message(name: str, *values: Any) -> bytes:
-    number, letters, _ = FORMATS[name]
-    body = struct.pack("<" + "".join(PACKED[letter] for letter in letters), *values)
-    return b"\xa3\x95" + bytes([number]) + body
-
-
 def dataflash(*, formats: bool = True) -> bytes:
     """Twelve seconds at 2 Hz of each message, booted 100 s before the first."""
-    out = b""
-    for name, (number, letters, labels) in FORMATS.items() if formats else ():
-        length = 3 + struct.calcsize("<" + "".join(PACKED[letter] for letter in letters))
-        row = (number, length, name.encode(), letters.encode(), labels.encode())
-        out += message("FMT", *row)
+    out = formats_of() if formats else b""
     # 2015-07-01T05:30:00Z, 17 s after GPS time had been set back by the leap second of that day.
     gps_s = EPOCH_S + 17.0 - 315964800.0
     week, seconds = divmod(gps_s, 604800.0)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
+from ulog_files import EPOCH_S, EULER_DEG, topics, ulog_bytes
 
 from missions.files.errors import InputError
 from missions.logs.csv import read_csv, read_flight_log
@@ -25,7 +25,6 @@ HEADER = (
     "time_utc,latitude_deg,longitude_deg,altitude_m,roll_deg,pitch_deg,yaw_deg,solar_power_w,"
     "state_of_charge"
 )
-EPOCH_S = 1435728600.0  # 2015-07-01T05:30:00Z
 
 
 def row(second: float, **changes: str) -> str:
@@ -251,50 +250,6 @@ def test_radians_are_suspected(tmp_path: Path) -> None:
 
 # ---- ULog
 
-EULER_DEG = np.array([[200.0, -20.0, 30.0], [10.0, 5.0, -40.0], [359.0, 60.0, 100.0]])  # yaw first
-
-
-def quaternions(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
-    picked = EULER_DEG[np.arange(count) % len(EULER_DEG)]
-    x, y, z, w = Rotation.from_euler("ZYX", picked, degrees=True).as_quat().T
-    return np.array([w, x, y, z])
-
-
-def topics(*, old_position: bool = False) -> dict[str, dict[str, Any]]:
-    """Twelve seconds at 2 Hz, booted 100 s before the first sample."""
-    micros = (100_000_000 + 500_000 * np.arange(24)).astype(np.uint64)
-    full = np.ones(24)
-    position: dict[str, Any] = {
-        "timestamp": micros,
-        "time_utc_usec": ((EPOCH_S - 100.0) * 1e6 + micros).astype(np.uint64),
-        "fix_type": np.full(24, 3, np.uint8),
-    }
-    if old_position:
-        position["lat"] = (476000000 * full).astype(np.int32)
-        position["lon"] = (85300000 * full).astype(np.int32)
-        position["alt"] = (536000 * full).astype(np.int32)
-    else:
-        position |= {"latitude_deg": 47.6 * full, "longitude_deg": 8.53 * full}
-        position["altitude_msl_m"] = 536.0 * full
-    attitude = {"timestamp": micros} | {f"q[{i}]": q for i, q in enumerate(quaternions(24))}
-    power = {
-        "timestamp": micros,
-        "mppt_volt[0]": 20.0 * full,
-        "mppt_volt[1]": 22.0 * full,
-        "mppt_volt[2]": 0.0 * full,
-        "mppt_amp[0]": 2.0 * full,
-        "mppt_amp[1]": 3.0 * full,
-        "mppt_amp[2]": 0.0 * full,
-    }
-    battery = {"timestamp": micros, "voltage_v": 24.0 * full, "current_a": 2.0 * full}
-    battery["remaining"] = np.where(np.arange(24) < 4, -1.0, 0.8)
-    return {
-        "sensor_mppt": power,
-        "vehicle_attitude": attitude,
-        "vehicle_gps_position": position,
-        "battery_status": battery,
-    }
-
 
 @pytest.fixture
 def ulog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
@@ -378,35 +333,6 @@ def test_ulog_without_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setitem(sys.modules, "pyulog", None)
     with pytest.raises(InputError, match="needs the package pyulog: pip install"):
         read_ulog(tmp_path / "flight.ulg")
-
-
-def ulog_bytes(content: dict[str, dict[str, Any]]) -> bytes:
-    """ULog file after the format's specification: header, definitions, data."""
-    types = {"u8": ("uint64_t", "Q"), "u1": ("uint8_t", "B"), "i4": ("int32_t", "i")}
-    types |= {"f8": ("float", "f")}
-    out = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0)
-    messages: list[tuple[bytes, bytes]] = []
-    tail: list[tuple[bytes, bytes]] = []
-    for number, (name, fields) in enumerate(content.items()):
-        kinds = [np.asarray(v).dtype.str[1:] for v in fields.values()]
-        names = [n.replace("[", "_").replace("]", "") for n in fields]
-        arrays = [n.split("[")[0] for n in fields if "[" in n]
-        spelled = []
-        for field, plain, kind in zip(fields, names, kinds, strict=True):
-            base = field.split("[")[0]
-            if base in arrays:
-                if field.endswith("[0]"):
-                    spelled.append(f"{types[kind][0]}[{arrays.count(base)}] {base}")
-            else:
-                spelled.append(f"{types[kind][0]} {plain}")
-        messages.append((b"F", f"{name}:{';'.join(spelled)};".encode()))
-        tail.append((b"A", struct.pack("<BH", 0, number) + name.encode()))
-        layout = "<" + "".join(types[kind][1] for kind in kinds)
-        for values in zip(*(np.asarray(v).tolist() for v in fields.values()), strict=True):
-            tail.append((b"D", struct.pack("<H", number) + struct.pack(layout, *values)))
-    for kind, body in (*messages, *tail):
-        out += struct.pack("<H", len(body)) + kind + body
-    return out
 
 
 def test_ulog_file_is_read_by_the_package(tmp_path: Path) -> None:

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from log_layouts import LAYOUTS, OWN_NAMES_MAP
 
 from missions.files.errors import InputError
 from missions.logs.clock import parse_zone
 from missions.logs.columns import ColumnMap, parse_column, read_column_map, recipes_for
 from missions.logs.csv import read_csv
 from missions.logs.table import FlightLog, log_from_table
-from tests.support.log_layouts import LAYOUTS, OWN_NAMES_MAP
 
 COUNT = 200
 MINUTE = "2015-06-30T09:{:02d}:{:06.3f}Z"

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+from log_layouts import LAYOUTS, OWN_NAMES_MAP, dataflash_of
+from source_tree import make_benchmarks_importable
 
 from missions.files.overrides import with_values
 from missions.library import load_mission
+from missions.logs.columns import ColumnMap, read_column_map
+from missions.logs.csv import read_flight_log
 from missions.logs.table import EulerAngles, FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -19,8 +24,11 @@ from solar.geometry import ModuleGeometry
 from studies.flight_logs.alignment.offsets import Alignment, Offset, align
 from studies.flight_logs.alignment.shifted_power import ShiftedPower
 from studies.flight_logs.samples import lit_samples
-from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, synthetic_log
+from studies.flight_logs.synthetic import Faults, Settings, synthetic_log
 from studies.flight_logs.verification import verify
+
+make_benchmarks_importable()
+from benchmarks.log_offsets import lying, random_days  # noqa: E402 - only now it can be found
 
 pytestmark = pytest.mark.slow
 
@@ -45,17 +53,6 @@ def geometry() -> ModuleGeometry:
 def flown(faults: Faults | None = None, rate_hz: float = 0.05) -> FlightLog:
     settings = Settings(rate_hz=rate_hz, faults=faults or Faults())
     return synthetic_log(aircraft(), mission(), settings).log()
-
-
-def lying(
-    log: FlightLog, *, ahead_s: float = 0.0, turned_deg: float = 0.0, factor: float = 1.0
-) -> FlightLog:
-    attitude = log.attitude
-    if attitude is not None:
-        yaw = attitude.yaw_rad + np.radians(turned_deg)
-        attitude = EulerAngles(attitude.roll_rad, attitude.pitch_rad, yaw)
-    power = factor * log.solar_power_w
-    return replace(log, time_s=log.time_s + ahead_s, attitude=attitude, solar_power_w=power)
 
 
 def check(found: Alignment, ahead_s: float, turned_deg: float) -> None:
@@ -158,7 +155,7 @@ def test_level_wing_says_nothing_of_the_heading() -> None:
 
 
 def test_log_without_attitude_tells_a_time_zone_but_no_heading() -> None:
-    bare = replace(lying(flown(), ahead_s=3600.0), attitude=None)
+    bare = replace(lying(flown(), 3600.0, 0.0), attitude=None)
     found = align(bare, aircraft(), mission())
     assert found.heading_ahead_deg is None
     assert found.clock_wrong
@@ -177,35 +174,6 @@ def test_correction_is_a_time_zone_where_that_is_as_likely() -> None:
     assert correction(900.0, 100.0) == 900.0
 
 
-def random_days(count: int) -> Iterator[tuple[Mission, Settings]]:
-    """Clear days anywhere: places, seasons, winds, circles, lengths, rates, noise, clearness."""
-    rng = np.random.default_rng(7)
-    for seed in range(count):
-        longitude = rng.uniform(-180.0, 180.0)
-        keys = {
-            "latitude_deg": rng.uniform(-50.0, 55.0),
-            "longitude_deg": longitude,
-            "clearness": rng.uniform(0.85, 1.0),
-            "wind_m_per_s": rng.uniform(0.0, 5.0),
-            "wind_from_deg": rng.uniform(0.0, 360.0),
-            "flight_path.radius_m": rng.uniform(40.0, 250.0),
-            "flight_path.airspeed_m_per_s": rng.uniform(8.2, 12.0),
-            "air.ambient_temperature_c": rng.normal(22.7, 6.0),
-        }
-        midnight = START_UTC_S // 86400.0 * 86400.0 + 86400.0 * int(rng.uniform(0.0, 365.0))
-        start = midnight + 3600.0 * (rng.uniform(5.0, 10.0) - longitude / 15.0)
-        settings = Settings(
-            start_utc_s=float(start),
-            duration_h=float(rng.uniform(4.0, 12.0)),
-            rate_hz=float(rng.choice([0.02, 0.1, 0.2])),
-            seed=seed,
-            bias=float(rng.normal(0.0, 0.05)),
-            jitter_deg=float(rng.uniform(0.5, 3.0)),
-            power_noise_w=float(rng.uniform(0.5, 3.0)),
-        )
-        yield with_values(mission(), {k: float(v) for k, v in keys.items()}), settings
-
-
 @pytest.mark.filterwarnings("ignore")  # places where the air is outside of a model's range
 def test_random_clear_days_are_sound_and_lies_on_them_are_found() -> None:
     for where, settings in random_days(4):
@@ -218,18 +186,50 @@ def test_random_clear_days_are_sound_and_lies_on_them_are_found() -> None:
         check(align(false, aircraft(), flight, geometry()), -5 * 3600.0, 60.0)
 
 
+# How a log is written, how far its clock is ahead [s] and its heading clockwise [deg], its rate.
+LIES = {
+    "ground_station": (-19800.0, 35.0, 0.1),
+    "spreadsheet": (7200.0, -90.0, 0.02),
+    "telemetry": (1500.0, 180.0, 0.2),
+    "own_names": (3600.0, 15.0, 0.05),
+    "dataflash": (-900.0, -45.0, 0.1),
+}
+
+
+@pytest.mark.parametrize("name", LIES)
+def test_every_layout_tells_its_lies(name: str, tmp_path: Path) -> None:
+    """Five layouts that differ in columns, units, zone and rate, each with a wrong clock."""
+    ahead_s, turned_deg, rate_hz = LIES[name]
+    rows = synthetic_log(aircraft(), mission(), Settings(rate_hz=rate_hz)).table
+    late = pd.to_datetime(rows["time_utc"], utc=True) + pd.Timedelta(seconds=ahead_s)
+    rows["time_utc"] = late.dt.strftime("%Y-%m-%dT%H:%M:%S.%fZ")
+    rows["yaw_deg"] = (rows["yaw_deg"] + turned_deg + 180.0) % 360.0 - 180.0
+    layout = ColumnMap()
+    if name == "spreadsheet":
+        layout = layout.with_options({}, "Europe/Zurich")
+    elif name == "own_names":
+        (tmp_path / "map.yaml").write_text(OWN_NAMES_MAP)
+        layout = read_column_map(str(tmp_path / "map.yaml"))
+    elif name == "dataflash":
+        power = {"solar_power_w": "BAT[1].Volt * BAT[1].Curr"}
+        layout = layout.with_options(power, None)
+    file = tmp_path / ("log.bin" if name == "dataflash" else "log.csv")
+    content = LAYOUTS[name](rows).encode() if name in LAYOUTS else dataflash_of(rows)
+    file.write_bytes(content)
+    log = read_flight_log(file, layout)
+    check(align(log, aircraft(), mission(), geometry()), ahead_s, turned_deg)
+
+
 def test_power_at_no_offset_is_that_of_the_full_model() -> None:
     log = flown()
     samples, _ = lit_samples(log, aircraft(), mission(), geometry(), None)
     power = ShiftedPower.of(log, aircraft(), mission(), geometry(), samples.index).power_w(0.0)
     assert power == pytest.approx(samples.modelled_w["FM"], rel=1e-9)
     # A logged heading that is too far clockwise is the same as a sun too far counterclockwise.
-    turned = lying(log, turned_deg=30.0)
+    turned = lying(log, 0.0, 30.0)
     other = ShiftedPower.of(turned, aircraft(), mission(), geometry(), samples.index)
     assert other.power_w(0.0, np.radians(30.0)) == pytest.approx(power, rel=1e-9)
-    late = ShiftedPower.of(
-        lying(log, ahead_s=600.0), aircraft(), mission(), geometry(), samples.index
-    )
+    late = ShiftedPower.of(lying(log, 600.0, 0.0), aircraft(), mission(), geometry(), samples.index)
     assert late.power_w(600.0) == pytest.approx(power, rel=1e-9)
 
 
@@ -249,7 +249,7 @@ def test_lies_are_told_and_nothing_else_is_blamed() -> None:
     assert record["power_unit"] == "kW"
     assert record["clock_wrong"]
     assert record["corrected"]
-    as_logged = verify(aircraft(), lying(flown(), turned_deg=90.0), mission(), correct=False)
+    as_logged = verify(aircraft(), lying(flown(), 0.0, 90.0), mission(), correct=False)
     assert "compared as logged" in " ".join(str(as_logged).split())
     assert not as_logged.corrected
 
