@@ -8,7 +8,7 @@ import time
 
 import click
 
-from benchmarks.reliability.record import Record, Row, kept
+from benchmarks.reliability.record import Record, Row, kept, merged
 
 # Modules of this package with ``attacks(count, seed) -> iterator of Row``; count None: as many
 # cases as the page is made of.
@@ -36,7 +36,11 @@ def _part(name: str) -> click.Command:
     @click.option("--count", type=click.IntRange(1), help="Cases of each kind, or of all.")
     @click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
     @click.option("--only", default="", metavar="TEXT", help="Kinds whose name holds this text.")
-    @click.option("--keep", is_flag=True, help="Keep the record that the page is made of.")
+    @click.option(
+        "--keep",
+        is_flag=True,
+        help="Keep the record that the page is made of; with --only, of these kinds.",
+    )
     def run(count: int | None, seed: int, only: str, keep: bool) -> None:
         begun = time.monotonic()
         rows = []
@@ -45,11 +49,11 @@ def _part(name: str) -> click.Command:
         ):
             _show(row)
             rows.append(row)
-        command = " ".join(["python -m benchmarks.reliability", *sys.argv[1:]])
+        command = f"python -m benchmarks.reliability {name}"
         record = Record(name, command, seed, round(time.monotonic() - begun), tuple(rows))
         click.echo(f"{record.held} of {record.cases} cases held, in {record.seconds:.0f} s")
         if keep:
-            record.keep()
+            (merged(kept().get(name), record) if only else record).keep()
         if record.held < record.cases:
             sys.exit(1)
 

@@ -65,7 +65,7 @@ def _cases(record: Record) -> str:
         f"## {_TITLES[record.part]}",
         "",
         f"{_number(record.held)} of {_number(record.cases)} cases held, on Python {record.python}, "
-        f"NumPy {record.numpy}, {record.system}; `{record.command}`, seed {record.seed}.",
+        f"NumPy {record.numpy}, {record.system}; `{record.command}`.",
         "",
         "| what is attacked | attack | cases | held |",
         "| --- | --- | --- | --- |",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from missions.files.writing import write_text_atomically
 from solar._version import __version__
 
-__all__ = ["FOLDER", "Record", "Row", "kept", "of_cases"]
+__all__ = ["FOLDER", "Record", "Row", "kept", "merged", "of_cases"]
 
 FOLDER = Path(__file__).parent / "records"
 
@@ -71,10 +71,31 @@ class Record:
         return sum(row.held for row in self.rows)
 
     def keep(self, folder: Path = FOLDER) -> None:
-        """Write this record in place of the one that was kept of the same part."""
+        """Write this record in place of the one that was kept of the same part, if there is one."""
         folder.mkdir(exist_ok=True)
         text = json.dumps(asdict(self), indent=1, ensure_ascii=False)
         write_text_atomically(folder / f"{self.part}.json", text + "\n")
+
+
+def merged(old: Record | None, new: Record) -> Record:
+    """Record of all kinds of cases, of some of which there are newer ones.
+
+    Parameters
+    ----------
+    old : Record or None
+        What was kept.
+    new : Record
+        A run of some kinds.
+
+    Returns
+    -------
+    Record
+        Rows of the old one, each replaced by the new one of its kind; others stand at the end.
+    """
+    if old is None:
+        return new
+    rows = {(row.subject, row.attack): row for row in (*old.rows, *new.rows)}
+    return replace(new, seconds=old.seconds + new.seconds, rows=tuple(rows.values()))
 
 
 def kept(folder: Path = FOLDER) -> dict[str, Record]:

@@ -248,6 +248,10 @@ def for_children() -> Iterator[None]:
     os.environ.update(_ENVIRONMENT)
     masks = hasattr(signal, "pthread_sigmask")
     if masks:
+        from multiprocessing import resource_tracker
+
+        # It is started with the first process, and unblocks Ctrl-C for all that follow.
+        resource_tracker.ensure_running()
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -13,7 +13,7 @@ from source_tree import make_benchmarks_importable
 make_benchmarks_importable()
 from benchmarks.reliability import __main__ as command  # noqa: E402 - only now it can be found
 from benchmarks.reliability.page import Defect, defects, markdown  # noqa: E402
-from benchmarks.reliability.record import Record, Row, kept, of_cases  # noqa: E402
+from benchmarks.reliability.record import Record, Row, kept, merged, of_cases  # noqa: E402
 
 RECORD = Record("faults", "python -m x", 7, 3.0, (Row("map", "SIGKILL", 3, 2, ("seed 7",)),))
 LISTED = [*defects("faults"), *defects("inputs")]
@@ -43,6 +43,14 @@ def test_what_did_not_hold_is_told() -> None:
 def test_records_are_read_as_they_were_kept(tmp_path: Path) -> None:
     RECORD.keep(tmp_path)
     assert kept(tmp_path) == {"faults": RECORD}
+
+
+def test_newer_rows_take_the_place_of_older_ones() -> None:
+    again, other = Row("map", "SIGKILL", 5, 5), Row("map", "Ctrl-C", 1, 1)
+    newer = Record("faults", "python -m x", 8, 2.0, (again, other))
+    assert merged(RECORD, newer).rows == (again, other)
+    assert merged(newer, RECORD).rows == (RECORD.rows[0], other)
+    assert merged(None, RECORD) == RECORD
 
 
 def test_cases_are_counted() -> None:

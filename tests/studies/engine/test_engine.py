@@ -613,6 +613,20 @@ def test_signals_stop_cleanly_and_keep_what_is_finished(
     assert values == expected_values(functions)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_workers_never_see_an_interrupt(tmp_path: Path) -> None:
+    script = tmp_path / "drive.py"  # a process that has not started any other yet
+    script.write_text(
+        "import chunk_functions as f, numpy as np\n"
+        "from studies.engine import run as engine, workers\n"
+        "job = engine.Job(f.interruptible, f.Settings(), (((1.0,),),), {'root': np.float64(0)})\n"
+        "if __name__ == '__main__':\n"
+        "    print(engine.run(job, workers.LocalPool(2)).columns['root'])\n"
+    )
+    command = [sys.executable, str(script)]
+    assert subprocess.check_output(command, env=environment(), timeout=120) == b"[0.]\n"
+
+
 def test_a_script_without_main_guard_gets_a_message(tmp_path: Path) -> None:
     script = tmp_path / "plain.py"
     script.write_text(

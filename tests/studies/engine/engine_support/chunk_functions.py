@@ -57,6 +57,12 @@ def threads(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
     return {"root": [float(os.environ["OPENBLAS_NUM_THREADS"])] * len(cells)}
 
 
+def interruptible(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Whether Ctrl-C could have reached this process since it began."""
+    blocked = signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    return {"root": [float(not blocked)] * len(cells)}
+
+
 def job(settings: Settings, cells: int = 20, each: int = 4) -> Job:
     numbers = [(float(n),) for n in range(cells)]
     chunks = tuple(tuple(numbers[i : i + each]) for i in range(0, cells, each))
