@@ -20,6 +20,7 @@ __all__ = [
     "OutputError",
     "check_writable_folder",
     "file_text",
+    "names_a_device",
     "to_yaml",
     "write_bytes_atomically",
     "write_files_atomically",
@@ -32,6 +33,8 @@ class OutputError(OSError):
     """A file could not be written; the text says which one and why."""
 
 
+_NUMBERED = [f"{port}{number}" for port in ("COM", "LPT") for number in range(10)]
+_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", *_NUMBERED})
 # Characters of a mapping or list that is written on one line.
 _SHORT = 84
 _REPRESENTERS: Any = yaml.SafeDumper.yaml_representers
@@ -132,6 +135,14 @@ def file_text(head: str, data: Mapping[str, Any]) -> str:
     """
     first = {FORMAT_KEY: data.get(FORMAT_KEY, FORMAT_VERSION)}
     return f"# {head}\n{to_yaml(first | dict(data))}"
+
+
+def names_a_device(name: str) -> bool:
+    """Whether Windows takes a file name for a device, whatever follows its first point.
+
+    Microsoft, Naming Files, Paths, and Namespaces.
+    """
+    return name.partition(".")[0].rstrip(" ").upper() in _DEVICES
 
 
 def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:

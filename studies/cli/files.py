@@ -20,7 +20,7 @@ from missions.files.errors import OVERRIDE, InputError, Problem, file_error, pri
 from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
 from missions.files.validation import validate
-from missions.files.writing import write_files_atomically
+from missions.files.writing import names_a_device, write_files_atomically
 from missions.files.yaml import Document
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
@@ -293,6 +293,9 @@ def write_starters(name: str, folder: Path) -> list[Path]:
     name = name[: len(name) - len(suffix)]
     if re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name) is None:
         raise file_error(name, "a name has letters, digits, '-', '_' and '.', at most 64 of them")
+    if names_a_device(name):
+        message = "names a device of Windows, not a file: choose another name"
+        raise file_error(name, message)
     contents = {
         folder / f"{name}.yaml": _template("aircraft").replace("NAME", name),
         folder / f"{name}-mission.yaml": _template("mission").replace("NAME", name),

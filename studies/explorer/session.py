@@ -18,7 +18,7 @@ from missions.dates import date_code
 from missions.files.errors import InputError
 from missions.files.overrides import with_overrides
 from missions.files.validation import validate
-from missions.files.writing import file_text
+from missions.files.writing import file_text, names_a_device
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -313,6 +313,8 @@ class Session:
     def file_names(self) -> dict[str, str]:
         """Names for what is saved: ``aircraft``, ``mission`` and ``report``."""
         name = re.sub(r"[^A-Za-z0-9_.-]+", "-", self.aircraft.name).strip("-.")[:60] or "aircraft"
+        if names_a_device(name):
+            name = f"aircraft-{name}"
         stem = f"{name}-explored"
         return {
             "aircraft": f"{stem}.yaml",

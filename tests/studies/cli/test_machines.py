@@ -1,0 +1,128 @@
+"""The same numbers and files on any machine: language, encoding, time zone, folders, Windows."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import Run
+
+from missions.files.shipped import shipped_text
+from missions.files.writing import names_a_device
+from missions.library import load_mission
+from sizing.library import load_aircraft
+
+AS2 = "atlantiksolar-as2"
+
+
+@pytest.fixture(scope="module")
+def locales(tmp_path_factory: pytest.TempPathFactory) -> Path | None:
+    """Languages with a decimal comma and with a dotless i; None where they cannot be made."""
+    folder = tmp_path_factory.mktemp("locales")
+    if shutil.which("localedef") is None:
+        return None
+    for name in ("de_DE", "tr_TR"):
+        command = ["localedef", "-i", name, "-f", "UTF-8", str(folder / f"{name}.UTF-8")]
+        if subprocess.run(command, capture_output=True, check=False).returncode not in (0, 1):
+            return None
+    return folder
+
+
+def analysed(folder: Path, *before: str, **variables: str) -> tuple[Any, str, str]:
+    """Record, text and messages of a process of its own."""
+    code = "; ".join([*before, "from studies.cli.__main__ import main", "main()"])
+    arguments = ["analyse", AS2, "--json", "--table", "day.csv"]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        cwd=folder,
+        env={**os.environ, **variables},
+        capture_output=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    table = (folder / "day.csv").read_bytes()
+    return json.loads(done.stdout), table.decode("ascii"), done.stderr.decode("ascii")
+
+
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, str, str]:
+    """What comes out where nothing is odd."""
+    return analysed(tmp_path_factory.mktemp("usual"))
+
+
+def test_a_poor_environment_changes_nothing(tmp_path: Path, usual: tuple[Any, str, str]) -> None:
+    """No UTF-8, no home, nowhere to keep settings, a day ahead of Greenwich."""
+    found = analysed(
+        tmp_path,
+        LC_ALL="C",
+        PYTHONUTF8="0",
+        PYTHONCOERCECLOCALE="0",
+        PYTHONIOENCODING="ascii",
+        HOME="/dev/null/none",
+        MPLCONFIGDIR="/dev/null/none",
+        XDG_CACHE_HOME="/dev/null/none",
+        TZ="Pacific/Kiritimati",
+    )
+    assert found == usual
+
+
+@pytest.mark.parametrize("language", ["de_DE", "tr_TR"])
+def test_another_language_changes_nothing(
+    language: str, locales: Path | None, tmp_path: Path, usual: tuple[Any, str, str]
+) -> None:
+    if locales is None:
+        pytest.skip("localedef is missing, or has no source of these languages")
+    # Set as a program does that embeds Python: C libraries then read and write decimal commas.
+    setting = "import locale; locale.setlocale(locale.LC_ALL, '')"
+    point = "assert locale.localeconv()['decimal_point'] == ','"
+    variables = {"LOCPATH": str(locales), "LC_ALL": f"{language}.UTF-8"}
+    assert analysed(tmp_path, setting, point, **variables) == usual
+
+
+def test_files_with_line_ends_of_windows_are_the_same(tmp_path: Path) -> None:
+    for name, load in ((AS2, load_aircraft), ("rafz-july", load_mission)):
+        path = tmp_path / f"{name}.yaml"
+        path.write_bytes(shipped_text(name).replace("\n", "\r\n").encode("utf-8-sig"))
+        assert load(path) == load(name)  # type: ignore[operator]
+
+
+def test_a_file_in_the_encoding_of_windows_is_refused_with_its_place(run: Run) -> None:
+    text = shipped_text("rafz-july").replace("name: rafz-july", "name: Zürich")
+    Path("z.yaml").write_bytes(text.encode("cp1252"))
+    outcome = run("analyse", AS2, "-m", "z.yaml")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err == "z.yaml:3:8: is not UTF-8 text (byte 0xfc)\n"
+
+
+@pytest.mark.parametrize("name", ["CON", "nul.yaml", "Aux", "com1", "LPT9.v2.yml", "prn.2"])
+def test_starters_are_not_named_like_a_device(run: Run, tmp_path: Path, name: str) -> None:
+    outcome = run("init", name)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "names a device of Windows" in outcome.err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["console", "com", "com10", "nullarbor", "my.con", "aux-1"])
+def test_what_only_resembles_a_device_is_a_name(name: str) -> None:
+    assert not names_a_device(name)
+
+
+def test_a_folder_of_results_lists_nothing_of_other_folders(run: Run, tmp_path: Path) -> None:
+    """On Linux these are names of plain files; on Windows they lead out of the folder."""
+    size = ("size", "sky-sailor", "-m", "rafz-july", "--out", "sized")
+    assert run(*size).code == 0
+    path = tmp_path / "sized" / "run.json"
+    record = json.loads(path.read_text(encoding="utf-8"))
+    outside = ["..\\kept", "C:kept", "\\\\host\\kept", "sub\\kept"]
+    path.write_text(json.dumps(record | {"files": [*record["files"], *outside]}), encoding="utf-8")
+    for name in outside:
+        (tmp_path / "sized" / name).write_text("mine")
+    assert run(*size).code == 0
+    assert all((tmp_path / "sized" / name).exists() for name in outside)
