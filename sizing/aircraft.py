@@ -13,6 +13,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
@@ -405,6 +406,7 @@ class Aircraft(FileRecord):
     power: Power
     design_space: DesignSpace = DesignSpace()
     uncertainty: Uncertainty | None = None
+    provenance: Provenance | None = None
 
     @property
     def texts_read(self) -> dict[str, str]:

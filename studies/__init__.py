@@ -5,7 +5,7 @@ The topmost layer and the only one that draws, prints or parses a command line. 
 :mod:`sizing`, :mod:`missions` and :mod:`solar`.
 
 * ``compare``: all solar power models side by side, and what each would have built
-* ``verify``: the models against a flight log
+* ``verify``: the models against a flight log; ``fit_flight``: an aircraft fitted to one
 * ``perpetual_ceiling``: how high an aircraft flies perpetually
 * ``feasibility_map``, ``resized_map``: where and when it does, and which design would
 * ``sweep``: trade studies; ``plot_cycle``: an analysis as a figure

@@ -6,6 +6,10 @@ from .exchange.difference import DesignDifference as DesignDifference
 from .exchange.difference import compare_designs as compare_designs
 from .exchange.files import export_design as export_design
 from .exchange.schema import file_schema as file_schema
+from .fitting.flight import FlightFit as FlightFit
+from .fitting.flight import fit_flight as fit_flight
+from .fitting.plots import plot_fit as plot_fit
+from .fitting.prediction import predict_flight as predict_flight
 from .flight_logs.verification import Verification as Verification
 from .flight_logs.verification import verify as verify
 from .maps.feasibility import feasibility_map as feasibility_map

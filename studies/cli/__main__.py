@@ -56,6 +56,7 @@ _COMMANDS = {
     "report": _Lazy("report", "report", "A page on a design, to be read or printed.", "Analyse"),
     "compare": _Lazy("compare", "compare", "All solar power models side by side.", "Verify"),
     "verify": _Lazy("verify", "verify", "The solar power models against a flight log.", "Verify"),
+    "fit": _Lazy("fit", "fit", "Parameters of an aircraft, fitted to a flight log.", "Verify"),
     "efficiencies": _Lazy(
         *("validation", "efficiencies", "What drives the power of the Full Model."),
         task="Verify",

@@ -256,17 +256,19 @@ def load(
     return Case(craft, where, is_default, solar)
 
 
-def refuse_swapped_log(aircraft: str, log_file: str) -> None:
+def refuse_swapped_log(aircraft: str, log_file: str, verb: str = "verify") -> None:
     """Refuse a log where the aircraft is meant, and the reverse.
 
     Parameters
     ----------
     aircraft, log_file : str
         As given on the command line.
+    verb : str
+        Name of the command.
     """
     named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
     if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
-        raise click.UsageError(f"the aircraft comes first: verify {log_file} {aircraft}")
+        raise click.UsageError(f"the aircraft comes first: {verb} {log_file} {aircraft}")
 
 
 def write_starters(name: str, folder: Path) -> list[Path]:

@@ -325,7 +325,7 @@ def verify(
     windows: Sequence[Window | str] = (),
     filter_s: float | None = None,
     shading: ShadedArea | None = None,
-    correct: bool = True,
+    correct: bool | None = True,
 ) -> Verification:
     """Compare all models with a log and look for anomalies.
 
@@ -344,9 +344,9 @@ def verify(
         given.
     shading : callable, optional
         Shaded area instead of that of the aircraft's own tail.
-    correct : bool
+    correct : bool or None
         Whether errors of the log's clock, heading and unit are corrected before anything is
-        compared; else they are told only.
+        compared; else they are told only. None: they are not looked for.
 
     Returns
     -------
@@ -363,9 +363,9 @@ def verify(
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     geometry, reasons = module_geometry(log, aircraft)
-    alignment = align(log, aircraft, mission, geometry)
-    corrected = correct and alignment.wrong
-    log = alignment.corrected(log) if corrected else log
+    alignment = None if correct is None else align(log, aircraft, mission, geometry)
+    corrected = bool(correct) and alignment is not None and alignment.wrong
+    log = alignment.corrected(log) if corrected and alignment is not None else log
     shade = shading
     if shade is None and geometry is not None:
         shade, reason = tail_shading(aircraft, geometry)

@@ -257,6 +257,7 @@ FOREIGN = {
         "--only",
     },
     "performance.md": {"--markdown", "--json", "--only"},
+    "fit.md": {"--count"},
     "maps.md": {"--long"},
     "reliability.md": {"--markdown", "--count", "--seed", "--only", "--keep"},
     "scale.md": {"--scheduler"},

@@ -64,6 +64,7 @@ def drawings() -> dict[str, Draw]:
         "ceiling": lambda **kw: studies.plot_ceiling(_ceiling(), **kw),
         "verify-window": _window,
         "verify-day": _day,
+        "fit": _fit,
         "structure": _structure,
         "power-curve": _power_curve,
         "report": _report,
@@ -226,6 +227,19 @@ def _day(figure: Canvas) -> Figure:
     result = _verified()
     ((_, mask),) = day_masks(result.samples)
     return day_figure(result, result.days[0], mask, figure=figure)
+
+
+@cache
+def _fitted() -> studies.FlightFit:
+    from studies.fitting.synthetic import Flight, fly
+
+    aircraft, flight = _aircraft("atlantiksolar-as2"), Flight(duration_h=26.0, step_s=60.0)
+    log = fly(aircraft, _mission("rafz-28h"), flight).log()
+    return studies.fit_flight(aircraft, log, _mission("rafz-28h"))
+
+
+def _fit(figure: Canvas) -> Figure:
+    return studies.plot_fit(_fitted(), figure=figure)
 
 
 def _structure(figure: Canvas) -> Figure:

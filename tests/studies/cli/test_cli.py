@@ -153,6 +153,7 @@ def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
         ("efficiencies", AS2),
         ("loiter-correction", AS2),
         ("verify", AS2, "log.csv"),
+        ("fit", AS2, "log.csv"),
     ],
     ids=lambda command: command[0],
 )

@@ -1,0 +1,133 @@
+"""The command ``solar-uav fit``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from studies.cli.help_texts import command
+from studies.cli.log_options import log_options
+from studies.cli.options import (
+    EXIT_FAILED,
+    RealRange,
+    aircraft_argument,
+    completes,
+    figure_options,
+    json_option,
+    mission_option,
+    out_option,
+    set_option,
+)
+from studies.output.figures.options import FigureOptions
+
+if TYPE_CHECKING:
+    from missions.logs.columns import ColumnMap
+
+
+@command("solar-uav fit atlantiksolar-as2 flight.csv --write mine.yaml")
+@aircraft_argument()
+@click.argument("log_file", metavar="LOG", shell_complete=completes("log_file"))
+@mission_option("rafz-28h")
+@log_options
+@click.option(
+    "--fit",
+    "names",
+    metavar="NAME",
+    multiple=True,
+    help="Parameter to fit, e.g. temperature_rise; see docs/fit.md. May be repeated.  "
+    "[default: module_efficiency, temperature_rise, the level power, specific_energy]",
+)
+@click.option(
+    "--light-sigma",
+    type=RealRange(0.0, 0.5, unit="a share"),
+    default=0.03,
+    show_default=True,
+    help="Standard uncertainty of the clear sky, relative.",
+)
+@click.option(
+    "--predict",
+    "other_log",
+    metavar="LOG",
+    help="Another flight, whose charge is predicted from the fit.",
+)
+@click.option(
+    "--write",
+    "write_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="Write the fitted aircraft, with where its numbers come from.",
+)
+@set_option
+@json_option
+@out_option("a figure")
+@figure_options
+def fit(
+    aircraft: str,
+    log_file: str,
+    mission: str,
+    layout: ColumnMap,
+    names: tuple[str, ...],
+    light_sigma: float,
+    other_log: str | None,
+    write_file: str | None,
+    overrides: tuple[str, ...],
+    as_json: bool,
+    out_dir: str | None,
+    figure: FigureOptions,
+) -> None:
+    """Fit parameters of AIRCRAFT to the flight LOG, with confidence intervals."""
+    from missions.files.writing import check_writable_folder, write_text_atomically
+    from missions.logs.csv import read_flight_log
+    from sizing.results.tables import Summary
+    from studies.cli.checks import check_outputs
+    from studies.cli.files import load, refuse_swapped_log
+    from studies.cli.outputs import figure_bytes, tell
+    from studies.fitting.files import file_text, fitted_document, fitted_lines
+    from studies.fitting.flight import fit_flight
+    from studies.fitting.parameters import chosen
+    from studies.fitting.plots import plot_fit
+    from studies.fitting.prediction import predict_flight
+    from studies.output.run_folder import InputFile, write_run_folder
+
+    if out_dir is not None:
+        check_writable_folder(Path(out_dir))
+    check_outputs(write=write_file)
+    refuse_swapped_log(aircraft, log_file, "fit")
+    case = load(aircraft, mission, overrides)
+    try:
+        chosen(names, case.aircraft)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--fit") from None
+    found = fit_flight(
+        *(case.aircraft, read_flight_log(log_file, layout), case.mission),
+        names=names,
+        light_sigma=light_sigma,
+    )
+    record, shown = case.named(found.to_dict()), found.summary()
+    if other_log is not None:
+        prediction = predict_flight(found, read_flight_log(other_log, layout), case.mission)
+        record["prediction"] = prediction.to_dict()
+        shown = shown + Summary((prediction.table(),))
+    if found.fitted and (write_file is not None or out_dir is not None):
+        log = InputFile.of(Path(log_file))
+        sources = {
+            "aircraft_sha256": case.craft.sha256,
+            "log": log.source,
+            "log_sha256": log.sha256,
+            "mission": case.where.document.source,
+        }
+        document = fitted_document(case.craft.document, found, sources)
+        if out_dir is not None:
+            inputs = case.inputs(log=Path(log_file)).of_aircraft(document.data)
+            image = figure_bytes(plot_fit(found, figure=figure), "fit.png")
+            write_run_folder(Path(out_dir), inputs, record, {"fit.png": image})
+        if write_file is not None:
+            write_text_atomically(write_file, file_text(document, fitted_lines(found)))
+    written = (write_file, out_dir) if found.fitted else (None, None)
+    tell(case, record, shown, as_json=as_json, out_dir=written[1], files=(written[0],))
+    if not found.fitted:
+        click.echo("solar-uav: the log tells none of the parameters; nothing is written", err=True)
+        sys.exit(EXIT_FAILED)

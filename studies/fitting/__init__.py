@@ -1,0 +1,9 @@
+"""What a flight log says about an aircraft: parameters fitted to it, with confidence intervals.
+
+* ``flight``: the fit, and how it prints itself; ``parameters``: what may be fitted
+* ``channels``: measured and modelled solar power, load and charge
+* ``estimation``: least squares and their intervals; ``autocorrelation``: of the residuals
+* ``files``: aircraft files with provenance; ``plots``: figure
+* ``prediction``: another flight, predicted from the fit; ``synthetic``: flights of known truth
+* ``calibration``: a parametric aircraft that is as heavy and as thirsty as a measured one
+"""

@@ -1,0 +1,1 @@
+"""Measured quantities of a flight with a model of each: solar power, load, charge."""

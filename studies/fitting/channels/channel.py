@@ -1,0 +1,159 @@
+"""A measured quantity of a flight and a model of it, in means over some minutes.
+
+A loiter turns the modules through the light about once a minute: means over
+:data:`~studies.fitting.channels.bins.BIN_S` know nothing of that, nor of most of the noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.logs.table import FlightLog
+from missions.mission import AirConditions, Mission
+from sizing.aircraft import Aircraft
+from solar.types import FloatArray, IntArray
+from studies.fitting.parameters import ChannelName
+from studies.flight_logs.verification import Verification
+
+Predict = Callable[[Aircraft, float], FloatArray]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A measured quantity in bins, and a model of it.
+
+    Attributes
+    ----------
+    name : {"solar", "load", "charge"}
+    label, unit : str
+        For people.
+    time_s : ndarray, shape (bin,)
+        Mean time of each bin's samples [s since 1970, UTC].
+    measured : ndarray, shape (bin,)
+    run : ndarray of int, shape (bin,)
+        Number of the uninterrupted stretch.
+    predict : callable
+        Modelled value of each bin, from an aircraft and a factor on the light.
+    floating : bool
+        Whether only differences count: every stretch has a level of its own.
+    notes : tuple of str
+        What was left out.
+    """
+
+    name: ChannelName
+    label: str
+    unit: str
+    time_s: FloatArray
+    measured: FloatArray
+    run: IntArray
+    predict: Predict
+    floating: bool = False
+    notes: tuple[str, ...] = ()
+
+    def residual(self, aircraft: Aircraft, light: float = 1.0) -> FloatArray:
+        """Measured less modelled; of a floating channel without the mean of each stretch.
+
+        Parameters
+        ----------
+        aircraft : Aircraft
+            That the model is made of.
+        light : float
+            Factor on the light of the sky [-].
+
+        Returns
+        -------
+        ndarray, shape (bin,)
+        """
+        apart = self.measured - self.predict(aircraft, light)
+        return self.centred(apart) if self.floating else apart
+
+    def centred(self, values: FloatArray) -> FloatArray:
+        """Values without the mean of each stretch."""
+        counts = np.bincount(self.run)
+        means = np.bincount(self.run, values) / np.maximum(counts, 1)
+        return np.asarray(values - means[self.run])
+
+    @property
+    def levels(self) -> int:
+        """Unknown levels: one for each stretch of a floating channel."""
+        return int(self.run[-1]) + 1 if self.floating else 0
+
+
+@dataclass(frozen=True)
+class Flown:
+    """A log, the mission in its place and air, and which samples may be used."""
+
+    log: FlightLog
+    mission: Mission
+    found: Verification
+
+    @classmethod
+    def of(cls, found: Verification, mission: Mission) -> Flown:
+        """Mission in the place and the mean air of a log.
+
+        Parameters
+        ----------
+        found : Verification
+            Models against the log.
+        mission : Mission
+            Clearness, payload, turbulence, and air where the log has none.
+
+        Returns
+        -------
+        Flown
+        """
+        return cls(found.log, mission_of_log(found.log, mission), found)
+
+
+def mission_of_log(log: FlightLog, mission: Mission) -> Mission:
+    """Mission at the mean place, altitude and air temperature of a log.
+
+    Parameters
+    ----------
+    log : FlightLog
+    mission : Mission
+        Gives everything else: clearness, payload, turbulence.
+
+    Returns
+    -------
+    Mission
+        Without launch and climb; not validated.
+    """
+    place = {
+        "latitude_deg": float(np.median(log.latitude_deg)),
+        "longitude_deg": float(np.median(log.longitude_deg)),
+        "altitude_m": float(np.median(log.altitude_m)),
+    }
+    changed = mission.model_copy(update={**place, "launch": None, "climb": None})
+    air = mission.air
+    if log.ambient_temperature_c is not None:
+        mean_c = float(np.nanmean(log.ambient_temperature_c))
+        air = AirConditions(
+            ambient_temperature_c=mean_c, module_temperature_c=air.module_temperature_c
+        )
+    return changed.model_copy(update={"air": air})
+
+
+def ambient_c(flown: Flown, index: IntArray) -> FloatArray:
+    """Air temperature at samples of a log: logged, else of the mission.
+
+    Parameters
+    ----------
+    flown : Flown
+        The flight.
+    index : ndarray of int, shape (sample,)
+        Places in the log.
+
+    Returns
+    -------
+    ndarray, shape (sample,)
+        Temperature [C].
+    """
+    mean_c = float(flown.mission.air_state().temperature_c)
+    logged = flown.log.ambient_temperature_c
+    if logged is None:
+        return np.full(len(index), mean_c)
+    return np.where(np.isnan(logged[index]), mean_c, logged[index])

@@ -1,0 +1,140 @@
+"""Solar power of a flight, and which of it is the modules' own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sizing.aircraft import Aircraft
+from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
+from solar.attitude import direction_cosines
+from solar.attitude_models import full_model
+from solar.clearsky import Irradiance
+from solar.horizontal_models import conceptual_analysis_model
+from solar.sun import sun_position
+from solar.types import BoolArray, FloatArray, IntArray
+from studies.fitting.channels.bins import Bins
+from studies.fitting.channels.channel import Channel, Flown, Predict, ambient_c
+from studies.flight_logs.samples import day_of_year
+from studies.flight_logs.verification import Verification
+
+# Below, no air-mass formula is good, and horizon and haze decide; assumption.
+LOWEST_SUN_DEG = 5.0
+# Charge at which a battery may be taken for full; assumption.
+NEARLY_FULL = 0.98
+# Share of what the battery and the load can take from which power may be held back; assumption:
+# the errors of the model and of the logged charge.
+_MAY_BE_LIMITED = 0.9
+
+
+def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
+    """Solar power where the sun is up and nothing holds it back.
+
+    Parameters
+    ----------
+    flown : Flown
+        The flight.
+    aircraft : Aircraft
+        Its charge limit and modules say where power may be held back.
+
+    Returns
+    -------
+    Channel
+        Of the Full Model where attitude and module surfaces are known, else of CAM.
+    """
+    samples = flown.found.samples
+    high = samples.elevation_deg >= LOWEST_SUN_DEG
+    faulty = _in_faults(flown.found)
+    limited = flown.found.excluded | _may_be_limited(flown, aircraft)
+    use = high & ~faulty & ~limited
+    bins = Bins.of(samples.time_s, samples.run, use)
+    told = [f"{_hours(high & limited, flown)} h with charging that may be limited are left out"]
+    told += [f"{_hours(high & faulty, flown)} h in which the MPPT does not track are left out"]
+    model = solar_model(flown, np.asarray(samples.index[use], int))
+    name = "FM" if samples.detail is not None else "CAM"
+    return Channel(
+        name="solar",
+        label=f"solar power ({name})",
+        unit="W",
+        time_s=bins.mean(samples.time_s[use]),
+        measured=bins.mean(samples.measured_w[use]),
+        run=bins.run,
+        predict=lambda craft, light: bins.mean(model(craft, light)),
+        notes=tuple(note for note in told if not note.startswith("0.0 h")),
+    )
+
+
+def _hours(mask: BoolArray, flown: Flown) -> str:
+    return f"{float(mask.sum()) * flown.log.step_s / 3600.0:.1f}"
+
+
+def _in_faults(found: Verification) -> BoolArray:
+    """Samples within periods in which the MPPT does not track."""
+    time_s = found.samples.time_s
+    marked = np.zeros(len(time_s), bool)
+    for one in found.anomalies:
+        if one.kind == "mppt_not_tracking":
+            marked |= (time_s >= one.start_s) & (time_s <= one.end_s)
+    return marked
+
+
+def _may_be_limited(flown: Flown, aircraft: Aircraft) -> BoolArray:
+    """Samples whose power the battery may not take, by model and logged charge.
+
+    Decided without the measured power: leaving out what measures low would make the rest high.
+    """
+    samples, log = flown.found.samples, flown.log
+    marked = np.zeros(len(samples.time_s), bool)
+    if log.state_of_charge is None:
+        return marked
+    charge = np.nan_to_num(log.state_of_charge[samples.index], nan=0.0)
+    marked |= charge >= NEARLY_FULL
+    limit = aircraft.battery.charge_limit
+    if log.load_w is None or isinstance(limit, NoChargeLimit):
+        return marked
+    battery = aircraft.battery
+    taken_w = charge_rate_per_h(limit, charge) * battery.battery_energy_wh
+    taken_w = taken_w / float(battery.mean_charge_efficiency) + np.nan_to_num(
+        log.load_w[samples.index], nan=np.inf
+    )
+    model_w = samples.modelled_w.get("FM", samples.modelled_w["CAM"])
+    return np.asarray(marked | (model_w > _MAY_BE_LIMITED * taken_w))
+
+
+def solar_model(flown: Flown, index: IntArray) -> Predict:
+    """Model of the power at samples of a log.
+
+    Parameters
+    ----------
+    flown : Flown
+        The flight.
+    index : ndarray of int, shape (sample,)
+        Places in the log.
+
+    Returns
+    -------
+    callable
+        Power of the modules at the samples [W], from an aircraft and a factor on the light.
+    """
+    log, mission = flown.log, flown.mission
+    latitude = log.latitude_deg[index]
+    sun = sun_position(log.time_s[index], latitude, log.longitude_deg[index]).vector_ned
+    sky = mission.sky(day_of_year(log.time_s[index]), latitude, -sun[:, 2], log.altitude_m[index])
+    light = Irradiance(*(mission.clearness * part for part in sky))
+    ambient = ambient_c(flown, index)
+    to_ned = None
+    if flown.found.samples.detail is not None and log.attitude is not None:
+        to_ned = direction_cosines(*(angle[index] for angle in log.attitude))
+
+    def power_w(craft: Aircraft, factor: float) -> FloatArray:
+        modules, shone = craft.modules, Irradiance(*(factor * part for part in light))
+        if to_ned is None or modules.geometry is None:
+            module_c = mission.air.module_temperature_c
+            constant_c = float(ambient.mean()) if module_c is None else module_c
+            specific = conceptual_analysis_model(shone, -sun[:, 2], modules, constant_c)
+        else:
+            specific = full_model(
+                *(shone, sun, to_ned, modules.geometry, modules, ambient), shading=modules.shading
+            ).specific_power_w_per_m2
+        return np.asarray(modules.area_m2 * specific)
+
+    return power_w

@@ -1,0 +1,180 @@
+"""Aircraft files that a fit or a calibration writes, with where each number comes from."""
+
+from __future__ import annotations
+
+import copy
+import datetime
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from missions.files.errors import printable
+from missions.files.overrides import with_overrides
+from missions.files.validation import validate
+from missions.files.writing import to_yaml
+from missions.files.yaml import Document
+from sizing.aircraft import Aircraft
+from solar._version import __version__
+from studies.fitting.estimation import CONFIDENCE, Fitted
+from studies.fitting.flight import FlightFit
+from studies.fitting.parameters import MPPT, rounded, scaled_mppt
+
+_MOST_OF_A_NAME = 110
+_TAILS = 3.8  # standard deviations: beyond what draws of uncertain inputs are cut off at
+
+
+def fitted_document(
+    document: Document, fit: FlightFit, sources: Mapping[str, str | None]
+) -> Document:
+    """Aircraft's document with the fitted values, how they scatter, and where they come from.
+
+    Parameters
+    ----------
+    document : Document
+        What was fitted from.
+    fit : FlightFit
+    sources : mapping
+        Values of :class:`missions.provenance.Provenance`: ``log``, ``mission`` and checksums.
+
+    Returns
+    -------
+    Document
+        Its ``uncertainty`` has the standard errors, so that what is computed from it scatters.
+
+    Raises
+    ------
+    InputError
+        If a fitted value is not one that the file may have.
+    """
+    values: dict[str, Any] = {
+        one.parameter.key: _digits(one.value, one.standard_error) for one in fit.fitted
+    }
+    if any(one.parameter.name == MPPT for one in fit.fitted):
+        craft = fit.fitted_aircraft()
+        values["modules.mppt"] = scaled_mppt(craft, 1.0).model_dump(mode="json")
+    records = [
+        {
+            "key": one.parameter.key,
+            "value": values[one.parameter.key],
+            "before": one.before,
+            "standard_error": _digits(one.standard_error, one.standard_error),
+            "low": _digits(one.low, one.standard_error),
+            "high": _digits(one.high, one.standard_error),
+        }
+        for one in fit.fitted
+    ]
+    held = [
+        {"key": one.parameter.key, "value": one.value, "reason": one.reason} for one in fit.held
+    ]
+    values["provenance"] = {
+        **provenance(document, "fit", sources),
+        "confidence": CONFIDENCE,
+        "light_sigma": fit.light_sigma,
+        "fitted": records,
+        "held": held,
+    }
+    scatter = copy.deepcopy(document.data.get("uncertainty") or {})
+    inputs = scatter.setdefault("inputs", {})
+    inputs.update({one.parameter.key: scatter_of(one) for one in fit.fitted})
+    values["uncertainty"] = scatter
+    values["name"] = renamed(fit.aircraft.name, "fitted")
+    changed = with_overrides(document, values)
+    validate(changed, Aircraft)
+    return changed
+
+
+def scatter_of(one: Fitted) -> dict[str, Any]:
+    """How a fitted value scatters, as the block ``uncertainty`` of a file says it.
+
+    Normal; lognormal or uniform where the tails of that would leave what is possible.
+    """
+    sigma = one.standard_error
+    low, high = one.parameter.lowest, one.parameter.highest
+    if low < one.value - _TAILS * sigma and one.value + _TAILS * sigma < high:
+        return {"sigma": _digits(sigma, sigma)}
+    relative = sigma / one.value
+    if one.value * math.exp(_TAILS * math.log1p(relative)) < high:
+        return {"distribution": "lognormal", "relative_sigma": _digits(relative, relative)}
+    ends = {"low": max(one.low, low + 1e-3 * sigma), "high": min(one.high, high)}
+    return {"distribution": "uniform", **{end: _digits(v, sigma) for end, v in ends.items()}}
+
+
+def renamed(name: str, what: str) -> str:
+    """Name of an aircraft that was made of another one.
+
+    Parameters
+    ----------
+    name : str
+        Of the other one.
+    what : str
+        What was done.
+
+    Returns
+    -------
+    str
+    """
+    return name if name.endswith(f"-{what}") else f"{name[:_MOST_OF_A_NAME]}-{what}"
+
+
+def provenance(
+    document: Document, command: str, sources: Mapping[str, str | None]
+) -> dict[str, Any]:
+    """Where a file comes from, as its block says it.
+
+    Parameters
+    ----------
+    document : Document
+        What it was made of.
+    command : str
+        That made it.
+    sources : mapping
+        Further files and checksums.
+
+    Returns
+    -------
+    dict
+    """
+    known = {key: printable(value) for key, value in sources.items() if value is not None}
+    return {
+        "tool": f"solar-uav {__version__} {command}",
+        "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+        "aircraft": printable(document.source),
+        **known,
+    }
+
+
+def _digits(value: float, standard_error: float) -> float:
+    """Value with three digits of its standard error: rounding must not widen the interval."""
+    return rounded(value, standard_error / 10.0)
+
+
+def file_text(document: Document, told: Sequence[str]) -> str:
+    """Text of a file, with comments above that say where its numbers come from.
+
+    Parameters
+    ----------
+    document : Document
+        With its provenance.
+    told : sequence of str
+        Lines for people.
+
+    Returns
+    -------
+    str
+    """
+    block = document.data["provenance"]
+    origin = f"# Written by {block['tool']} on {block['date']} from {block['aircraft']}"
+    comments = [origin, *(f"# {printable(line)}" for line in told)]
+    return "\n".join([*comments, to_yaml(document.data, compact=True)])
+
+
+def fitted_lines(fit: FlightFit) -> list[str]:
+    """What was fitted, a line each, for the comments above a file."""
+    start = f"fitted to {fit.log.source}: intervals of {CONFIDENCE:.0%}, see provenance below"
+    lines = [start]
+    for one in fit.fitted:
+        unit = f" {one.parameter.unit}" if one.parameter.unit else ""
+        interval = f"{one.low:.5g} to {one.high:.5g}{unit}"
+        lines.append(f"  {one.parameter.key}: {one.value:.5g} ({interval}; before {one.before:g})")
+    lines += [f"  {one.parameter.key}: held at {one.value:g}; {one.reason}" for one in fit.held]
+    return lines

@@ -1,0 +1,268 @@
+"""Fit of an aircraft's parameters to a flight log."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missions.library import load_mission
+from missions.logs.csv import read_flight_log
+from missions.logs.table import FlightLog
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.results.tables import Column, Line, Result, Summary, Table
+from studies.fitting.channels.bins import BIN_S
+from studies.fitting.channels.channel import Flown
+from studies.fitting.channels.found import channels
+from studies.fitting.estimation import CONFIDENCE, Estimate, Fitted, Held, estimate
+from studies.fitting.parameters import chosen, with_values
+from studies.flight_logs.verification import DEFAULT_MISSION, utc_label, verify
+
+# The report's irradiance model and PV_LIB agree within 3 %; docs/validation.md compares more.
+LIGHT_SIGMA = 0.03
+
+
+@dataclass(frozen=True, repr=False)
+class FlightFit(Result):
+    """Parameters of an aircraft, fitted to a flight log.
+
+    Attributes
+    ----------
+    aircraft : Aircraft
+        As its file describes it.
+    mission : Mission
+        In the place and air of the log.
+    log : FlightLog
+    estimates : tuple of Estimate
+        One for each channel that the log has.
+    light_sigma : float
+        Standard uncertainty of the light that the intervals count, relative [-].
+    notes : tuple of str
+        What the reader should know.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    log: FlightLog
+    estimates: tuple[Estimate, ...]
+    missing: tuple[Held, ...]
+    light_sigma: float
+    notes: tuple[str, ...]
+
+    @property
+    def fitted(self) -> tuple[Fitted, ...]:
+        """Parameters that were fitted, with their intervals."""
+        return tuple(one for part in self.estimates for one in part.fitted)
+
+    @property
+    def held(self) -> tuple[Held, ...]:
+        """Parameters that were asked for and not fitted, with the reasons."""
+        return (*(one for part in self.estimates for one in part.held), *self.missing)
+
+    def fitted_aircraft(self) -> Aircraft:
+        """Aircraft with the fitted values."""
+        values = tuple(one.value for one in self.fitted)
+        return with_values(self.aircraft, tuple(one.parameter for one in self.fitted), values)
+
+    def covariance(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Covariance of the fitted parameters, in the order of :attr:`fitted`.
+
+        Those of different channels are taken as independent.
+        """
+        size = len(self.fitted)
+        whole, at = np.zeros((size, size)), 0
+        for part in self.estimates:
+            own = slice(at, at + len(part.fitted))
+            whole[own, own], at = part.covariance, own.stop
+        return whole
+
+    def headline(self) -> str:
+        """Aircraft, log, and how many parameters were fitted."""
+        start, end = utc_label(self.log.time_s[0]), utc_label(self.log.time_s[-1])
+        count = len(self.fitted)
+        told = f"{count} parameter{'' if count == 1 else 's'} fitted, {len(self.held)} held"
+        return f"{self.aircraft.name} fitted to {self.log.source}: {start} to {end}, {told}"
+
+    def summary(self) -> Summary:
+        """Headline, parameters, how well each channel is met, and notes."""
+        blocks: list[Any] = [Line(self.headline(), "strong")]
+        blocks += [table for table in self.tables() if table.rows]
+        blocks += [
+            Line(f"held: {one.parameter.name} at {one.value:g}: {one.reason}", "warning")
+            for one in self.held
+        ]
+        return Summary((*blocks, *(f"- {note}" for note in self.notes)))
+
+    def tables(self) -> list[Table]:
+        """Fitted parameters, and the channels."""
+        columns = (
+            Column("parameter"),
+            Column("unit"),
+            Column("before", form=".4g"),
+            Column("value", "fitted", form=".4g"),
+            Column("low", form=".4g"),
+            Column("high", form=".4g"),
+        )
+        rows = tuple(
+            (one.parameter.name, one.parameter.unit, one.before, one.value, one.low, one.high)
+            for one in self.fitted
+        )
+        title = f"fitted parameters, {CONFIDENCE:.0%} intervals"
+        return [Table(title, columns, rows), self._channel_table()]
+
+    def _channel_table(self) -> Table:
+        columns = (
+            Column("channel"),
+            Column("unit"),
+            Column("bins", "means"),
+            Column("independent", form=".1f"),
+            Column("rms_before", "RMS before", form=".3g"),
+            Column("rms_after", "RMS after", form=".3g"),
+            Column("collinearity", form=".1f"),
+        )
+        rows = tuple(
+            (
+                *(part.channel.label, part.channel.unit, len(part.after), part.independent),
+                *(_rms(part.before), _rms(part.after), part.collinearity),
+            )
+            for part in self.estimates
+        )
+        return Table(f"residuals, means over {BIN_S / 60.0:g} min", columns, rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the residuals, JSON-ready."""
+        log = self.log
+        return {
+            "aircraft": self.aircraft.name,
+            "log": {
+                "source": log.source,
+                "start": utc_label(log.time_s[0]),
+                "end": utc_label(log.time_s[-1]),
+                "samples": len(log),
+            },
+            "confidence": CONFIDENCE,
+            "light_sigma": self.light_sigma,
+            "fitted": [_fitted_record(one) for one in self.fitted],
+            "held": [
+                {
+                    **{"name": one.parameter.name, "key": one.parameter.key},
+                    **{"value": one.value, "reason": one.reason},
+                }
+                for one in self.held
+            ],
+            "channels": [_channel_record(part) for part in self.estimates],
+            "notes": list(self.notes),
+        }
+
+
+def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _fitted_record(one: Fitted) -> dict[str, Any]:
+    return {
+        "name": one.parameter.name,
+        "key": one.parameter.key,
+        "unit": one.parameter.unit,
+        "before": one.before,
+        "value": one.value,
+        "standard_error": one.standard_error,
+        "low": one.low,
+        "high": one.high,
+    }
+
+
+def _channel_record(part: Estimate) -> dict[str, Any]:
+    return {
+        "channel": part.channel.name,
+        "label": part.channel.label,
+        "unit": part.channel.unit,
+        "bins": len(part.after),
+        "independent": part.independent,
+        "rms_before": _rms(part.before),
+        "rms_after": _rms(part.after),
+        "singular_values": part.singular_values.tolist(),
+        "collinearity": part.collinearity,
+        "parameters": [one.parameter.name for one in part.fitted],
+        "correlation": part.correlation().tolist(),
+    }
+
+
+def fit_flight(
+    aircraft: Aircraft,
+    log: FlightLog | str | os.PathLike[str],
+    mission: Mission | None = None,
+    *,
+    names: tuple[str, ...] = (),
+    light_sigma: float = LIGHT_SIGMA,
+    correct: bool | None = True,
+) -> FlightFit:
+    """Fit parameters of an aircraft to a flight log, with confidence intervals.
+
+    Solar power, load and charge are fitted one by one, each by least squares over means of five
+    minutes: modules to the solar power, level flight to the load, the battery to the charge that
+    the measured power and load lead to.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Values to start from, and those of what is not fitted.
+    log : FlightLog or path
+        The flight, or its file.
+    mission : Mission, optional
+        Clearness, payload, turbulence, and air that the log does not have; the shipped
+        ``rafz-28h`` by default.
+    names : tuple of str
+        Parameters of :data:`studies.fitting.parameters.PARAMETERS`; by default module efficiency,
+        temperature rise, level power and specific energy of the battery.
+    light_sigma : float
+        Standard uncertainty of the clear sky, relative [-]; the intervals count it.
+    correct : bool or None
+        Whether errors of the log's clock, heading and unit are corrected, as by
+        :func:`studies.flight_logs.verification.verify`; None: they are not looked for.
+
+    Returns
+    -------
+    FlightFit
+
+    Raises
+    ------
+    ValueError
+        For a parameter that there is not.
+    InputError
+        If the log cannot be read or the sun never rises in it.
+    """
+    parameters = chosen(names, aircraft)
+    log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
+    mission = load_mission(DEFAULT_MISSION) if mission is None else mission
+    found = verify(aircraft, log, mission, correct=correct)
+    flown = Flown.of(found, mission)
+    known, missing = channels(flown, aircraft)
+    estimates, lacking = [], []
+    for name in dict.fromkeys(one.channel for one in parameters):
+        own = tuple(one for one in parameters if one.channel == name)
+        if name in known:
+            sigma = light_sigma if name == "solar" else 0.0
+            estimates.append(estimate(known[name], aircraft, own, sigma))
+            continue
+        reason = next(m for m in missing if m.startswith(name)).partition(": ")[2]
+        lacking += [Held(one, one.value(aircraft), reason) for one in own]
+    told = [sentence for sentence, wrong in found.log_verdicts() if wrong]
+    told += [note for part in estimates for note in part.channel.notes]
+    if any(part.channel.name == "solar" for part in estimates):
+        told.append(
+            f"the intervals of the modules count {100 * light_sigma:g} % of uncertainty of the "
+            "clear sky: module and MPPT efficiency, area and clearness are one factor to a log"
+        )
+    return FlightFit(
+        aircraft=aircraft,
+        mission=flown.mission,
+        log=found.log,
+        estimates=tuple(estimates),
+        missing=tuple(lacking),
+        light_sigma=light_sigma,
+        notes=(*found.log.notes, *told),
+    )
