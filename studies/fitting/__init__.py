@@ -5,5 +5,5 @@
 * ``estimation``: least squares and their intervals; ``autocorrelation``: of the residuals
 * ``files``: aircraft files with provenance; ``plots``: figure
 * ``prediction``: another flight, predicted from the fit; ``synthetic``: flights of known truth
-* ``calibration``: a parametric aircraft that is as heavy and as thirsty as a measured one
+* ``recovery``: how often the intervals hold; ``published``: figures of a flight instead of a log
 """
