@@ -10,11 +10,10 @@ import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
 from sizing.aerodynamics.polar_files import FilePolar, PolarRow, names_of
+from sizing.aerodynamics.polar_table import OF_A_SECTION, WingReference
 from solar.types import FloatArray
 
-__all__ = ["OF_A_SECTION", "Merged", "WingReference", "merged"]
-
-OF_A_SECTION = "holds polars of a section: wing_chord_m and wing_aspect_ratio go with a wing's"
+__all__ = ["Merged", "merged"]
 
 # Fixed-lift polars are resampled from the Reynolds number at which lift this share of the greatest
 # is still flown; a branch of attached flow has to begin below half of it.
@@ -23,23 +22,6 @@ _LEAST_RATIO = 1.5
 # Lift coefficients over which the span efficiency is taken, as shares of the greatest.
 _CRUISE = (0.3, 0.9)
 _SAME_SPEED = 2e-3
-
-
-@dataclass(frozen=True)
-class WingReference:
-    """What makes Reynolds numbers of the speeds of a wing's polars, and induced drag comparable.
-
-    Attributes
-    ----------
-    chord_m, aspect_ratio
-        Mean chord [m] and aspect ratio [-] of the wing that was computed.
-    kinematic_viscosity_m2_per_s
-        Of the air that it was computed in [m2/s].
-    """
-
-    chord_m: float
-    aspect_ratio: float
-    kinematic_viscosity_m2_per_s: float
 
 
 @dataclass(frozen=True)

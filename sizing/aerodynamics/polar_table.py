@@ -14,8 +14,6 @@ import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
 from missions.files.texts import read_folder, read_text
-from sizing.aerodynamics.polar_files import is_foreign, read_polars
-from sizing.aerodynamics.polar_merging import OF_A_SECTION, WingReference, merged
 from solar.types import FloatArray
 
 # How names of files with polars end; a folder of them ends with a slash.
@@ -27,6 +25,26 @@ COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
 def is_table_path(airfoil: str) -> bool:
     """Whether an airfoil is the path of a table and not the name of a shipped one."""
     return airfoil.lower().endswith((*POLAR_SUFFIXES, "/"))
+
+
+OF_A_SECTION = "holds polars of a section: wing_chord_m and wing_aspect_ratio go with a wing's"
+
+
+@dataclass(frozen=True)
+class WingReference:
+    """What makes Reynolds numbers of the speeds of a wing's polars, and induced drag comparable.
+
+    Attributes
+    ----------
+    chord_m, aspect_ratio
+        Mean chord [m] and aspect ratio [-] of the wing that was computed.
+    kinematic_viscosity_m2_per_s
+        Of the air that it was computed in [m2/s].
+    """
+
+    chord_m: float
+    aspect_ratio: float
+    kinematic_viscosity_m2_per_s: float
 
 
 @dataclass(frozen=True)
@@ -103,6 +121,9 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
     InputError
         With every line that is wrong.
     """
+    from sizing.aerodynamics.polar_files import is_foreign, read_polars
+    from sizing.aerodynamics.polar_merging import merged
+
     if not is_foreign(text):
         if wing is not None:
             raise file_error(source, OF_A_SECTION)

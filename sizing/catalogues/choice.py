@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError
 from missions.files.texts import read_text
-from sizing.catalogues.entries import Entry
-from sizing.catalogues.files import Kind, entry, is_entry_path
 from solar.schema import Record
+
+# The catalogues themselves are imported where an aircraft names an entry.
+if TYPE_CHECKING:
+    from sizing.catalogues.entries import Entry
+    from sizing.catalogues.files import Kind
 
 __all__ = ["Taken", "filled", "own_entries", "taken"]
 
@@ -40,6 +43,12 @@ class Taken:
     entry: str
     label: str
     source: str
+
+    @property
+    def text(self) -> str:
+        """Value as people read it."""
+        parts = self.value.values() if isinstance(self.value, Mapping) else [self.value]
+        return " ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in parts)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -91,6 +100,8 @@ def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
 
 
 def _entry(key: str, kind: Kind, name: str) -> Entry:
+    from sizing.catalogues.files import entry, is_entry_path
+
     try:
         return entry(kind, name)
     except InputError as error:
@@ -133,6 +144,8 @@ def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
     name = getattr(record, key)
     if name is None:
         return []
+    from sizing.catalogues.files import entry
+
     one = entry(kind, name)
     given = {field: getattr(record, field) for field in record.model_fields_set}
     found = []
@@ -161,4 +174,8 @@ def own_entries(record: Record, key: str) -> dict[str, str]:
         Empty for an entry of the shipped catalogue.
     """
     name = getattr(record, key)
-    return {name: read_text(name)} if name is not None and is_entry_path(name) else {}
+    if name is None:
+        return {}
+    from sizing.catalogues.files import is_entry_path
+
+    return {name: read_text(name)} if is_entry_path(name) else {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from sizing.aircraft import Aircraft
@@ -46,15 +46,9 @@ def catalogue_blocks(aircraft: Aircraft) -> list[Any]:
     labels = dict.fromkeys(one.label for one in found)
     parts = []
     for label in labels:
-        values = [f"{one.key} {_spelled(one.value)}" for one in found if one.label == label]
+        values = [f"{one.key} {one.text}" for one in found if one.label == label]
         parts.append(f"{', '.join(values)} of {label}")
     return [Line(f"From catalogues: {'; '.join(parts)}.", "faint")]
-
-
-def _spelled(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return " ".join(_spelled(one) for one in value.values())
-    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def catalogue_records(aircraft: Aircraft) -> dict[str, Any]:

@@ -39,7 +39,9 @@ def keys_of_classes() -> list[Key]:
     """All keys, as the classes of the files have them."""
     from missions.mission import Mission
     from sizing.aircraft import Aircraft
+    from sizing.catalogues.files import entry_names
     from sizing.parameters import catalogue
+    from studies.sweeps.axes import NAMED_KEYS
 
     labels = {key: one.label for key, one in catalogue().items()}
     found: dict[str, tuple[set[str], bool]] = {}
@@ -47,6 +49,8 @@ def keys_of_classes() -> list[Key]:
         for key, values, number in _fields(owner, prefix):
             before = found.get(key, (set(), False))
             found[key] = (before[0] | set(values), before[1] or number)
+    for key, kind in NAMED_KEYS.items():
+        found[key] = (set(entry_names(kind)), False)
     return [
         Key(key, tuple(sorted(values)), number, labels.get(key, ""))
         for key, (values, number) in sorted(found.items())

@@ -107,7 +107,7 @@ def inputs_section(subject: Subject) -> Section:
     taken = subject.aircraft.from_catalogues()
     if taken:
         columns = (Column("key"), Column("value"), Column("label", "product"), Column("source"))
-        rows = [(one.key, str(one.value), one.label, one.source) for one in taken]
+        rows = [(one.key, one.text, one.label, one.source) for one in taken]
         blocks.append(Tables((Table("values from catalogues", columns, tuple(rows)),)))
     for title, data in (
         (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
