@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,7 @@ from solar.horizontal_models import HORIZONTAL_MODELS
 from solar.shading import TailGeometry, shaded_area
 from solar.types import FloatArray
 from studies.cli.__main__ import cli
-from studies.flight_logs.errors import Window, day_masks, moving_average, parse_window
+from studies.flight_logs.errors import ModelErrors, Window, day_masks, moving_average, parse_window
 from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
 from studies.flight_logs.verification import Verification, verify
 
@@ -551,3 +552,39 @@ def test_command_reports_mistakes_in_the_log(tmp_path: Path) -> None:
     result = run(file)
     assert isinstance(result.exception, InputError)
     assert "bad.csv:1: longitude_deg: required column is missing" in str(result.exception)
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (["--timezone", "Nowhere/Town"], "must be UTC, an offset like +02:00"),
+        (["--column", "power=P"], "no such quantity"),
+        (["--filter", "nan"], "must be a number of seconds"),
+    ],
+)
+def test_command_refuses_wrong_layouts(log_file: Path, options: list[str], expected: str) -> None:
+    result = run(log_file, *options)
+    assert result.exit_code == 2
+    assert expected in " ".join(result.output.split()).replace("│ ", "")
+
+
+def test_command_names_mistakes_in_the_map(log_file: Path, tmp_path: Path) -> None:
+    file = tmp_path / "map.yaml"
+    file.write_text("columns:\n  solar_power_w: P\ntimezone: 25\n")
+    result = run(log_file, "--columns", file)
+    assert isinstance(result.exception, InputError)
+    assert "map.yaml:3:11: timezone" in str(result.exception)
+
+
+def test_text_fits_80_columns_for_large_and_small_aircraft() -> None:
+    log = made(start_utc_s=MORNING_S, duration_h=3.0, rate_hz=0.1, faults=Faults(mppt=(0.5, 2.0)))
+    result = verified(log, windows=["5:6"])
+    large = replace(
+        result.windows[0],
+        errors={
+            model: ModelErrors(*(1000.0 * value for value in vars(errors).values()))
+            for model, errors in result.windows[0].errors.items()
+        },
+    )
+    for one in (result, replace(result, windows=(large,))):
+        assert max(len(line) for line in str(one).splitlines()) <= 80
