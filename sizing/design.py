@@ -440,7 +440,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
 
 def closed_design(
     aircraft: Aircraft,
-    mission: Mission,
+    mission: Mission | FlightConditions,
     variables: DesignVariables,
     *,
     relative_tolerance: float = 1e-13,
@@ -473,7 +473,9 @@ def closed_design(
     even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
     arrays = DesignVariables(**dict(zip(given, even, strict=True)))
     flat = arrays.mapped(np.ravel)
-    conditions = FlightConditions.of(mission, aircraft)
+    conditions = (
+        mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
+    )
 
     def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
         some = flat.mapped(itemgetter(designs))

@@ -57,6 +57,7 @@ _COMMANDS = {
     "compare": _Lazy("compare", "compare", "All solar power models side by side.", "Verify"),
     "verify": _Lazy("verify", "verify", "The solar power models against a flight log.", "Verify"),
     "fit": _Lazy("fit", "fit", "Parameters of an aircraft, fitted to a flight log.", "Verify"),
+    "calibrate": _Lazy("fit", "calibrate", "A measured aircraft made parametric.", "Design"),
     "efficiencies": _Lazy(
         *("validation", "efficiencies", "What drives the power of the Full Model."),
         task="Verify",

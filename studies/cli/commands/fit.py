@@ -131,3 +131,46 @@ def fit(
     if not found.fitted:
         click.echo("solar-uav: the log tells none of the parameters; nothing is written", err=True)
         sys.exit(EXIT_FAILED)
+
+
+@command("solar-uav calibrate atlantiksolar-as2 atlantiksolar-design --write mine.yaml")
+@aircraft_argument()
+@click.argument("technology", shell_complete=completes("aircraft"))
+@click.option(
+    "--set",
+    "overrides",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Override a key of TECHNOLOGY, e.g. airframe.avionics_mass_kg=0.3. May be repeated.",
+)
+@click.option("--write", "write_file", type=click.Path(), metavar="FILE", help="Write the file.")
+@json_option
+def calibrate(
+    aircraft: str,
+    technology: str,
+    overrides: tuple[str, ...],
+    write_file: str | None,
+    as_json: bool,
+) -> None:
+    """Make a parametric aircraft of a measured AIRCRAFT and the models of TECHNOLOGY."""
+    from missions.files.writing import write_text_atomically
+    from studies.cli.checks import check_outputs
+    from studies.cli.files import open_aircraft
+    from studies.cli.options import print_json
+    from studies.fitting.calibration import calibrate as make
+    from studies.fitting.files import file_text
+    from studies.output.terminal import show, tell_line
+
+    check_outputs(write=write_file)
+    built, models = open_aircraft(aircraft), open_aircraft(technology, overrides)
+    sources = {"aircraft_sha256": built.sha256, "technology_sha256": models.sha256}
+    found = make(built.document, models.document, sources)
+    if write_file is not None:
+        told = [f"  {one.key}: {one.after:.5g}, from {one.source}" for one in found.factors]
+        write_text_atomically(write_file, file_text(found.document, told))
+    if as_json:
+        print_json(found.to_dict())
+        return
+    show(found.summary())
+    if write_file is not None:
+        tell_line(f"written to {write_file}")
