@@ -17,6 +17,7 @@ from missions.files.writing import write_files_atomically
 from sizing.results.tables import Line, Result, Summary, Table
 from studies.cli.files import DEFAULT_MISSION, Case
 from studies.cli.options import print_json
+from studies.cli.telling import tell_error
 from studies.output.formats import image_format
 from studies.output.terminal import show, tell_line
 
@@ -152,4 +153,8 @@ def figure_bytes(figure: Figure, path: str) -> bytes:
     """
     from studies.output.figures.drawing import to_bytes  # matplotlib takes half a second
 
-    return to_bytes(figure, image_format(path) or "png")
+    content = to_bytes(figure, image_format(path) or "png")
+    if getattr(figure.get_layout_engine(), "collapsed", False):
+        remedy = "give a larger --figure-size, or --no-title"
+        tell_error(f"solar-uav: {path}: the figure is too small for its axes and texts: {remedy}")
+    return content

@@ -73,7 +73,7 @@ def options(rng: random.Random) -> Case:
     arguments += _COARSE.get(name, ()) if rng.random() < 0.9 else ()
     outputs: list[str] = []
     for option in rng.sample(known, min(len(known), rng.choice((0, 1, 1, 2, 3)))):
-        if option.name in ("--workers", "--samples", "--help"):
+        if option.name in ("--workers", "--samples", "--explain", "--help"):  # or slow by intent
             continue
         arguments += _given(option, rng, outputs)
     if name == "report":

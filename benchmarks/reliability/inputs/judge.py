@@ -66,7 +66,7 @@ def mistake(case: Case, outcome: Outcome, before: Iterable[str], folder: Path) -
         return f"message of {len(told)} characters"
     if not case.environment and (odd := _CONTROL.search(outcome.printed + told)):
         return f"control character {odd.group()!r} printed"
-    return _wrong_result(case, outcome) or _wrong_files(case, code, set(before), folder)
+    return _wrong_result(case, outcome) or _wrong_files(case, outcome, set(before), folder)
 
 
 def _wrong_result(case: Case, outcome: Outcome) -> str | None:
@@ -89,10 +89,13 @@ def _refused(name: str) -> float:
     raise ValueError(f"{name} in it")
 
 
-def _wrong_files(case: Case, code: int, before: set[str], folder: Path) -> str | None:
+def _wrong_files(case: Case, outcome: Outcome, before: set[str], folder: Path) -> str | None:
+    code, printed = outcome.code, outcome.printed.strip()
     after = {str(p.relative_to(folder)) for p in folder.rglob("*") if not p.is_dir()}
     made = after - before
-    if left := [name for name in made if name.endswith((".tmp", ".scratch", ".part", "lock"))]:
+    kept = ("lock", ".part") if "--keep-parts" in case.arguments else ()
+    left = [name for name in made if name.endswith((".tmp", ".scratch", ".part", "lock"))]
+    if left := [name for name in left if not name.endswith(kept)]:
         return f"leaves {left[0]} behind"
     if code == 2 and made:
         return f"refused, but wrote {sorted(made)[0]}"
@@ -100,7 +103,8 @@ def _wrong_files(case: Case, code: int, before: set[str], folder: Path) -> str |
         return "a file outside of the folder of results was changed"
     if before - after:
         return f"removed {sorted(before - after)[0]}"
-    if code:
+    # Without a result; "never perpetual" is one, with exit code 1.
+    if code and not printed:
         return f"failed, but wrote {sorted(made)[0]}" if made & set(case.outputs) else None
     for name in case.outputs:
         if name in made and (wrong := _wrong_content(folder / name)):
@@ -120,9 +124,10 @@ def _wrong_content(path: Path) -> str | None:
     if len({len(row) for row in rows}) != 1:
         return "rows of different lengths"
     for row in rows[1:]:
-        for cell in row:
+        for name, cell in zip(rows[0], row, strict=True):
             if cell.startswith(("=", "@", "\t", "\r")) or re.match(r"[-+][^\d.]", cell):
                 return f"formula {cell[:40]!r}"
-            if cell.lower().lstrip("-+") in ("inf", "infinity"):
+            # The endurance of perpetual flight has no end.
+            if cell.lower().lstrip("-+") in ("inf", "infinity") and "endurance" not in name:
                 return f"{cell} as a number"
     return None

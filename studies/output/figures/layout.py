@@ -8,6 +8,7 @@ reflowed here, each time anew, so that a figure may be resized.
 from __future__ import annotations
 
 import itertools
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -41,11 +42,14 @@ class FittedLayout(ConstrainedLayoutEngine):
     ----------
     notes : str
         Line below the title, in smaller type; left out where the title is taken away.
+    collapsed : bool
+        Whether the figure was too small for its axes when it was laid out last.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.notes = ""
+        self.collapsed = False
         self._below: Text | None = None
         self._undo: list[Callable[[], None]] = []
         self._thinned: dict[Axis, list[Text]] = {}
@@ -65,17 +69,28 @@ class FittedLayout(ConstrainedLayoutEngine):
         self._fit_legends(fig)
         for axes in fig.axes:
             self._break_names(axes.yaxis)
-        done = super().execute(fig)
+        done = self._constrained(fig)
         for _ in range(_ROUNDS):
             changed = [self._fit_legends(fig), *(self._fit_axes(axes) for axes in fig.axes)]
             if not any(changed):
                 break
-            done = super().execute(fig)
+            done = self._constrained(fig)
         for axes in fig.axes:
             for axis in (axes.xaxis, axes.yaxis):
                 self._fit_ticks(axis)
             self._clear_corner(axes)
             self._fit_notes(axes)
+        return done
+
+    def _constrained(self, fig: Figure) -> Any:
+        """Constrained layout; where it gives up, that is noted and not warned of."""
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            done = super().execute(fig)
+        self.collapsed = any("collapsed" in str(one.message) for one in told)
+        for one in told:
+            if "collapsed" not in str(one.message):
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
         return done
 
     def _set(self, artist: Text, /, **looks: Any) -> None:

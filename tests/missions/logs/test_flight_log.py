@@ -378,3 +378,11 @@ def test_ulog_that_leads_back_to_itself_is_refused(tmp_path: Path) -> None:
     file.write_bytes(content)
     with pytest.raises(InputError, match=r"is not a ULog|has no topic"):
         read_flight_log(file)
+
+
+def test_lines_without_end_and_devices_are_refused(tmp_path: Path) -> None:
+    assert messages(tmp_path, [*rows(), "9" * 200_000]) == [
+        "log.csv:12: is longer than 100000 characters"
+    ]
+    with pytest.raises(InputError, match="is not a plain file"):
+        read_flight_log("/dev/zero")

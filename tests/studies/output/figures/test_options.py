@@ -170,3 +170,11 @@ def test_commands_with_a_folder_ask_for_it(run: Run, command: str, places: str) 
     outcome = run(command, "atlantiksolar-design", "-m", "rafz-july", "--dpi", "300")
     assert outcome.code == 2
     assert f"--dpi is of the figure: give {places} too" in " ".join(outcome.err.split())
+
+
+def test_a_figure_too_small_for_its_axes_is_told(run: Run) -> None:
+    size = ("--samples", "64", "--plot", "out.pdf", "--figure-size", "80x60mm")
+    outcome = run("uncertainty", "sky-sailor-2008", "-m", "rafz-28h", *size)
+    assert outcome.code == 0
+    assert "the figure is too small for its axes and texts: give a larger" in outcome.err
+    assert "Warning" not in outcome.err
