@@ -43,7 +43,7 @@ def _pool(work: Work, rng: random.Random, folder: Path) -> str | None:
     for _ in range(rng.randint(1, 3)):
         process.until(lambda: bool(_workers(process)))
         process.until(lambda: False, rng.uniform(0.0, 0.8))
-        for pid in rng.sample(_workers(process), k=min(1, len(_workers(process)))):
+        for pid in _workers(process)[:1]:
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
     # Workers that die again and again before their first chunk end the command in words.
