@@ -11,6 +11,7 @@ import csv
 import io
 import math
 import re
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta, timezone
@@ -53,7 +54,9 @@ def read_layout(path: Path, source: str) -> RawTable:
         "BSRN": _bsrn,
     }.get(layout)
     try:
-        raw = read_plain(path, source) if read is None else read(path, source, _iotools(source))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what is wrong is told by its line, or by the error
+            raw = read_plain(path, source) if read is None else read(path, source, _iotools(source))
         return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
     except InputError:
         raise

@@ -100,6 +100,18 @@ def test_psm_is_read_with_its_empty_columns(tmp_path):
     same_light(found, record)
 
 
+@pytest.mark.parametrize("month", ["1e30", "60.5", "nan"])
+def test_a_month_that_is_none_is_told_without_a_warning(tmp_path, month, recwarn):
+    path = write_psm(tmp_path / "a.csv", clear_record(3, interval_s=1800.0))
+    lines = path.read_text().splitlines()
+    year, _, *others = lines[9].split(",")
+    lines[9] = ",".join([year, month, *others])
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="is no readable NSRDB PSM"):
+        load_weather(path)
+    assert not recwarn.list
+
+
 def test_bsrn_minutes_packed_or_not(tmp_path):
     site = Site("Somewhere", 46.8, 6.9, 491.0, 0.0)
     record = clear_record(2, first="2016-06-01", interval_s=60.0, site=site)
