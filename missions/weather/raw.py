@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 MAXIMUM_BYTES = 80_000_000  # unpacked as well; a table of it takes some 900 MB to read
 _TOO_LARGE = f"is larger than {MAXIMUM_BYTES // 1_000_000} MB"
+_LONGEST_LINE = 20_000
 # Share of the interval that has passed at a row's time.
 START, MIDDLE, END = 0.0, 0.5, 1.0
 
@@ -115,7 +116,8 @@ def text_of(path: Path) -> str:
     Raises
     ------
     InputError
-        If it is too large, as a small packed file may be.
+        If it is too large, as a small packed file may be, or a row of it is: a reader fills a table
+        as wide as the widest one.
     """
     import gzip
 
@@ -128,6 +130,11 @@ def text_of(path: Path) -> str:
             raise file_error(printable(os.fspath(path)), f"{_TOO_LARGE} when it is unpacked")
     if b"\r" in content:  # not in a text, which may be larger
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    if not content.lstrip().startswith(b"{"):  # JSON may be a single line
+        for number, line in enumerate(io.BytesIO(content), 1):
+            if len(line) > _LONGEST_LINE:
+                place = f"line {number} has more than {_LONGEST_LINE} characters"
+                raise file_error(printable(os.fspath(path)), f"{place}: no row of a weather file")
     return _decoded(content)
 
 

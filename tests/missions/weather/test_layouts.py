@@ -100,6 +100,16 @@ def test_psm_is_read_with_its_empty_columns(tmp_path):
     same_light(found, record)
 
 
+@pytest.mark.parametrize("write", [write_psm, write_plain])
+def test_a_row_as_wide_as_the_memory_is_refused(tmp_path, write):
+    path = write(tmp_path / "a.csv", clear_record(3, interval_s=1800.0))
+    lines = path.read_text().splitlines()
+    lines[7] += 20_000 * ","
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="line 8 has more than 20000 characters"):
+        load_weather(path)
+
+
 @pytest.mark.parametrize("month", ["1e30", "60.5", "nan"])
 def test_a_month_that_is_none_is_told_without_a_warning(tmp_path, month, recwarn):
     path = write_psm(tmp_path / "a.csv", clear_record(3, interval_s=1800.0))
