@@ -114,6 +114,8 @@ def _change_one(
 
 
 def _other_number(value: float, rng: random.Random) -> Any:
+    if abs(value) > 1e300:  # an earlier change's, which may have hundreds of digits
+        return -value
     way = rng.random()
     if way < 0.5:
         return value * rng.uniform(0.5, 2.0)
