@@ -125,7 +125,7 @@ class FlightFit(Result):
         )
         rows = tuple(
             (
-                *(part.channel.label, part.channel.unit, len(part.after), part.independent),
+                *(part.channel.label, part.channel.unit, len(part.after), _independent(part)),
                 *(_rms(part.before), _rms(part.after), part.collinearity),
             )
             for part in self.estimates
@@ -162,6 +162,11 @@ def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
+def _independent(part: Estimate) -> float | None:
+    """Residuals that are independent in effect; nobody asks where nothing was fitted to them."""
+    return part.independent if part.fitted else None
+
+
 def _fitted_record(one: Fitted) -> dict[str, Any]:
     return {
         "name": one.parameter.name,
@@ -181,7 +186,7 @@ def _channel_record(part: Estimate) -> dict[str, Any]:
         "label": part.channel.label,
         "unit": part.channel.unit,
         "bins": len(part.after),
-        "independent": part.independent,
+        "independent": _independent(part),
         "rms_before": _rms(part.before),
         "rms_after": _rms(part.after),
         "singular_values": part.singular_values.tolist(),
@@ -252,7 +257,7 @@ def fit_flight(
         lacking += [Held(one, one.value(aircraft), reason) for one in own]
     told = [sentence for sentence, wrong in found.log_verdicts() if wrong]
     told += [note for part in estimates for note in part.channel.notes]
-    if any(part.channel.name == "solar" for part in estimates):
+    if any(part.channel.name == "solar" and part.fitted for part in estimates):
         told.append(
             f"the intervals of the modules count {100 * light_sigma:g} % of uncertainty of the "
             "clear sky: module and MPPT efficiency, area and clearness are one factor to a log"

@@ -92,6 +92,22 @@ def test_nothing_is_written_where_nothing_can_be_fitted(log: Path, tmp_path: Pat
     assert not made.exists()
 
 
+def test_a_channel_of_which_nothing_is_fitted_has_no_independent_residuals(
+    log: Path, tmp_path: Path
+) -> None:
+    by_day = tmp_path / "day.csv"
+    by_day.write_text("\n".join(log.read_text().splitlines()[:400]))
+    words = ("atlantiksolar-as2", by_day, "--fit", "discharge_efficiency")
+    done = run(*words, "--json")
+    assert done.exit_code == 1
+    record = json.loads(done.stdout)
+    assert [one["name"] for one in record["held"]] == ["discharge_efficiency"]
+    assert [one["independent"] for one in record["channels"]] == [None]
+    shown = run(*words).output
+    assert "unlimited" not in shown
+    assert "clear sky" not in shown  # which counts for modules alone
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
