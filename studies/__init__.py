@@ -6,6 +6,7 @@ The topmost layer and the only one that draws, prints or parses a command line. 
 
 * ``compare``: all solar power models side by side, and what each would have built
 * ``verify``: the models against a flight log; ``fit_flight``: an aircraft fitted to one
+* ``calibrate_aircraft``: a parametric aircraft of a measured one
 * ``perpetual_ceiling``: how high an aircraft flies perpetually
 * ``feasibility_map``, ``resized_map``: where and when it does, and which design would
 * ``sweep``: trade studies; ``plot_cycle``: an analysis as a figure

@@ -6,6 +6,8 @@ from .exchange.difference import DesignDifference as DesignDifference
 from .exchange.difference import compare_designs as compare_designs
 from .exchange.files import export_design as export_design
 from .exchange.schema import file_schema as file_schema
+from .fitting.calibration import Calibration as Calibration
+from .fitting.calibration import calibrate_aircraft as calibrate_aircraft
 from .fitting.flight import FlightFit as FlightFit
 from .fitting.flight import fit_flight as fit_flight
 from .fitting.plots import plot_fit as plot_fit

@@ -85,6 +85,8 @@ def entry(kind: Kind, name: str) -> Entry:
         return _shipped(kind, name)
     near = get_close_matches(name.lower(), names, n=_LISTED, cutoff=0.5)
     meant = f"; did you mean {', '.join(near)}?" if near else ""
+    elsewhere = [other for other in KINDS if name in _documents(other)]
+    meant = f"; it is one of the {elsewhere[0]}" if elsewhere else meant
     shown = printable(shortened(name))
     raise file_error(
         "", f"the catalogue of {kind} has no {shown!r}{meant} (solar-uav list --{kind} has all)"

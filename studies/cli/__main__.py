@@ -191,7 +191,7 @@ def _told(error: BaseException) -> int:
     if isinstance(error, click.ClickException):
         shown = io.StringIO()  # with the usage and the hint of the command
         error.show(shown)
-        tell_error(shown.getvalue().rstrip())
+        tell_error(shown.getvalue().rstrip().replace("\n\t", "\n  "))  # click lists with tabs
         return error.exit_code
     if isinstance(error, click.Abort):
         return 128 + signal.SIGINT

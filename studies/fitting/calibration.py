@@ -8,6 +8,7 @@ meet the measured numbers. Modules, battery and consumers are those of the measu
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -23,7 +24,8 @@ from missions.air import (
     standard_air,
 )
 from missions.files.errors import InputError, Problem
-from missions.files.overrides import with_overrides
+from missions.files.overrides import Overrides, with_overrides
+from missions.files.shipped import find_document
 from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.mission import Mission
@@ -125,6 +127,36 @@ class Calibration(Result):
                 for name, unit, built, modelled in self.agreement
             ],
         }
+
+
+def calibrate_aircraft(
+    measured: str | os.PathLike[str],
+    technology: str | os.PathLike[str],
+    overrides: Overrides = (),
+) -> Calibration:
+    """Make a parametric aircraft of a measured one, so that it can be sized.
+
+    Parameters
+    ----------
+    measured : str or path
+        Name or file of a measured aircraft.
+    technology : str or path
+        Name or file of a parametric one.
+    overrides : mapping or sequence of str
+        Keys of ``technology`` to change, as of :func:`sizing.load_aircraft`.
+
+    Returns
+    -------
+    Calibration
+        Its ``aircraft`` is the parametric one.
+
+    Raises
+    ------
+    InputError
+        As by :func:`calibrate`.
+    """
+    built, models = (find_document("aircraft", os.fspath(one)) for one in (measured, technology))
+    return calibrate(built, with_overrides(models, overrides))
 
 
 def calibrate(

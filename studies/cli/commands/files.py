@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,25 +13,32 @@ from studies.cli.help_texts import command
 from studies.cli.options import EXIT_BAD_INPUT, completes, print_json
 from studies.cli.telling import tell_error
 
+if TYPE_CHECKING:
+    from sizing.catalogues.files import Kind
+
 
 @command("solar-uav list", name="list")
-@click.option("--cells", "catalogue", flag_value="cells", help="List the solar cells instead.")
-@click.option("--batteries", "catalogue", flag_value="batteries", help="List the batteries.")
-@click.option("--motors", "catalogue", flag_value="motors", help="List the motors.")
+@click.option("--cells", is_flag=True, help="List the solar cells instead.")
+@click.option("--batteries", is_flag=True, help="List the batteries.")
+@click.option("--motors", is_flag=True, help="List the motors.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def list_(catalogue: Literal["cells", "batteries", "motors"] | None, as_json: bool) -> None:
+def list_(cells: bool, batteries: bool, motors: bool, as_json: bool) -> None:
     """List the aircraft, missions and weather records that ship with the package.
 
     With --cells, --batteries or --motors list what a catalogue has; --json has the sources.
     """
-    if catalogue is not None:
+    flags: dict[Kind, bool] = {"cells": cells, "batteries": batteries, "motors": motors}
+    asked = [kind for kind, flag in flags.items() if flag]
+    if len(asked) > 1:
+        raise click.UsageError(f"{' and '.join(f'--{kind}' for kind in asked)}: one at a time")
+    if asked:
         from studies.output import terminal
         from studies.output.catalogues import catalogue_record, catalogue_table
 
         if as_json:
-            print_json(catalogue_record(catalogue))
+            print_json(catalogue_record(asked[0]))
         else:
-            terminal.show(catalogue_table(catalogue))
+            terminal.show(catalogue_table(asked[0]))
         return
     from missions.files.shipped import (
         find_document,

@@ -154,6 +154,7 @@ SOURCE = "measured in the garden"
     ("changes", "words"),
     [
         ({"modules": {"cell": "sunpower-c6"}}, r"modules\.cell: .*did you mean sunpower-c60"),
+        ({"modules": {"cell": "lg-mh1"}}, r"has no 'lg-mh1'; it is one of the batteries"),
         ({"modules": {"cell": "x" * 500}}, r"modules\.cell: the catalogue of cells has no 'xxx"),
         ({"modules": {"cell": "azur-3g30c"}}, "give efficiency_stc"),
         ({"modules": {"cell": 3}}, r"modules\.cell: must be text"),

@@ -108,6 +108,12 @@ def test_list_of_a_catalogue(run: Run, kind: str) -> None:
         assert one["source"]
 
 
+def test_one_catalogue_is_listed_at_a_time(run: Run) -> None:
+    outcome = run("list", "--cells", "--motors")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "--cells and --motors: one at a time" in outcome.err
+
+
 def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
     shipped = run("list", "--json").json()
     for name in (*shipped["aircraft"], *shipped["mission"]):

@@ -53,6 +53,7 @@ def test_export_for_avl(run: Run, tmp_path: Path) -> None:
         (("export", AS2, "--out", ""), "needs the name of a file"),
         (("export", AS2), "Missing option '--out'"),
         (("diff", AS2), "Missing argument 'OTHER'"),
+        (("schema",), "\n  aircraft,\n  mission"),
         (("diff", AS2, "nothing.yaml"), "nothing.yaml"),
         (("diff", AS2, DESIGN, "--table", "a.doc"), "must end in .csv, .parquet, .xlsx"),
         (("schema", "weather"), "'weather' is not one of 'aircraft', 'mission'"),
