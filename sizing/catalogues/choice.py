@@ -46,13 +46,19 @@ class Taken:
 
     @property
     def text(self) -> str:
-        """Value as people read it."""
-        parts = self.value.values() if isinstance(self.value, Mapping) else [self.value]
-        return " ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in parts)
+        """Value as people read it, and as it may stand in the file."""
+        if isinstance(self.value, Mapping):
+            inside = (f"{key}: {_spelled(one)}" for key, one in self.value.items())
+            return f"{{{', '.join(inside)}}}"
+        return _spelled(self.value)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
         return asdict(self)
+
+
+def _spelled(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 # Numbers of an entry that a parameter follows from, where it is none of them itself.

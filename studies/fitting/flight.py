@@ -118,7 +118,7 @@ class FlightFit(Result):
             Column("channel"),
             Column("unit"),
             Column("bins", "means"),
-            Column("independent", form=".1f"),
+            Column("independent", form=".1f", to_right=True),
             Column("rms_before", "RMS before", form=".3g"),
             Column("rms_after", "RMS after", form=".3g"),
             Column("collinearity", form=".1f"),

@@ -18,8 +18,9 @@ _TITLES: dict[Kind, str] = {
 }
 _NOTES: dict[Kind, str] = {
     "cells": "Mass with 0.20 kg/m2 of encapsulation and cables.",
-    "batteries": "Wh/kg of the cells; battery.cell_mass_fraction is their share of a pack.",
-    "motors": "Best efficiency, at the voltage; more current or less of it costs.",
+    "batteries": "Wh/kg of the cells; battery.cell_mass_fraction is their share of a pack. "
+    "Charge: current over capacity. Loss: at 1 C.",
+    "motors": "Efficiency: the best at 24 V; at more or less current it is lower.",
 }
 _COLUMNS: dict[Kind, tuple[Column, ...]] = {
     "cells": (
@@ -32,14 +33,14 @@ _COLUMNS: dict[Kind, tuple[Column, ...]] = {
         Column("specific_energy_wh_per_kg", "energy", "Wh/kg", ".0f"),
         Column("capacity_ah", "capacity", "Ah", ".3g"),
         Column("charge_rate_per_h", "charge", "1/h", ".2f"),
-        Column("loss_at_1c", "loss at 1 C", "%", ".1f"),
+        Column("loss_at_1c", "loss", "%", ".1f"),
     ),
     "motors": (
         Column("mass_kg", "mass", "kg", ".3f"),
         Column("speed_constant_rpm_per_v", "speed", "rpm/V", ".0f"),
         Column("resistance_ohm", "resist.", "ohm", ".3f"),
         Column("no_load_current_a", "no-load", "A", ".2f"),
-        Column("efficiency_24_v", "at 24 V", "%", ".0f"),
+        Column("efficiency_24_v", "effic.", "%", ".0f"),
     ),
 }
 
@@ -92,7 +93,7 @@ def sources_table(kind: Kind) -> Table:
 
 
 def catalogue_record(kind: Kind) -> dict[str, Any]:
-    """Entries of a catalogue by their names, JSON-ready: numbers, sources and parameters."""
+    """Entries of a catalogue by their names, JSON-ready: numbers and sources."""
     return {
         name: one.model_dump(mode="json", exclude_none=True) for name, one in entries(kind).items()
     }

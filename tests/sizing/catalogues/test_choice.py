@@ -69,7 +69,7 @@ def test_names_give_parameters_and_say_where_they_come_from(tmp_path: Path) -> N
     }
     assert "High-Fidelity" in taken["modules.temperature_coefficient_per_k"].source
     assert taken["battery.charge_limit"].label == "Panasonic NCR18650B"
-    assert taken["battery.charge_limit"].text == "rule 0.485075"
+    assert taken["battery.charge_limit"].text == "{kind: rule, c_rate_per_h: 0.485075}"
 
 
 def test_what_the_file_gives_wins_over_the_entry(tmp_path: Path) -> None:
