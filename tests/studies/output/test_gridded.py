@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ from studies.engine.run import Job
 from studies.engine.workers import LocalPool
 from studies.maps import feasibility, resized
 from studies.maps.feasibility import MapStatus
-from studies.output.gridded import can_be_result
+from studies.output.gridded import can_be_result, to_netcdf_bytes
 
 POSSIBLE = can_be_result(MapStatus, [MapStatus.perpetual, MapStatus.never_lit])
 GOOD: dict[str, Any] = {
@@ -63,3 +65,21 @@ def test_what_was_computed_is_believed(make: Any, tmp_path: Path) -> None:
         with ChunkStore(tmp_path).opened() as store:
             outcome = engine.run(job, LocalPool(1), store)
         assert outcome.kept_chunks == kept
+
+
+@pytest.mark.parametrize("light", [True, False])
+def test_netcdf_needs_no_room_in_the_temporary_folder(
+    light: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # HDF5 ends the process where its disk is full: the file is made in memory.
+    study = feasibility.prepare(AS2, mission(), [0.0, 45.0], [1, 172], SolarModel())
+    outcome = engine.run(study.job, LocalPool(1))
+    data = study.gridded(outcome) if light else study.dataset(outcome)
+
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    for name in ("mkstemp", "mkdtemp", "TemporaryFile", "NamedTemporaryFile"):
+        monkeypatch.setattr(tempfile, name, full)
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "gone"))
+    assert to_netcdf_bytes(data).startswith(b"\x89HDF")
