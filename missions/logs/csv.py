@@ -141,7 +141,7 @@ def _check_header(text: Text, recipes: Recipes) -> list[str]:
         complain(TIME, f"required column is missing; allowed: {TIME} or {EPOCH}")
     elif all(name in header for name in TIME_NAMES) and TIME in recipes.found["time"].columns:
         complain(EPOCH, f"give {TIME} or {EPOCH}, not both")
-    if any(name in REQUIRED for name in missing):
+    if any(name in REQUIRED for name in missing) or "time" not in recipes.found:
         names = ", ".join(shortened(printable(name)) for name in header[:20])
         complain("", f"has the columns {names}; say with --columns or --column what they are")
     if problems:

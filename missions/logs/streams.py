@@ -198,7 +198,7 @@ def no_power(streams: Mapping[str, Stream], source: str, example: str) -> InputE
     -------
     InputError
     """
-    names = ", ".join(printable(name) for name in list(streams)[:12])
+    names = ", ".join(printable(name) for name in list(streams)[:12]) or "nothing"
     return file_error(
         source,
         f"does not say where the solar power is; give it, for instance --column "

@@ -256,6 +256,7 @@ def fit_flight(
         reason = next(m for m in missing if m.startswith(name)).partition(": ")[2]
         lacking += [Held(one, one.value(aircraft), reason) for one in own]
     told = [sentence for sentence, wrong in found.log_verdicts() if wrong]
+    told += () if found.alignment is None else found.alignment.notes
     told += [note for part in estimates for note in part.channel.notes]
     if any(part.channel.name == "solar" and part.fitted for part in estimates):
         told.append(

@@ -29,10 +29,14 @@ def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float
     -------
     str
     """
-    relative = None if errors is None else errors.relative(errors.average_w)
-    scatter = None if errors is None else errors.relative(errors.rms_w)
-    if relative is None or scatter is None:
+    if errors is None:
         return f"{model}: nothing to compare, no sample counts"
+    relative, scatter = errors.relative(errors.average_w), errors.relative(errors.rms_w)
+    if relative is None or scatter is None:
+        return (
+            f"{model}: {errors.measured_mean_w:.4g} W are measured on average: no power of "
+            "modules; is it the right column, with the right sign?"
+        )
     mean, rms = 100.0 * relative, 100.0 * scatter
     numbers = f"{mean:+.1f} % on average, RMS {rms:.1f} %"
     if abs(mean) <= AGREES_PERCENT and rms <= SCATTER_PERCENT:

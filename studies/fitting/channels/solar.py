@@ -6,6 +6,7 @@ import numpy as np
 
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
+from sizing.sunlight import UNCORRECTED_CAM
 from solar.attitude import direction_cosines
 from solar.attitude_models import full_model
 from solar.clearsky import Irradiance
@@ -51,6 +52,12 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     told += [f"{_hours(high & faulty, flown)} h in which the MPPT does not track are left out"]
     model = solar_model(flown, np.asarray(samples.index[use], int))
     name = "FM" if samples.detail is not None else "CAM"
+    if name == "CAM":
+        error = 100.0 * UNCORRECTED_CAM.rms_relative
+        told.append(
+            "without attitude or module surfaces the modules are fitted to CAM, whose own error "
+            f"(RMS {error:.0f} % of the mean power) is in no interval"
+        )
     return Channel(
         name="solar",
         label=f"solar power ({name})",

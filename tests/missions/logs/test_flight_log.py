@@ -205,6 +205,11 @@ def test_wrong_header(tmp_path: Path, old: str, new: str, expected: str) -> None
     assert any(m.startswith(f"log.csv:1: {expected}") for m in found)
 
 
+def test_columns_are_listed_where_only_the_time_is_missing(tmp_path: Path) -> None:
+    found = messages(tmp_path, rows(), HEADER.replace("time_utc", "gust"))
+    assert found[-1].startswith("log.csv:1: has the columns gust, ")
+
+
 def test_other_columns_are_told_and_ignored(tmp_path: Path) -> None:
     log = read(tmp_path, [f"{r},gust" for r in rows()], HEADER + ",remark")
     assert log.notes == ("columns not used: remark",)

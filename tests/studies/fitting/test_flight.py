@@ -124,6 +124,7 @@ def test_without_attitude_the_temperature_plays_no_part() -> None:
     fit = fit_flight(AS2, replace(quiet_log(), attitude=None), mission(), correct=None)
     (rise,) = (one for one in fit.held if one.parameter.name == "temperature_rise")
     assert "plays no part in the solar power (CAM)" in rise.reason
+    assert any("CAM, whose own error (RMS 7 % of" in note for note in fit.notes)
 
 
 def test_what_the_log_lacks_is_held_with_the_reason() -> None:

@@ -28,6 +28,7 @@ from solar.types import FloatArray
 from studies.cli.__main__ import cli
 from studies.flight_logs.errors import ModelErrors, Window, day_masks, moving_average, parse_window
 from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
+from studies.flight_logs.verdict import model_sentence
 from studies.flight_logs.verification import Verification, verify
 
 pytestmark = pytest.mark.slow
@@ -588,3 +589,10 @@ def test_text_fits_80_columns_for_large_and_small_aircraft() -> None:
     )
     for one in (result, replace(result, windows=(large,))):
         assert max(len(line) for line in str(one).splitlines()) <= 80
+
+
+def test_power_that_is_none_is_not_taken_for_nothing_to_compare() -> None:
+    errors = ModelErrors(100.0, -80.0, 180.0, 190.0, 300.0)
+    told = model_sentence("FM", errors, 400.0)
+    assert told.startswith("FM: -80 W are measured on average: no power of modules")
+    assert model_sentence("FM", None, 400.0) == "FM: nothing to compare, no sample counts"
