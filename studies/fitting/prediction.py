@@ -32,6 +32,7 @@ from studies.flight_logs.verification import DEFAULT_MISSION, verify
 
 _STEP_S = 60.0
 _FULL = 0.999
+_NIGHT_H = 0.5  # between sunlit samples: longer is a night, shorter a gap of the log
 _EMPTY = 0.02  # state of charge at the end of a log that counts as a flight to the last
 
 
@@ -44,7 +45,7 @@ class Course:
     hours, charge : ndarray
         After the start of the log [h], and state of charge [-].
     minimum_charge : float
-        Least charge after the first half of the first day's peak [-].
+        Least charge after the peak of the first 24 hours [-].
     empty_h : float or None
         Hours from the start to the empty battery; None where the sun is up before.
     falls_h, lit_h : float
@@ -245,12 +246,11 @@ class _Forecast:
         design = design_of(craft, mission)
         load_w = float(design.nominal_load_w(mission))
         shone = self.power(craft, light)
-        night = 4.0 * _STEP_S / 3600.0
         solar_w = np.interp(self.hours, self.lit, shone, left=0.0, right=0.0)
-        # Between two evenings' last light and mornings' first nothing shines.
+        # From the last light of an evening to the first of a morning nothing shines.
         behind = np.clip(np.searchsorted(self.lit, self.hours) - 1, 0, len(self.lit) - 1)
         ahead = np.clip(behind + 1, 0, len(self.lit) - 1)
-        solar_w[(self.lit[ahead] - self.lit[behind]) > max(night, 0.1) * 5.0] = 0.0
+        solar_w[(self.lit[ahead] - self.lit[behind]) > _NIGHT_H] = 0.0
         store = Store.of(craft.battery, design.battery_energy_wh)
         energy = np.asarray(self.start_charge * float(store.battery_energy_wh))
         balance = PowerBalance.of(self.hours, solar_w, np.full(len(self.hours), load_w))
