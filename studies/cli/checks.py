@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import click
 
-from missions.files.errors import InputError, Problem
+from missions.files.errors import InputError, Problem, printable
 from missions.files.validation import located_error
 from missions.flight_path import orbit
 from sizing.aircraft import MeasuredAirframe
@@ -144,6 +144,31 @@ def check_outputs(**options: str | None) -> None:
         if place in taken:
             raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
         taken[place] = option
+
+
+def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None]) -> None:
+    """Refuse an output in place of what the command reads: a flight is not flown again.
+
+    Parameters
+    ----------
+    option : str
+        Name of the option, for the message.
+    path : str or None
+        Where the output goes.
+    read : iterable of str or None
+        Names and files that the command reads.
+
+    Raises
+    ------
+    click.BadParameter
+        If the output is one of them.
+    """
+    if path is None or not os.path.isfile(path):  # noqa: PTH113
+        return
+    for one in read:
+        if one is not None and os.path.isfile(one) and os.path.samefile(one, path):  # noqa: PTH113, PTH121
+            message = f"{printable(path)!r} is read by this command; name another file"
+            raise click.BadParameter(message, param_hint=option)
 
 
 @contextmanager

@@ -119,7 +119,12 @@ def analyse(
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
     from missions.dates import date_code
     from sizing.results.analysis import analyse as run_analysis
-    from studies.cli.checks import check_outputs, require_climber, require_path
+    from studies.cli.checks import (
+        check_outputs,
+        refuse_to_overwrite,
+        require_climber,
+        require_path,
+    )
     from studies.cli.files import load
     from studies.cli.outputs import tell, write_results
     from studies.output.formats import table_bytes
@@ -138,6 +143,8 @@ def analyse(
         raise click.UsageError("--table-years needs --weather: years are those of a weather record")
     check_image(plot_file)
     check_outputs(**{"table": table_file, "table-years": table_years, "plot": plot_file})
+    for option, path in (("--table", table_file), ("--table-years", table_years)):
+        refuse_to_overwrite(option, path, (weather_file,))
     case = load(aircraft, mission, overrides, model=model, correction=correction)
     moved: dict[str, Any] = {} if latitude is None else {"latitude_deg": latitude}
     day = day_of_year if day_of_year is not None else date

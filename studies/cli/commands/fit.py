@@ -82,7 +82,7 @@ def fit(
     from missions.files.writing import check_writable_folder, write_text_atomically
     from missions.logs.csv import read_flight_log
     from sizing.results.tables import Summary
-    from studies.cli.checks import check_outputs
+    from studies.cli.checks import check_outputs, refuse_to_overwrite
     from studies.cli.files import load, refuse_swapped_log
     from studies.cli.outputs import figure_bytes, tell
     from studies.fitting.files import file_text, fitted_document, fitted_lines
@@ -95,6 +95,7 @@ def fit(
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
     check_outputs(write=write_file)
+    refuse_to_overwrite("--write", write_file, (aircraft, mission, log_file, other_log))
     refuse_swapped_log(aircraft, log_file, "fit")
     case = load(aircraft, mission, overrides)
     try:
@@ -154,7 +155,7 @@ def calibrate(
 ) -> None:
     """Make a parametric aircraft of a measured AIRCRAFT and the models of TECHNOLOGY."""
     from missions.files.writing import write_text_atomically
-    from studies.cli.checks import check_outputs
+    from studies.cli.checks import check_outputs, refuse_to_overwrite
     from studies.cli.files import open_aircraft
     from studies.cli.options import print_json
     from studies.fitting.calibration import calibrate as make
@@ -162,6 +163,7 @@ def calibrate(
     from studies.output.terminal import show, tell_line
 
     check_outputs(write=write_file)
+    refuse_to_overwrite("--write", write_file, (aircraft, technology))
     built, models = open_aircraft(aircraft), open_aircraft(technology, overrides)
     sources = {"aircraft_sha256": built.sha256, "technology_sha256": models.sha256}
     found = make(built.document, models.document, sources)

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from studies.flight_logs.errors import Window
 
 _LONGEST_FILTER_S = 86_400.0
+# File of a folder of results with the samples.
+_SAMPLES = "samples.csv"
 
 
 @command("solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified")
@@ -77,6 +79,7 @@ def verify(
     """Compare the solar power models with the flight LOG (table, ULog, DataFlash) of AIRCRAFT."""
     from missions.files.writing import check_writable_folder
     from missions.logs.csv import read_flight_log
+    from studies.cli.checks import refuse_to_overwrite
     from studies.cli.files import load, refuse_swapped_log
     from studies.cli.outputs import figure_bytes, tell
     from studies.cli.reports import check_report, report_on_log
@@ -86,6 +89,7 @@ def verify(
 
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
+        refuse_to_overwrite("--out", str(Path(out_dir) / _SAMPLES), (log_file,))
     check_report(report_file, option="--report")
     refuse_swapped_log(aircraft, log_file)
     case = load(aircraft, mission, overrides)
@@ -99,7 +103,7 @@ def verify(
     )
     record = case.named(result.to_dict())
     if out_dir is not None:
-        contents = {"samples.csv": result.to_csv().encode()}
+        contents = {_SAMPLES: result.to_csv().encode()}
         for name, drawn in figures(result, figure=figure):
             contents[f"{name}.png"] = figure_bytes(drawn, f"{name}.png")
         inputs = case.inputs(log=Path(log_file))

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 import sizing
 import studies
 from missions.files.errors import InputError
-from missions.files.shipped import find_document
+from missions.files.shipped import find_document, shipped_text
 from missions.library import load_mission
 from sizing.performance import performance
 from studies.cli.__main__ import cli
@@ -65,6 +65,15 @@ def test_masses_of_the_technology_can_be_changed() -> None:
     assert found.aircraft.airframe.avionics_mass_kg == 0.2
     told = [word for key, value in lighter.items() for word in ("--set", f"{key}={value}")]
     assert run("sky-sailor-2008", "atlantiksolar-design", *told).exit_code == 0
+
+
+def test_the_measured_aircraft_is_not_overwritten(tmp_path: Path) -> None:
+    measured = tmp_path / "measured.yaml"
+    text = shipped_text("atlantiksolar-as2")
+    measured.write_text(text)
+    done = run(str(measured), "atlantiksolar-design", "--write", str(measured))
+    assert done.exit_code == 2
+    assert measured.read_text() == text
 
 
 @pytest.mark.parametrize(

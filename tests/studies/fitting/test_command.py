@@ -123,6 +123,15 @@ def test_mistakes_are_told(log: Path, arguments: tuple[str, ...], message: str) 
     assert message in " ".join(done.output.split())
 
 
+def test_a_log_is_not_overwritten(tmp_path: Path) -> None:
+    log = tmp_path / "flight.csv"
+    log.write_text("a flight that is not flown again")
+    done = run("atlantiksolar-as2", log, "--write", log)
+    assert done.exit_code == 2
+    assert "is read by this command; name another file" in " ".join(done.output.split())
+    assert log.read_text() == "a flight that is not flown again"
+
+
 def test_scatter_stays_within_what_is_possible() -> None:
     rise, mppt = PARAMETERS["temperature_rise"], PARAMETERS["mppt_efficiency"]
     assert scatter_of(Fitted(rise, 12.0, 12.0, 1.0, 10.0, 14.0)) == {"sigma": 1.0}

@@ -596,3 +596,14 @@ def test_power_that_is_none_is_not_taken_for_nothing_to_compare() -> None:
     told = model_sentence("FM", errors, 400.0)
     assert told.startswith("FM: -80 W are measured on average: no power of modules")
     assert model_sentence("FM", None, 400.0) == "FM: nothing to compare, no sample counts"
+
+
+def test_a_log_in_the_folder_of_results_is_not_overwritten(tmp_path: Path) -> None:
+    log = tmp_path / "samples.csv"
+    log.write_text("a flight that is not flown again")
+    done = CliRunner().invoke(
+        cli, ["verify", "atlantiksolar-as2", str(log), "--out", str(tmp_path)]
+    )
+    assert done.exit_code == 2
+    assert "is read by this command" in done.output
+    assert log.read_text() == "a flight that is not flown again"
