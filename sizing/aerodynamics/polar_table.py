@@ -19,6 +19,9 @@ from solar.types import FloatArray
 # How names of files with polars end; a folder of them ends with a slash.
 POLAR_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat")
 
+# No section lifts more than 4 pi without power, see LiftCoefficient; a plate across the flow has a
+# drag coefficient of 2. Numbers far beyond would only overflow.
+_LARGEST_LIFT, _LARGEST_DRAG, _LARGEST_REYNOLDS = 12.57, 10.0, 1e10
 COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
 
 
@@ -214,11 +217,15 @@ def _read_rows(
 def _complaint(values: list[float], line: str) -> str:
     if len(values) != len(COLUMNS) or not np.all(np.isfinite(values)):
         return f"{len(COLUMNS)} finite numbers are needed (got {line[:60]!r})"
-    _, reynolds, _, cd, _, confidence = values
-    if reynolds <= 0.0:
-        return f"reynolds must be above 0 (got {reynolds:g})"
-    if cd <= 0.0:
-        return f"cd must be above 0 (got {cd:g})"
+    alpha_deg, reynolds, cl, cd, _, confidence = values
+    if abs(alpha_deg) > 180.0:
+        return f"alpha_deg must be from -180 to 180 (got {alpha_deg:g})"
+    if not 0.0 < reynolds <= _LARGEST_REYNOLDS:
+        return f"reynolds must be above 0 and at most {_LARGEST_REYNOLDS:g} (got {reynolds:g})"
+    if abs(cl) > _LARGEST_LIFT:
+        return f"cl must be from -{_LARGEST_LIFT:g} to {_LARGEST_LIFT:g} (got {cl:g})"
+    if not 0.0 < cd <= _LARGEST_DRAG:
+        return f"cd must be above 0 and at most {_LARGEST_DRAG:g} (got {cd:g})"
     if not 0.0 <= confidence <= 1.0:
         return f"confidence must be from 0 to 1 (got {confidence:g})"
     return ""
