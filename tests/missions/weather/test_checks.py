@@ -184,7 +184,8 @@ def loaded_beside(tmp_path, temperature, wind):
         (288.0, 3.0, "is the unit wrong"),
         (15.0, 500.0, r"a.csv:5: wind_speed: 72 of 72 rows have a wind speed outside of 0 to 120"),
         (15.0, -1.0, "wind speed outside"),
-        ("9" * 400, 3.0, "temperature outside"),
+        # Pandas before version 3 takes it for text.
+        pytest.param("9" * 400, 3.0, "temperature outside|must be a number", id="400 digits"),
     ],
 )
 def test_air_that_cannot_be_is_refused(tmp_path, temperature, wind, expected):
