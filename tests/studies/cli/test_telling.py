@@ -68,6 +68,7 @@ def test_a_message_fits_a_screen() -> None:
     told = brief("\n".join(["a mistake"] * 500 + ["x" * 5000]))
     assert told.splitlines()[-1] == "... and 471 more"
     assert max(map(len, brief("x" * 5000).splitlines())) < 300
+    assert len(brief("got '" + 50_000 * "- " + "'")) < 5000
 
 
 def test_words_of_any_language_stay_readable() -> None:
