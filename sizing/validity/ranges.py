@@ -18,7 +18,7 @@ from solar.types import BoolArray, FloatArray
 # Limits that an optimiser keeps are kept to its tolerance.
 _TOLERANCE = 1e-6
 _MOST_DIGITS = 8
-_EXPERIENCE = "experience"
+EXPERIENCE = "experience"
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def experience(key: str, label: str, unit: str, minimum: float, maximum: float) 
         No model ends there, but who goes beyond should mean it.
     """
     source = "sensible range of the catalogue of parameters: built or in sight; assumption"
-    return Range(key, _EXPERIENCE, label, unit, _EXPERIENCE, minimum, maximum, source)
+    return Range(key, EXPERIENCE, label, unit, EXPERIENCE, minimum, maximum, source)
 
 
 class Check(NamedTuple):

@@ -12,9 +12,18 @@ from numpy.typing import ArrayLike
 
 from missions.mission import Scenarios
 from sizing.aircraft import Aircraft
+from sizing.parameters import parameter
 from sizing.performance import Performance
 from sizing.validity.checks import altitude_check, flight_checks
-from sizing.validity.ranges import Check, Extrapolation, extrapolation, ranges
+from sizing.validity.ranges import (
+    EXPERIENCE,
+    Check,
+    Extrapolation,
+    Range,
+    experience,
+    extrapolation,
+    ranges,
+)
 
 
 def extrapolations(
@@ -170,7 +179,7 @@ def _line(one: Extrapolation) -> str:
     return f"{one.model}: {one.quantity} {one.value:.6g} not {low:.6g} to {high:.6g}"
 
 
-_LINE = re.compile(r"(\w+): (\w+) (\S+) not (\S+) to (\S+)")
+_LINE = re.compile(r"(\w+): ([\w.]+) (\S+) not (\S+) to (\S+)")
 
 
 def from_text(text: str) -> tuple[Extrapolation, ...]:
@@ -188,5 +197,13 @@ def from_text(text: str) -> tuple[Extrapolation, ...]:
             raise ValueError(f"tells of no model: {part[:80]!r}")
         model, quantity, *numbers = match.groups()
         value, low, high = map(float, numbers)
-        found.append(extrapolation(ranges()[quantity, model], value, low, high))
+        found.append(extrapolation(_range_of(quantity, model), value, low, high))
     return tuple(found)
+
+
+def _range_of(quantity: str, model: str) -> Range:
+    """Range of a model, or of the experience with a technology parameter."""
+    if model != EXPERIENCE:
+        return ranges()[quantity, model]
+    one = parameter(quantity)
+    return experience(one.key, one.label, one.unit, one.minimum, one.maximum)

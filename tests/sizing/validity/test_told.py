@@ -322,6 +322,13 @@ def test_text_and_record_keep_what_is_told() -> None:
     assert tuple(Extrapolation.from_dict(one.to_dict()) for one in found) == found
 
 
+def test_text_keeps_technology_beyond_experience() -> None:
+    dense = shipped_aircraft("atlantiksolar-design", "battery.specific_energy_wh_per_kg=1200")
+    found = extrapolations(dense, performance(dense, mission()))
+    assert "battery.specific_energy_wh_per_kg" in {one.quantity for one in found}
+    assert from_text(as_text(found)) == tuple(found)
+
+
 def test_cells_are_counted_and_the_farthest_is_told() -> None:
     from sizing.validity.checks import correction_check
 
