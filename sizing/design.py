@@ -7,7 +7,8 @@ budget as a constraint, :func:`closed_design` solves it by iteration.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -22,7 +23,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import replaced
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess
-from sizing.structures.loads import StructureInputs
+from sizing.structures.loads import StructureInputs, gust_speed_fraction
 from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
@@ -115,6 +116,7 @@ class FlightConditions(NamedTuple):
     wind_m_per_s: Value
     battery_capacity_fraction: Value
     battery_heater_w: Value
+    gust_fraction: Value
 
     @classmethod
     def of(cls, mission: Mission, aircraft: Aircraft) -> FlightConditions:
@@ -145,6 +147,7 @@ class FlightConditions(NamedTuple):
                 mission.uncertainty_margins.battery_capacity * battery.capacity_fraction(air_c)
             ),
             battery_heater_w=_number(battery.heater_w(air_c)),
+            gust_fraction=_number(gust_speed_fraction(mission.altitude_m)),
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -331,6 +334,7 @@ def _structure_inputs(
         density_kg_per_m3=air.density_kg_per_m3,
         wing_battery_kg=battery_kg,
         pod_battery_kg=variables.battery_mass_kg - battery_kg,
+        gust_fraction=air.gust_fraction,
     )
 
 
@@ -371,7 +375,33 @@ def structure_assessment(
         None where the model of the structure does not say.
     """
     sized = _sized_rib_wing(aircraft, mission, design)
-    return None if sized is None else assess(*sized)
+    if sized is None:
+        return None
+    return replace(assess(*sized), remarks=tuple(_structure_remarks(aircraft, *sized)))
+
+
+def _structure_remarks(
+    aircraft: Aircraft, model: RibWingStructure, inputs: StructureInputs
+) -> Iterator[str]:
+    """What the criteria of the structure do not cover, and a key whose sense has changed."""
+    tail = aircraft.modules.tail
+    excluded = {
+        "a T-tail": tail is not None and tail.is_t_tail,
+        "its battery along the wing": inputs.wing_battery_kg > 0.0,
+    }
+    found = [name for name, has in excluded.items() if has]
+    if model.torsion is not None and found:
+        yield (
+            "the flutter criterion (CAA Report 45, FAR 23.629) excludes T-tails and large masses "
+            f"along the wing; this aircraft has {' and '.join(found)}: it is a guide, no proof"
+        )
+    told = "deflection_load_case" in model.model_fields_set
+    if model.maximum_tip_deflection is not None and not told:
+        yield (
+            f"maximum_tip_deflection {model.maximum_tip_deflection:g} holds in level flight; until "
+            "1.0 it held at every limit load and in landing (deflection_load_case: limit_load, "
+            "maximum_landing_deflection)"
+        )
 
 
 def _sized_rib_wing(

@@ -80,6 +80,12 @@ class TailGeometry(Record):
             return self.horizontal_height_m
         return self.boom_height_m + self.vertical_height_m
 
+    @property
+    def is_t_tail(self) -> bool:
+        """Whether the horizontal tail sits on the upper half of the vertical one."""
+        above_boom = (self.height_m - self.boom_height_m) / self.vertical_height_m
+        return self.vertical_height_m > 0.0 and above_boom > 0.5
+
     def panels(self) -> tuple[FloatArray, FloatArray]:
         """Corners of the horizontal and of the vertical tail in body axes, each ``(4, 3)``."""
         front, side, z = -self.horizontal_aft_m, 0.5 * self.horizontal_span_m, -self.height_m

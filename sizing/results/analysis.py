@@ -10,9 +10,9 @@ import numpy as np
 
 from missions.dates import date_code
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
+from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
-from sizing.design import design_of
+from sizing.design import design_of, structure_assessment
 from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
@@ -97,6 +97,20 @@ class Analysis(Result):
         return worst_of([*found, *(() if self.flight is None else self.flight.extrapolations)])
 
     @cached_property
+    def structure(self) -> StructureAssessment | None:
+        """What sizes the structure; None where the aircraft's model of it does not say."""
+        return structure_assessment(self.aircraft, self.mission, self.performance.design)
+
+    @property
+    def masses_kg(self) -> dict[str, float] | None:
+        """Mass budget [kg]; None for a measured aircraft, whose parts are not known."""
+        if isinstance(self.aircraft.airframe, MeasuredAirframe):
+            return None
+        return {
+            item: float(mass) for item, mass in self.performance.design.masses._asdict().items()
+        }
+
+    @cached_property
     def days_to_settle(self) -> FloatArray:
         """Days until the repeated day of every scenario has settled from an empty battery.
 
@@ -133,6 +147,8 @@ class Analysis(Result):
             "correction": solar.correction,
             "days": self.days,
             "total_mass_kg": finite(design.total_mass_kg),
+            "masses_kg": self.masses_kg,
+            "structure": None if self.structure is None else self.structure.to_dict(),
             "battery_energy_wh": finite(design.battery_energy_wh),
             "propulsion_power_w": finite(design.propulsion_power_w),
             "airspeed_m_per_s": None if airspeed is None else finite(airspeed),

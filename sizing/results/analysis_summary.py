@@ -11,7 +11,12 @@ from missions.mission import Mission, latitude_label
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.results.analysis import Analysis, flight_record, scenario_record
 from sizing.results.battery import battery_line
-from sizing.results.notes import catalogue_blocks, extrapolation_blocks
+from sizing.results.notes import (
+    catalogue_blocks,
+    extrapolation_blocks,
+    mass_table,
+    structure_blocks,
+)
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 
@@ -38,7 +43,10 @@ def summary(analysis: Analysis) -> Summary:
         f"{record['status'].replace('_', ' ')}"
     )
     rows = _rows(record) + (_climb_rows(record["climb"]) if "climb" in record else [])
-    blocks: list[Any] = [Line(title, "strong"), facts("", rows)]
+    blocks: list[Any] = [Line(title, "strong")]
+    table, masses = facts("", rows), record["masses_kg"]
+    blocks.append(table if masses is None else (table, mass_table(masses)))
+    blocks += structure_blocks(analysis.structure)
     if several:
         blocks.append(scenario_table(record["scenarios"]))
     if analysis.flight is not None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sizing.aircraft import Aircraft
-from sizing.results.tables import Line
+from sizing.results.tables import Line, Table, facts
+from sizing.structures.assessment import StructureAssessment
 from sizing.validity.ranges import Extrapolation
 
 HEADING = "outside the range of a model:"
@@ -36,6 +37,19 @@ def extrapolation_caption(found: Sequence[Extrapolation]) -> str:
         return ""
     names = dict.fromkeys(one.label for one in found)
     return f"outside model range: {', '.join(names)}"
+
+
+def structure_blocks(found: StructureAssessment | None) -> list[Any]:
+    """What sizes the structure, and what its criteria do not cover; none where no model says."""
+    if found is None:
+        return []
+    return [found.headline(), *(Line(text, "faint") for text in found.remarks)]
+
+
+def mass_table(masses_kg: Mapping[str, float]) -> Table:
+    """Mass budget as a list of facts."""
+    masses = [(item, f"{mass:.3f} kg") for item, mass in masses_kg.items()]
+    return facts("", [("mass budget", ""), *masses])
 
 
 def catalogue_blocks(aircraft: Aircraft) -> list[Any]:

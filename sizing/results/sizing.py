@@ -35,6 +35,7 @@ from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, Summary
+from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
 from sizing.survival.result import Survival
 from sizing.validity.checks import stall_margin_within_polar
@@ -159,6 +160,18 @@ class SizingStudy(Result):
         return data
 
     @cached_property
+    def structure(self) -> StructureAssessment | None:
+        """What sizes the structure of the optimum, or else of the nearest design.
+
+        None where the structure's model does not say, or no design could be simulated.
+        """
+        nearest = self.result.nearest
+        design = self.result.design or (None if nearest is None else nearest.design)
+        if design is None or not np.isfinite(design.total_mass_kg):
+            return None
+        return structure_assessment(self.aircraft, self.mission, design)
+
+    @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What the optimum takes from outside the range of a model.
 
@@ -184,6 +197,8 @@ class SizingStudy(Result):
     def to_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready; what only an optimum has is null without one."""
         record = _result_record(self.result, self.aircraft, self.mission)
+        structure = self.structure
+        record["structure"] = None if structure is None else structure.to_dict()
         record |= {"model": self.solar.model, "correction": self.solar.correction}
         record["uncertainty"] = None
         if self.low is not None and self.high is not None and self.result.simulated is not None:
@@ -471,13 +486,11 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
     if condition is not None:
         record["battery_condition"] = condition
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
-    record["quantities"] = record["structure"] = None
+    record["quantities"] = None
     if result.design is not None:
         conditions = FlightConditions.of(mission, aircraft).with_payload_of(result.design.variables)
         flown = DesignInFlight(aircraft, result.design, conditions)
         record["quantities"] = _quantities(flown)
-        sized = structure_assessment(aircraft, mission, result.design)
-        record["structure"] = None if sized is None else sized.to_dict()
     return record | _design_record(result.design) | _simulated_record(result.simulated)
 
 

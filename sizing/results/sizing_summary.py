@@ -17,7 +17,12 @@ from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.battery import battery_line
 from sizing.results.constraint_words import constraint_words, parameter_words
-from sizing.results.notes import catalogue_blocks, extrapolation_blocks
+from sizing.results.notes import (
+    catalogue_blocks,
+    extrapolation_blocks,
+    mass_table,
+    structure_blocks,
+)
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
@@ -46,10 +51,9 @@ def summary(study: SizingStudy) -> Summary:
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
         blocks.append(Line(f"at the end of the design space: {words}", "warning"))
-    blocks.append((_design_table(record), _mass_table(record)))
+    blocks.append((_design_table(record), mass_table(record["masses_kg"])))
     blocks += _limits("limited by", study, at_bounds)
-    if record["structure"] is not None:
-        blocks.append(record["structure"]["text"])
+    blocks += structure_blocks(study.structure)
     blocks += _confidence(study, record)
     if study.reliability is not None:
         blocks.append(reliability_text(study.reliability, study))
@@ -84,6 +88,7 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     """Requirements that are missed, what holds the design back, and what would help."""
     blocks: list[Any] = [f"  {one.text}" for one in study.result.violations]
     blocks += _limits("held back by", study)
+    blocks += _nearest_structure(study)
     blocks += extrapolation_blocks(study.extrapolations)
     if study.reliability is not None:
         return [*blocks, reliability_text(study.reliability, study)]
@@ -94,6 +99,20 @@ def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
     if not study.relaxations:
         return [*blocks, "no single parameter that was tried would make it feasible"]
     return [*blocks, relaxation_table(study.relaxations)]
+
+
+def _nearest_structure(study: SizingStudy) -> list[Any]:
+    """How much of the nearest design is structure, and what sizes it."""
+    nearest = study.result.nearest
+    if nearest is None or study.structure is None:
+        return []
+    design = nearest.design
+    structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
+    share = (
+        f"nearest design: {structure_kg:.3g} kg of its {total_kg:.3g} kg are structure "
+        f"({100.0 * structure_kg / total_kg:.0f} %)"
+    )
+    return [share, *structure_blocks(study.structure)]
 
 
 def _limits(head: str, study: SizingStudy, told: Sequence[str] = ()) -> list[Any]:
@@ -170,11 +189,6 @@ def _design_table(record: dict[str, Any]) -> Table:
     rows.append((f"excess time{clear}, {where}", hours(simulated["excess_time_h"], UNLIMITED)))
     rows.append(("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"))
     return facts("", rows)
-
-
-def _mass_table(record: dict[str, Any]) -> Table:
-    masses = [(item, f"{mass:.3f} kg") for item, mass in record["masses_kg"].items()]
-    return facts("", [("mass budget", ""), *masses])
 
 
 def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:

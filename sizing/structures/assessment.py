@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,8 @@ _LABELS = {
     "shear": "shear strength",
     "gauge": "minimum gauge",
     "tip_deflection": "tip deflection",
+    "tip_slope": "slope of the tip",
+    "landing_deflection": "tip deflection in landing",
     "flutter": "flutter",
     "divergence": "divergence",
     "twist_in_dive": "twist in a dive",
@@ -52,86 +55,123 @@ class Torsion:
     twist_at_limit_load_deg: float
 
 
+# Criteria that belong to no load case, or name their own.
+_WITHOUT_CASE = ("gauge", "tip_deflection", "tip_slope", "landing_deflection")
+
+
 @dataclass(frozen=True)
 class StructureAssessment:
     """What sizes the spar and the nose, and the stiffness that follows.
 
     Attributes
     ----------
-    limit_load_factor : float
-        Upwards [-].
-    load_case : str
-        What that is: ``gust`` or ``manoeuvre``.
+    limit_load_factor, negative_limit_load_factor : float
+        Upwards and downwards, both counted positive [-].
+    load_case, negative_load_case : str
+        What they are: ``gust`` or ``manoeuvre``.
+    landing_load_factor : float
+        Of the landing without lift [-].
     spar_caps, spar_web : dict
         Share of the mass of caps and webs that each criterion sizes [-], largest first.
+    spar_caps_case : str
+        Load case under which the first criterion of the caps sizes most of them.
     nose : str
         Criterion that sizes the sheet of the nose.
     tip_deflection_1g, tip_deflection_limit : float
         Of the tip over the half-span, in level flight and at the upward limit load [-].
+    tip_deflection_landing : float
+        Of the tip downwards in landing, over the half-span [-].
+    tip_slope_1g_deg, tip_slope_limit_deg : float
+        Slope of the tip in level flight and at the upward limit load [deg].
     torsion : Torsion or None
         None where the file asks for no torsional stiffness.
     wing_battery_kg, pod_battery_kg : float
         Battery in the spar and in the pod [kg].
+    remarks : tuple of str
+        What the criteria do not cover, or where a key is read otherwise than before.
     """
 
     limit_load_factor: float
     load_case: str
+    negative_limit_load_factor: float
+    negative_load_case: str
+    landing_load_factor: float
     spar_caps: dict[str, float]
+    spar_caps_case: str
     spar_web: dict[str, float]
     nose: str
     tip_deflection_1g: float
     tip_deflection_limit: float
+    tip_deflection_landing: float
+    tip_slope_1g_deg: float
+    tip_slope_limit_deg: float
     torsion: Torsion | None
     wing_battery_kg: float
     pod_battery_kg: float
+    remarks: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready."""
         torsion = None if self.torsion is None else dict(vars(self.torsion))
-        return {**vars(self), "torsion": torsion, "text": self.headline()}
+        remarks = list(self.remarks)
+        return {**vars(self), "torsion": torsion, "remarks": remarks, "text": self.headline()}
 
     def headline(self) -> str:
-        """What sizes the structure, in a line."""
+        """What sizes the structure, and under which load, in a line."""
         caps, web = next(iter(self.spar_caps)), next(iter(self.spar_web))
+        case = "" if caps in _WITHOUT_CASE else f" in {self.spar_caps_case}"
         return (
-            f"structure: spar caps sized by {_LABELS[caps]} ({100.0 * self.spar_caps[caps]:.0f} % "
-            f"of their mass), webs by {_LABELS[web]}, nose by {_LABELS[self.nose]}; limit load "
-            f"{self.limit_load_factor:.1f} g from a {self.load_case}; tip deflection "
-            f"{100.0 * self.tip_deflection_1g:.1f} % of the half-span at 1 g, "
-            f"{100.0 * self.tip_deflection_limit:.1f} % at limit load"
+            f"structure: spar caps sized by {_LABELS[caps]}{case} "
+            f"({100.0 * self.spar_caps[caps]:.0f} % of their mass), webs by {_LABELS[web]}, nose "
+            f"by {_LABELS[self.nose]}; limit loads {self.limit_load_factor:.1f} g from a "
+            f"{self.load_case}, {-self.negative_limit_load_factor:.1f} g from a "
+            f"{self.negative_load_case}, {self.landing_load_factor:.1f} g in landing; tip "
+            f"deflection {100.0 * self.tip_deflection_1g:.1f} % of the half-span at 1 g, "
+            f"{100.0 * self.tip_deflection_limit:.1f} % at the limit load, "
+            f"{100.0 * self.tip_deflection_landing:.1f} % downwards in landing"
         )
 
 
 def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessment:
-    """What sizes a rib wing.
-
-    Parameters
-    ----------
-    model : RibWingStructure
-        The model that sized it.
-    inputs : StructureInputs
-        Of floats.
-
-    Returns
-    -------
-    StructureAssessment
-    """
+    """What sizes a rib wing, from inputs that are floats."""
     inputs = StructureInputs(*(float(value) for value in inputs))
     wing = model.wing(inputs)
     station, integral = along_the_span(wing.wingspan_m)
-    forces = model.forces(wing, station)
-    upper = model.cap_needs_m2(wing, forces.up, forces.down)
-    lower = model.cap_needs_m2(wing, forces.down, forces.up)
-    limit = _tip_deflection(model, wing, station, integral, upper=upper, lower=lower)
-    up = float(wing.factors.up)
+    forces = model.cap_forces(wing, station)
+    needs = model.cap_needs_m2(wing, forces)
+    up, down = (float(factor) for factor in wing.factors)
+    pull_up = float(limit_load_factor(wing.total_mass_kg))
+    cases = {
+        "an up-gust" if up > 1.01 * pull_up else "a pull-up": forces.up,
+        "a down-gust"
+        if down > 1.01 * model.negative_load_ratio * pull_up
+        else "a push-over": forces.down,
+        "landing": forces.landing,
+    }
+    caps = _shares(needs, station)
+    level = GRAVITY_M_PER_S2 * (
+        wing.total_mass_kg * station.lift_moment - wing.relief_kg * station.mass_moment
+    )
+    landing = GRAVITY_M_PER_S2 * wing.relief_kg * station.mass_moment
+    bent_1g, turned_1g = _bent(model, wing, station, integral, load=level, needs=needs)
+    bent_landing, _ = _bent(model, wing, station, integral, load=landing, needs=needs)
     return StructureAssessment(
         limit_load_factor=up,
-        load_case="gust" if up > 1.01 * limit_load_factor(wing.total_mass_kg) else "manoeuvre",
-        spar_caps=_shares((upper, lower), station),
-        spar_web=_shares((model.web_needs_m(wing, forces.shear),), station),
+        load_case="gust" if up > 1.01 * pull_up else "manoeuvre",
+        negative_limit_load_factor=down,
+        negative_load_case=(
+            "gust" if down > 1.01 * model.negative_load_ratio * pull_up else "manoeuvre"
+        ),
+        landing_load_factor=model.landing_load_factor,
+        spar_caps=caps,
+        spar_caps_case=_case(next(iter(caps)), needs, station, cases),
+        spar_web=_shares((model.web_needs_m(wing, model.shear_n(wing, station)),), station),
         nose=_nose(model, wing),
-        tip_deflection_1g=limit / up,
-        tip_deflection_limit=limit,
+        tip_deflection_1g=bent_1g,
+        tip_deflection_limit=up * bent_1g,
+        tip_deflection_landing=model.landing_load_factor * bent_landing,
+        tip_slope_1g_deg=turned_1g,
+        tip_slope_limit_deg=up * turned_1g,
         torsion=None if model.torsion is None else _torsion(model, model.torsion, wing),
         wing_battery_kg=inputs.wing_battery_kg + inputs.pod_battery_kg - float(wing.pod_battery_kg),
         pod_battery_kg=float(wing.pod_battery_kg),
@@ -154,23 +194,46 @@ def _shares(needs: tuple[dict[str, Value], ...], station: Station) -> dict[str, 
     return {name: found[name] / total for name in sorted(found, key=lambda n: -found[n])}
 
 
-def _tip_deflection(
+def _case(
+    criterion: str,
+    needs: tuple[dict[str, Value], ...],
+    station: Station,
+    cases: dict[str, Value],
+) -> str:
+    """Load case under which a criterion of strength sizes most of the caps."""
+    names = list(cases)
+    up, down, landing = (np.broadcast_to(force, station.weight.shape) for force in cases.values())
+    downwards = np.where(landing > down, 2, 1)
+    # What squeezes the one cap stretches the other.
+    by_cap = (np.zeros_like(downwards), downwards)
+    sized: dict[str, float] = dict.fromkeys(names, 0.0)
+    for cap, each in enumerate(needs):
+        which = by_cap[1 - cap] if criterion == "tension" else by_cap[cap]
+        size = np.broadcast_to(each[criterion], station.weight.shape)
+        for case, part in zip(which, size * station.weight, strict=True):
+            sized[names[case]] += float(part)
+    return max(sized, key=lambda name: sized[name])
+
+
+def _bent(
     model: RibWingStructure,
     wing: Wing,
     station: Station,
     integral: Any,
     *,
-    upper: dict[str, Value],
-    lower: dict[str, Value],
-) -> float:
-    """Deflection of the tip over the half-span at the upward limit load, by beam theory."""
-    upper_m2, lower_m2 = largest(upper), largest(lower)
-    lifted = wing.total_mass_kg * station.lift_moment - wing.relief_kg * station.mass_moment
+    load: Value,
+    needs: tuple[dict[str, Value], ...],
+) -> tuple[float, float]:
+    """Deflection of the tip over the half-span, and its slope [deg], by beam theory.
+
+    ``load`` is the moment of both wings over the half-span at 1 g [N].
+    """
+    upper_m2, lower_m2 = (largest(each) for each in needs)
     half_span = wing.wingspan_m / 2.0
-    moment = wing.factors.up * GRAVITY_M_PER_S2 / 2.0 * half_span * lifted
     section = upper_m2 * lower_m2 / (upper_m2 + lower_m2)
-    curvature = moment / (model.modulus_pa * wing.depth_m**2 * section)
-    return float(integral(curvature * (1.0 - station.fraction)) * half_span)
+    curvature = load / 2.0 * half_span / (model.modulus_pa * wing.depth_m**2 * section)
+    deflection = integral(curvature * (1.0 - station.fraction)) * half_span
+    return float(deflection), degrees(float(integral(curvature) * half_span))
 
 
 def _nose(model: RibWingStructure, wing: Wing) -> str:

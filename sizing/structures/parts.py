@@ -53,12 +53,22 @@ class Wing(NamedTuple):
     nose_sheet_m: Value
 
 
-class Forces(NamedTuple):
-    """Ultimate forces at a station [N]: cap force bending up and down, and shear."""
+class CapForces(NamedTuple):
+    """Ultimate cap forces at a station [N], by load case.
+
+    ``up`` and ``down`` are those of flight at the limit load factors, bending the wing up and down,
+    ``landing`` bends it down; ``level`` is that of level flight, without the safety factor.
+    """
 
     up: Value
     down: Value
-    shear: Value
+    landing: Value
+    level: Value
+
+    @property
+    def downwards(self) -> Value:
+        """Largest force that bends the wing down: flight or landing."""
+        return smooth_maximum(self.down, self.landing)
 
 
 def largest(needs: dict[str, Value]) -> Value:

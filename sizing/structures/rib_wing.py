@@ -8,7 +8,7 @@ optimiser finds no kink. Equations and sources: docs/structure.md.
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, radians
 from typing import Annotated, Literal
 
 from pydantic import Field, Strict
@@ -22,7 +22,7 @@ from sizing.structures.loads import (
     lift_curve_slope,
     limit_load_factor,
 )
-from sizing.structures.parts import Forces, LoadFactors, StructureParts, Wing, largest
+from sizing.structures.parts import CapForces, LoadFactors, StructureParts, Wing, largest
 from sizing.structures.stations import Station, along_the_span
 from sizing.structures.torsion import NoseCell, Twisting, WingTorsion, closed_cell_nm2
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
@@ -40,6 +40,10 @@ _SHEAR_PLATE = 5.35
 _TUBE_KNOCKDOWN = 0.3
 
 
+# Where the limits of the tip's deflection and slope hold: at 1 g, or at the limit load in flight.
+DeflectionCase = Literal["level_flight", "limit_load"]
+
+
 class RibWingStructure(Record):
     """Rib wing with a carbon-fibre box spar, tails on a tube, a pod.
 
@@ -54,6 +58,7 @@ class RibWingStructure(Record):
     safety_factor: PositiveReal = 1.5
     cruise_gust_m_per_s: NonNegativeReal = 15.25
     dive_gust_m_per_s: NonNegativeReal = 7.6
+    gusts_fall_with_altitude: bool = False
     dive_speed_ratio: Annotated[float, Strict(), Field(ge=1.0, le=10.0)] = 1.5
     negative_load_ratio: UnitInterval = 0.4
     landing_load_factor: NonNegativeReal = 2.0
@@ -63,7 +68,11 @@ class RibWingStructure(Record):
     cap_width_fraction: Fraction = 0.06
     minimum_cap_thickness_m: PositiveReal = 0.25e-3
     minimum_web_thickness_m: PositiveReal = 0.2e-3
+    # Stiffness in bending; none: strength alone.
     maximum_tip_deflection: Fraction | None = None
+    maximum_tip_slope_deg: Annotated[float, Strict(), Field(gt=0.1, le=45.0)] | None = None
+    deflection_load_case: DeflectionCase = "level_flight"
+    maximum_landing_deflection: Fraction | None = None
     # Torsion; none: the wing is not held against it.
     torsion: WingTorsion | None = None
     # Battery that the spar's box holds; none: any mass fits.
@@ -139,6 +148,7 @@ class RibWingStructure(Record):
             aspect_ratio=inputs.aspect_ratio,
             equivalent_airspeed_m_per_s=equivalent_airspeed,
             density_kg_per_m3=inputs.density_kg_per_m3,
+            gust_fraction=inputs.gust_fraction if self.gusts_fall_with_altitude else 1.0,
         )
         sheet_m = smooth_maximum(
             self.minimum_sheet_thickness_m, self.sheet_thickness_ratio * chord_m
@@ -231,6 +241,7 @@ class RibWingStructure(Record):
         aspect_ratio: Value,
         equivalent_airspeed_m_per_s: Value,
         density_kg_per_m3: Value,
+        gust_fraction: Value = 1.0,
     ) -> LoadFactors:
         """Limit load factors: the larger of manoeuvre and gust, upwards and downwards.
 
@@ -244,6 +255,8 @@ class RibWingStructure(Record):
             Equivalent airspeed of level flight, taken as cruise [m/s].
         density_kg_per_m3
             Of the air [kg/m3].
+        gust_fraction
+            Gust speed over that of the keys [-].
 
         Returns
         -------
@@ -253,7 +266,7 @@ class RibWingStructure(Record):
         """
         gust = max(self.cruise_gust_m_per_s, self.dive_gust_m_per_s * self.dive_speed_ratio)
         increment = gust_load_increment(
-            gust * equivalent_airspeed_m_per_s,
+            gust_fraction * gust * equivalent_airspeed_m_per_s,
             total_mass_kg=total_mass_kg,
             wing_area_m2=wing_area_m2,
             aspect_ratio=aspect_ratio,
@@ -294,78 +307,91 @@ class RibWingStructure(Record):
         station, integral = along_the_span(
             wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
         )
-        forces = self.forces(wing, station)
-        upper_m2 = largest(self.cap_needs_m2(wing, forces.up, forces.down))
-        lower_m2 = largest(self.cap_needs_m2(wing, forces.down, forces.up))
+        forces = self.cap_forces(wing, station)
+        upper_m2, lower_m2 = (largest(needs) for needs in self.cap_needs_m2(wing, forces))
         cap_m2 = integral(upper_m2 + lower_m2)
-        web_m = integral(largest(self.web_needs_m(wing, forces.shear)))
+        web_m = integral(largest(self.web_needs_m(wing, self.shear_n(wing, station))))
         span_m = wing.wingspan_m
         caps_kg = self.cap_density_kg_per_m3 * span_m * cap_m2
         web_kg = self.laminate_density_kg_per_m3 * span_m * 2.0 * wing.depth_m * web_m
         return caps_kg, web_kg
 
-    def forces(self, wing: Wing, station: Station) -> Forces:
-        """Ultimate cap forces and shear; lift less the inertia of what the wing carries.
+    def cap_forces(self, wing: Wing, station: Station) -> CapForces:
+        """Cap forces of lift less the inertia of what the wing carries.
 
-        Parameters
-        ----------
-        wing : Wing
-            Masses and load factors.
-        station : Station
-            Where.
-
-        Returns
-        -------
-        Forces
+        Where the wing carries more than it lifts, an up-load bends it downwards.
         """
         up, down = wing.factors
-        half_n = self.safety_factor * GRAVITY_M_PER_S2 / 2.0
-        arm = half_n * (wing.wingspan_m / 2.0) / wing.depth_m
+        level = GRAVITY_M_PER_S2 / 2.0 * (wing.wingspan_m / 2.0) / wing.depth_m
         lifted = wing.total_mass_kg * station.lift_moment
         carried = wing.relief_kg * station.mass_moment
         net = lifted - carried
         size = smooth_absolute(net, lifted)
-        # Where the wing carries more than it lifts, an up-load bends it downwards.
         outwards, inwards = (size + net) / 2.0, (size - net) / 2.0
-        net_shear = wing.total_mass_kg * station.lift_shear - wing.relief_kg * station.mass_shear
-        shear = up * smooth_absolute(net_shear, wing.total_mass_kg * station.lift_shear)
-        landing = self.landing_load_factor * wing.relief_kg
-        return Forces(
-            up=arm * (up * outwards + down * inwards),
-            down=arm
-            * smooth_maximum(down * outwards + up * inwards, landing * station.mass_moment),
-            shear=half_n * smooth_maximum(shear, landing * station.mass_shear),
+        ultimate = self.safety_factor * level
+        return CapForces(
+            up=ultimate * (up * outwards + down * inwards),
+            down=ultimate * (down * outwards + up * inwards),
+            landing=ultimate * self.landing_load_factor * carried,
+            level=level * size,
         )
 
-    def cap_needs_m2(self, wing: Wing, compression_n: Value, tension_n: Value) -> dict[str, Value]:
-        """Section of a cap that each criterion asks for.
+    def shear_n(self, wing: Wing, station: Station) -> Value:
+        """Ultimate shear at the upward limit load or in landing [N]."""
+        half_n = self.safety_factor * GRAVITY_M_PER_S2 / 2.0
+        lifted = wing.total_mass_kg * station.lift_shear
+        carried = wing.relief_kg * station.mass_shear
+        flight = wing.factors.up * smooth_absolute(lifted - carried, lifted)
+        return half_n * smooth_maximum(flight, self.landing_load_factor * carried)
 
-        Parameters
-        ----------
-        wing : Wing
-            Its chord and depth.
-        compression_n, tension_n
-            Ultimate forces [N].
+    def cap_needs_m2(
+        self, wing: Wing, forces: CapForces
+    ) -> tuple[dict[str, Value], dict[str, Value]]:
+        """Section [m2] of the upper and of the lower cap that each criterion asks for.
 
-        Returns
-        -------
-        dict
-            Section [m2] by criterion.
+        Loads upwards squeeze the upper cap and stretch the lower one; loads downwards and landing
+        do the opposite. Limits of the deflection hold the strain of both caps.
         """
+        stiffness = self._stiffness_needs_m2(wing, forces)
+        upper = self._strength_needs_m2(wing, forces.up, forces.downwards) | stiffness
+        return upper, self._strength_needs_m2(wing, forces.downwards, forces.up) | stiffness
+
+    def _strength_needs_m2(
+        self, wing: Wing, compression_n: Value, tension_n: Value
+    ) -> dict[str, Value]:
+        """Section of a cap for its strength, its buckling and its gauge."""
         width_m = self.cap_width_fraction * wing.chord_m
-        needs = {
+        return {
             "compression": compression_n / self.compressive_strength_pa,
             "buckling": (compression_n * width_m**4 / self.cap_buckling_pa) ** (1.0 / 3.0),
             "tension": tension_n / self.tensile_strength_pa,
             "gauge": width_m * self.minimum_cap_thickness_m,
         }
-        if self.maximum_tip_deflection is not None:
-            # Strains of at most 2 f h/b make a curvature of at most 4 f/b, which bends the tip by
-            # no more than f half-spans.
-            allowed = self.maximum_tip_deflection * 2.0 * wing.depth_m / wing.wingspan_m
-            limit_n = smooth_maximum(compression_n, tension_n) / self.safety_factor
-            needs["tip_deflection"] = limit_n / (self.modulus_pa * allowed)
-        return needs
+
+    def _stiffness_needs_m2(self, wing: Wing, forces: CapForces) -> dict[str, Value]:
+        """Section of a cap for the limits of deflection and slope, each in its load case.
+
+        A strain of at most ``2 f h/b`` makes a curvature of at most ``4 f/b``, which bends the tip
+        by no more than f half-spans; ``theta h/b`` turns it by no more than theta.
+        """
+        flight_n = forces.level
+        if self.deflection_load_case == "limit_load":
+            flight_n = smooth_maximum(forces.up, forces.down) / self.safety_factor
+        strain_per_radian = wing.depth_m / wing.wingspan_m
+        limits = {
+            "tip_deflection": (self.maximum_tip_deflection, 2.0, flight_n),
+            "tip_slope": (self.maximum_tip_slope_deg, radians(1.0), flight_n),
+            "landing_deflection": (
+                self.maximum_landing_deflection,
+                2.0,
+                forces.landing / self.safety_factor,
+            ),
+        }
+        return {
+            name: force_n / (self.modulus_pa * (limit * factor * strain_per_radian))
+            for name, (limit, factor, force_n) in limits.items()
+            if limit is not None
+        }
 
     def web_needs_m(self, wing: Wing, shear_n: Value) -> dict[str, Value]:
         """Thickness of each of the two webs that each criterion asks for.
