@@ -94,9 +94,10 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
     "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
     "structure": ("structure.md", lambda: _markdown(*structure_tables())),
+    "aspect-ratio": ("structure.md", lambda: _markdown(aspect_ratio_table())),
     "slender-wings": (
         "validation.md",
-        lambda: _markdown(structure_table(), aspect_ratio_table()),
+        lambda: _markdown(structure_table()),
     ),
     "transfer": (
         "full-model.md",

@@ -178,8 +178,9 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         words = "; ".join(str(constraint_words(name)) for name in active)
         blocks.append(Text(f"Limited by (most important first): {words}."))
     if sizing.get("structure") is not None:
-        text = sizing["structure"]["text"]
-        blocks.append(Text(f"{text[:1].upper()}{text[1:]}."))
+        structure = sizing["structure"]
+        for text in (structure["text"], *structure["remarks"]):
+            blocks.append(Text(f"{text[:1].upper()}{text[1:]}."))
     if sizing.get("reliability") is not None:
         blocks.append(_reliability(sizing["reliability"]))
     tables = []

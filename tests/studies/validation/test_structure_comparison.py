@@ -44,7 +44,7 @@ def test_one_factor_fits_atlantiksolar_and_sky_sailor_is_told_honestly() -> None
 def test_calibration_and_stiffness_are_all_that_the_file_says() -> None:
     # All other inputs are the model's own constants, the same for every aircraft.
     model = calibrated_rib_wing()
-    stiffness = {"maximum_tip_deflection", "torsion"}
+    stiffness = {"gusts_fall_with_altitude", "torsion"}
     battery = {"spar_battery_density_kg_per_m3", "pod_battery_mount_fraction"}
     assert model.model_fields_set == {"model", "calibration"} | stiffness | battery
     assert model.torsion == WingTorsion()
