@@ -29,7 +29,7 @@ from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
 from studies.validation.slender_wings import aspect_ratio_table, structure_table
-from studies.validation.structure_comparison import structure_tables
+from studies.validation.structure_comparison import gust_table, structure_tables
 
 
 def _markdown(*tables: Table) -> str:
@@ -94,6 +94,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
     "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
     "structure": ("structure.md", lambda: _markdown(*structure_tables())),
+    "gusts": ("structure.md", lambda: _markdown(gust_table())),
     "aspect-ratio": ("structure.md", lambda: _markdown(aspect_ratio_table())),
     "slender-wings": (
         "validation.md",

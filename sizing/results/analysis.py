@@ -21,6 +21,7 @@ from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite
 from sizing.results.tables import Result, Summary
+from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, worst_of

@@ -13,7 +13,13 @@ from missions.files.overrides import with_values
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, DesignVariables, FlightConditions, structure_assessment
+from sizing.design import (
+    Design,
+    DesignVariables,
+    FlightConditions,
+    parametric_design,
+    structure_assessment,
+)
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
@@ -163,12 +169,18 @@ class SizingStudy(Result):
     def structure(self) -> StructureAssessment | None:
         """What sizes the structure of the optimum, or else of the nearest design.
 
-        None where the structure's model does not say, or no design could be simulated.
+        None where the structure's model does not say, or no design could be simulated. A design
+        that no mass closes is taken at twice the mass of all but its structure and propulsion.
         """
         nearest = self.result.nearest
         design = self.result.design or (None if nearest is None else nearest.design)
-        if design is None or not np.isfinite(design.total_mass_kg):
+        if design is None:
             return None
+        if not np.isfinite(design.total_mass_kg):
+            carried_kg = float(sum(design.masses[2:], 0.0))
+            design = parametric_design(
+                self.aircraft, self.mission, design.variables.mapped(float), 2.0 * carried_kg
+            )
         return structure_assessment(self.aircraft, self.mission, design)
 
     @cached_property

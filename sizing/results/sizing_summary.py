@@ -111,6 +111,8 @@ def _nearest_structure(study: SizingStudy) -> list[Any]:
     share = (
         f"nearest design: {structure_kg:.3g} kg of its {total_kg:.3g} kg are structure "
         f"({100.0 * structure_kg / total_kg:.0f} %)"
+        if math.isfinite(total_kg)
+        else "nearest design: its structure outgrows every mass that it could have"
     )
     return [share, *structure_blocks(study.structure)]
 

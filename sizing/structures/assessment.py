@@ -202,7 +202,7 @@ def _case(
 ) -> str:
     """Load case under which a criterion of strength sizes most of the caps."""
     names = list(cases)
-    up, down, landing = (np.broadcast_to(force, station.weight.shape) for force in cases.values())
+    _, down, landing = (np.broadcast_to(force, station.weight.shape) for force in cases.values())
     downwards = np.where(landing > down, 2, 1)
     # What squeezes the one cap stretches the other.
     by_cap = (np.zeros_like(downwards), downwards)

@@ -58,7 +58,8 @@ def gust_speed_fraction(altitude_m: ArrayLike) -> FloatArray:
 
     Both gust speeds fall linearly from 20 000 ft to half at 50 000 ft; above they are held.
     """
-    return np.interp(altitude_m, (6096.0, 15240.0), (1.0, 0.5))
+    fraction: FloatArray = np.interp(np.asarray(altitude_m, float), (6096.0, 15240.0), (1.0, 0.5))
+    return fraction
 
 
 def limit_load_factor(total_mass_kg: Value) -> Value:

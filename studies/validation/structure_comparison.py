@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from missions.air import standard_air
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
+from sizing.structures.loads import gust_speed_fraction
 from sizing.structures.models import (
     AllPowerLawStructure,
     PowerLawStructure,
@@ -152,9 +154,42 @@ def structure_tables() -> tuple[Table, Table, Table]:
     )
 
 
+GUST_ALTITUDES_M = (500.0, 6096.0, 9000.0, 12000.0, 15240.0, 20000.0)
+
+
+def gust_table() -> Table:
+    """What gust speeds that fall with altitude make of load factor and structure."""
+    rows = []
+    for altitude_m in GUST_ALTITUDES_M:
+        row: list[float] = [altitude_m / 1000.0]
+        for span_m in (ATLANTIKSOLAR.wingspan_m, 25.0):
+            wing = replace(
+                family(span_m),
+                density_kg_per_m3=float(standard_air(altitude_m).density_kg_per_m3),
+            ).inputs()
+            wing = wing._replace(gust_fraction=float(gust_speed_fraction(altitude_m)))
+            falling = calibrated_rib_wing()
+            full = falling.model_copy(update={"gusts_fall_with_altitude": False})
+            full_kg, falling_kg = float(full.mass_kg(wing)), float(falling.mass_kg(wing))
+            row += [
+                float(full.wing(wing).factors.up),
+                float(falling.wing(wing).factors.up),
+                100.0 * (full_kg / falling_kg - 1.0),
+            ]
+        rows.append(tuple(row))
+    columns = [Column("altitude", unit="km", form=".3g")]
+    for span in ("5.65 m", "25 m"):
+        columns += [
+            Column(f"{span}: limit load, full gust", unit="g", form=".1f"),
+            Column(f"{span}: falling gust", unit="g", form=".1f"),
+            Column(f"{span}: structure with full gust", unit="% more", form=".1f"),
+        ]
+    return Table("gusts at altitude", tuple(columns), tuple(rows))
+
+
 def variations() -> dict[str, RibWingStructure]:
     """The rib wing with one assumption changed at a time."""
-    changes: dict[str, dict[str, float | None]] = {
+    changes: dict[str, dict[str, Any]] = {
         "as shipped": {},
         "no gusts": {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0},
         "no landing case": {"landing_load_factor": 0.0},
@@ -167,9 +202,17 @@ def variations() -> dict[str, RibWingStructure]:
         "caps twice as wide": {"cap_width_fraction": 0.12},
         "compressive strength +50 %": {"compressive_strength_pa": 1.5 * 368e6},
         "webs from 0.3 mm": {"minimum_web_thickness_m": 0.3e-3},
-        "tip deflection up to 10 % of the half-span": {"maximum_tip_deflection": 0.1},
-        "tip deflection up to 20 % of the half-span": {"maximum_tip_deflection": 0.2},
-        "no limit of the tip deflection": {"maximum_tip_deflection": None},
+        **{
+            f"tip deflection up to {f:g} at the limit load": {
+                "maximum_tip_deflection": f,
+                "deflection_load_case": "limit_load",
+            }
+            for f in (0.05, 0.1, 0.2)
+        },
+        "slope of the tip up to 10 deg at the limit load": {
+            "maximum_tip_slope_deg": 10.0,
+            "deflection_load_case": "limit_load",
+        },
         "no torsion": {"torsion": None},
         "any battery fits the spar": {"spar_battery_density_kg_per_m3": None},
         "battery in the pod needs no mount": {"pod_battery_mount_fraction": 0.0},
