@@ -1,32 +1,38 @@
 """What every command answers, recorded on one state of the code and compared with another.
 
-``python -m benchmarks.records record FOLDER`` runs the command line of the tree it is started in:
-two full maps, a re-optimised map, a hundred random sizings, the published table, and every command
-with ``--json`` for the shipped aircraft. ``python -m benchmarks.records compare OLD NEW`` holds two
-such folders against each other: maps to the last bit, optima to a relative difference of 1e-6,
-verdicts and exit codes exactly; keys that came or went are listed. For changes that may not change
+``python -m benchmarks.records record FOLDER`` runs the command line of the tree it is started in,
+in two processes: two full maps, a re-optimised map, sweeps, three hundred random sizings,
+reliability, survival, uncertainty, a year of weather, the published table, every command with
+``--json`` and as text for all shipped aircraft, the help of every command, and figures.
+``python -m benchmarks.records compare OLD NEW`` holds two such folders against each other: maps to
+the last bit, optima to a relative difference of 1e-6, verdicts and exit codes exactly, figures by
+their pixels; keys and texts that came, went or differ are listed. For changes that may not change
 a number.
 """
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import math
-import subprocess
+import os
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 
-_PROGRAM = (sys.executable, "-m", "studies.cli")
 _RTOL = 1e-6  # optima are solved to about 1e-8; their ways there may differ in rounding
-_AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
+_MEASURED = ("atlantiksolar-as2", "sky-sailor-2008", "solong")
+_DESIGNS = ("atlantiksolar-design", "sky-sailor")
 _OBJECTIVES = ("max_excess_time", "min_wingspan", "min_mass", "max_payload_mass")
-_IGNORED = ("time_s", "build_time_s", "iterations", "solves", "version", "message")
+_RANGES = ("longest_season", "widest_latitude_band")
+_RANDOM_SIZINGS = 300
+_IGNORED = ("time_s", "build_time_s", "iterations", "solves", "version", "message", "created")
 
 Commands = dict[str, list[str]]
 
@@ -55,33 +61,78 @@ def recorded_commands() -> Commands:
             *("--vary", "battery.specific_energy_wh_per_kg=200:350:25"),
         ],
     }
-    for aircraft in _AIRCRAFT:
-        for model in ("CDM", "CAM", "VM", "FM"):
-            mission = ["-m", "rafz-loiter"] if model in ("VM", "FM") else []
-            if mission and aircraft == "sky-sailor":
-                continue
-            for correction in ("none", "report"):
-                commands[f"analyse-{aircraft}-{model}-{correction}"] = [
-                    *("analyse", aircraft, *mission),
-                    *("--model", model, "--correction", correction),
-                ]
-        commands[f"analyse-{aircraft}-81h"] = ["analyse", aircraft, "-m", "rafz-81h"]
-        commands[f"ceiling-{aircraft}"] = ["ceiling", aircraft]
-        commands[f"compare-{aircraft}"] = ["compare", aircraft, "--models", "CDM,CAM"]
-    commands["analyse-climb"] = [
-        *("analyse", "atlantiksolar-design"),
-        *("--set", "mission.climb={ceiling_m: 2000}"),
-    ]
-    for aircraft in _AIRCRAFT[1:]:
-        for objective in (*_OBJECTIVES, "longest_season"):
-            season = objective == "longest_season"
-            commands[f"size-{aircraft}-{objective}"] = [
-                *("size", aircraft, "-m", "central-europe-summer", "--objective", objective),
-                *("--required-excess-time", "1"),
-                *([] if season else ["--sensitivities", "--cross-check"]),
-            ]
-    commands |= {f"random-{seed:03d}": _random_sizing(seed) for seed in range(100)}
+    for aircraft in (*_MEASURED, *_DESIGNS):
+        commands |= _of_aircraft(aircraft)
+    for aircraft in _DESIGNS:
+        commands |= _of_design(aircraft)
+    commands |= _with_weather_and_chance()
+    commands |= {f"random-{seed:03d}": _random_sizing(seed) for seed in range(_RANDOM_SIZINGS)}
     return commands
+
+
+def _of_aircraft(aircraft: str) -> Commands:
+    """Analyses by all models, ceiling, comparison, season and figures of an aircraft."""
+    commands: Commands = {}
+    for model in ("CDM", "CAM", "VM", "FM"):
+        mission = ["-m", "rafz-loiter"] if model in ("VM", "FM") else []
+        for correction in ("none", "report"):
+            commands[f"analyse-{aircraft}-{model}-{correction}"] = [
+                *("analyse", aircraft, *mission),
+                *("--model", model, "--correction", correction),
+            ]
+    return commands | {
+        f"analyse-{aircraft}-81h": ["analyse", aircraft, "-m", "rafz-81h"],
+        f"analyse-{aircraft}-place": ["analyse", aircraft, "--latitude", "35", "--date", "10-15"],
+        f"analyse-{aircraft}-days": ["analyse", aircraft, "--days", "3"],
+        f"analyse-{aircraft}-climb": [
+            "analyse",
+            aircraft,
+            "--set",
+            "mission.climb={ceiling_m: 2000}",
+        ],
+        f"analyse-{aircraft}-figure.png": ["analyse", aircraft],
+        f"ceiling-{aircraft}": ["ceiling", aircraft],
+        f"compare-{aircraft}": ["compare", aircraft, "--models", "CDM,CAM"],
+        f"compare-{aircraft}-figure.png": ["compare", aircraft, "--models", "CDM,CAM"],
+        f"map-{aircraft}-figure.png": [
+            *("map", aircraft, "--latitudes", "-60:60:20", "--days", "1:365:28"),
+        ],
+        f"show-{aircraft}": ["show", aircraft],
+    }
+
+
+def _of_design(aircraft: str) -> Commands:
+    """Sizings by all objectives, with sensitivities and cross-check."""
+    commands: Commands = {}
+    for objective in (*_OBJECTIVES, *_RANGES):
+        commands[f"size-{aircraft}-{objective}"] = [
+            *("size", aircraft, "-m", "central-europe-summer", "--objective", objective),
+            *("--required-excess-time", "1"),
+            *([] if objective in _RANGES else ["--sensitivities", "--cross-check"]),
+        ]
+    commands[f"size-{aircraft}-infeasible"] = [
+        *("size", aircraft, "-m", "central-europe-summer", "--required-excess-time", "14"),
+    ]
+    return commands
+
+
+def _with_weather_and_chance() -> Commands:
+    """Weather records, uncertainty, sizings that survive both."""
+    design, weather = "atlantiksolar-design", ["--weather", "colorado-2023"]
+    return {
+        "weather-year": ["analyse", "atlantiksolar-as2", *weather],
+        "weather-map": ["map", "atlantiksolar-as2", *weather],
+        "uncertainty": ["uncertainty", design, "-m", "rafz-july"],
+        "uncertainty-figure.png": ["uncertainty", design, "-m", "rafz-july"],
+        "reliability": [
+            *("size", design, "-m", "rafz-july", "--objective", "min_mass"),
+            *("--required-excess-time", "3", "--reliability", "0.9"),
+        ],
+        "survival": [
+            *("size", design, "-m", "central-europe-summer", "--objective", "min_wingspan"),
+            *(*weather, "--survive", "0.8"),
+        ],
+    }
 
 
 def _random_sizing(seed: int) -> list[str]:
@@ -105,7 +156,7 @@ def _random_sizing(seed: int) -> list[str]:
         "modules.efficiency_stc": round(float(rng.uniform(0.17, 0.3)), 4),
         "power.avionics_w": round(float(rng.uniform(1.0, 12.0)), 2),
     }
-    aircraft = str(rng.choice(_AIRCRAFT[1:]))
+    aircraft = str(rng.choice(_DESIGNS))
     arguments = ["size", aircraft, "-m", "central-europe-summer"]
     arguments += ["--objective", str(rng.choice(_OBJECTIVES))]
     arguments += ["--required-excess-time", str(rng.choice([0.0, 1.0, 3.0, 6.0, 10.0]))]
@@ -123,21 +174,52 @@ def main() -> None:
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 def record(folder: Path) -> None:
     """Run every command and keep its answer in FOLDER."""
+    folder = folder.absolute()
     folder.mkdir(parents=True, exist_ok=True)
+    tasks = [(folder, name, arguments) for name, arguments in recorded_commands().items()]
+    with ProcessPoolExecutor(2) as pool:
+        for name, code in pool.map(_keep_answer, tasks, chunksize=4):
+            click.echo(f"{name}: exit code {code}")
+    _keep_help(folder)
 
-    def run(item: tuple[str, list[str]]) -> None:
-        name, arguments = item
-        written = ["--out", str(folder / name)] if name.endswith(".nc") else []
-        done = subprocess.run(
-            [*_PROGRAM, *arguments, "--json", *written], capture_output=True, text=True, check=False
-        )
-        answer = {"arguments": arguments, "exit_code": done.returncode, "errors": done.stderr}
-        answer["result"] = json.loads(done.stdout) if done.stdout else None
-        (folder / f"{name}.json").write_text(json.dumps(answer, indent=1), encoding="utf-8")
-        click.echo(f"{name}: exit code {done.returncode}")
 
-    with ThreadPoolExecutor(2) as pool:
-        list(pool.map(run, recorded_commands().items()))
+def _keep_answer(task: tuple[Path, str, list[str]]) -> tuple[str, int]:
+    """Run a command as text and with ``--json``, and keep both with its file, if it writes one."""
+    folder, name, arguments = task
+    option = {".nc": "--out", ".png": "--plot"}.get(Path(name).suffix)
+    written = [] if option is None else [option, str(folder / name)]
+    code, out, errors = _run([*arguments, *written])
+    answer = {"arguments": arguments, "exit_code": code, "text": out, "errors": errors}
+    answer["result"] = None
+    if arguments[0] != "show" and option != "--plot":
+        _, out, _ = _run([*arguments, "--json"])
+        answer["result"] = json.loads(out) if out else None
+    (folder / f"{name}.json").write_text(json.dumps(answer, indent=1), encoding="utf-8")
+    return name, code
+
+
+def _run(arguments: list[str]) -> tuple[int, str, str]:
+    """Exit code and both outputs of the command, run in this process at 80 columns."""
+    from studies.cli import __main__ as command
+
+    os.environ["COLUMNS"] = "80"
+    out, errors = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
+        try:
+            code = command.cli.main(arguments, prog_name="solar-uav", standalone_mode=False) or 0
+        except SystemExit as end:
+            code = int(end.code or 0)
+        except Exception as error:
+            code, _ = 99, errors.write(f"{type(error).__name__}: {error}")
+    return code, out.getvalue(), errors.getvalue()
+
+
+def _keep_help(folder: Path) -> None:
+    from studies.cli.__main__ import cli
+
+    names = cli.list_commands(click.Context(cli))
+    texts = {name: _run([name, "--help"])[1] for name in names}
+    (folder / "help.json").write_text(json.dumps(texts, indent=1), encoding="utf-8")
 
 
 @main.command()
@@ -145,20 +227,26 @@ def record(folder: Path) -> None:
 @click.argument("new", type=click.Path(exists=True, file_okay=False, path_type=Path))
 def compare(old: Path, new: Path) -> None:
     """Print every difference between two records; exit code 1 if a number or a verdict differs."""
-    differences = [*_map_differences(old, new)]
+    differences = [*_map_differences(old, new), *_figure_differences(old, new)]
     keys: set[str] = set()
+    texts: list[str] = []
     for path in sorted(old.glob("*.json")):
         before, after = (json.loads((folder / path.name).read_text()) for folder in (old, new))
         for place, text, is_key in _json_differences(before, after, ""):
             if is_key:
                 keys.add(f"{path.stem.split('-')[0]}: {text}")
-            elif not place.startswith((".arguments", ".errors")):
+            elif place.startswith((".text", ".errors")) or path.stem == "help":
+                texts.append(f"{path.stem}{place}")
+            elif not place.startswith(".arguments"):
                 differences.append(f"{path.stem}{place}: {text}")
     for line in sorted(keys):
         click.echo(f"key {line}")
-    for line in differences:
+    for line in (*(f"text {name} differs" for name in texts), *differences):
         click.echo(line)
-    click.echo(f"{len(differences)} differences in values, {len(keys)} in keys")
+    click.echo(
+        f"{len(differences)} differences in values and figures, {len(keys)} in keys, "
+        f"{len(texts)} in texts"
+    )
     sys.exit(1 if differences else 0)
 
 
@@ -177,6 +265,15 @@ def _map_differences(old: Path, new: Path) -> Iterator[str]:
                     continue
                 at_most = np.nanmax(np.abs(one - two)) if numeric else "not numbers"
                 yield f"{path.name}: {name} differs in {np.sum(one != two)} cells, by {at_most}"
+
+
+def _figure_differences(old: Path, new: Path) -> Iterator[str]:
+    from matplotlib.image import imread
+
+    for path in sorted(old.glob("*.png")):
+        one, two = imread(path), imread(new / path.name)
+        if one.shape != two.shape or not np.array_equal(one, two):
+            yield f"{path.name}: the figures differ"
 
 
 def _json_differences(old: Any, new: Any, place: str) -> Iterator[tuple[str, str, bool]]:
