@@ -53,8 +53,15 @@ def aircraft() -> list[Aircraft]:
         "battery.resistance={loss_at_1c: 0.05, discharge_rate_per_h: 0.1, charge_rate_per_h: 0.2}",
         "battery.ageing={}",
     ]
-    names = ("atlantiksolar-design", "sky-sailor")
-    return [load_aircraft(name, [bound, *battery]) for name in names]
+    stiffness = [
+        "airframe.structure.maximum_tip_deflection=0.1",
+        "airframe.structure.maximum_tip_slope_deg=10.0",
+        "airframe.structure.maximum_landing_deflection=0.1",
+    ]
+    return [
+        load_aircraft("atlantiksolar-design", [bound, *battery, *stiffness]),
+        load_aircraft("sky-sailor", [bound, *battery]),
+    ]
 
 
 @pytest.mark.parametrize("one", catalogue().values(), ids=lambda one: one.key)

@@ -93,6 +93,7 @@ def test_verdicts_do_not_depend_on_the_objective() -> None:
     # Next to the edge the least missed requirements have a local minimum in which much is missing.
     plane = aircraft(
         "airframe.wingspan_m=33",
+        "airframe.structure.calibration=1.15",
         "design_space.wingspan_m={minimum: 32.995, maximum: 33.028}",
         "design_space.aspect_ratio={minimum: 8, maximum: 40}",
         "design_space.battery_mass_kg={minimum: 0.1, maximum: 1500}",
