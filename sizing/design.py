@@ -386,15 +386,12 @@ def _structure_remarks(
     """What the criteria of the structure do not cover, and a key whose sense has changed."""
     tail = aircraft.modules.tail
     excluded = {
-        "a T-tail": tail is not None and tail.is_t_tail,
-        "its battery along the wing": inputs.wing_battery_kg > 0.0,
+        "T-tails": tail is not None and tail.is_t_tail,
+        "masses along the wing": inputs.wing_battery_kg > 0.0,
     }
     found = [name for name, has in excluded.items() if has]
     if model.torsion is not None and found:
-        yield (
-            "the flutter criterion (CAA Report 45, FAR 23.629) excludes T-tails and large masses "
-            f"along the wing; this aircraft has {' and '.join(found)}: it is a guide, no proof"
-        )
+        yield f"flutter: CAA Report 45 excludes {' and '.join(found)}, as here"
     told = "deflection_load_case" in model.model_fields_set
     if model.maximum_tip_deflection is not None and not told:
         yield (

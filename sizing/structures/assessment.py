@@ -120,15 +120,23 @@ class StructureAssessment:
         """What sizes the structure, and under which load, in a line."""
         caps, web = next(iter(self.spar_caps)), next(iter(self.spar_web))
         case = "" if caps in _WITHOUT_CASE else f" in {self.spar_caps_case}"
+        up, down = f"{self.limit_load_factor:.1f}", f"{-self.negative_limit_load_factor:.1f} g"
+        if self.load_case != self.negative_load_case:
+            up += f" g ({self.load_case})"
+        level, limit, landing = (
+            f"{100.0 * deflection:.1f} %"
+            for deflection in (
+                self.tip_deflection_1g,
+                self.tip_deflection_limit,
+                -self.tip_deflection_landing,
+            )
+        )
         return (
             f"structure: spar caps sized by {_LABELS[caps]}{case} "
-            f"({100.0 * self.spar_caps[caps]:.0f} % of their mass), webs by {_LABELS[web]}, nose "
-            f"by {_LABELS[self.nose]}; limit loads {self.limit_load_factor:.1f} g from a "
-            f"{self.load_case}, {-self.negative_limit_load_factor:.1f} g from a "
-            f"{self.negative_load_case}, {self.landing_load_factor:.1f} g in landing; tip "
-            f"deflection {100.0 * self.tip_deflection_1g:.1f} % of the half-span at 1 g, "
-            f"{100.0 * self.tip_deflection_limit:.1f} % at the limit load, "
-            f"{100.0 * self.tip_deflection_landing:.1f} % downwards in landing"
+            f"({100.0 * self.spar_caps[caps]:.0f} %), webs by {_LABELS[web]}, nose by "
+            f"{_LABELS[self.nose]}; limit loads {up} and {down} ({self.negative_load_case}), "
+            f"landing {self.landing_load_factor:.1f} g; tip deflection {level} of the half-span "
+            f"at 1 g, {limit} at the limit load, {landing} in landing"
         )
 
 
