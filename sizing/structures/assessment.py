@@ -135,8 +135,8 @@ class StructureAssessment:
             f"structure: spar caps sized by {_LABELS[caps]}{case} "
             f"({100.0 * self.spar_caps[caps]:.0f} %), webs by {_LABELS[web]}, nose by "
             f"{_LABELS[self.nose]}; limit loads {up} and {down} ({self.negative_load_case}), "
-            f"landing {self.landing_load_factor:.1f} g; tip deflection {level} of the half-span "
-            f"at 1 g, {limit} at the limit load, {landing} in landing"
+            f"landing {self.landing_load_factor:.1f} g; tip deflection {level} at 1 g, {limit} at "
+            f"the limit load, {landing} in landing"
         )
 
 
