@@ -34,7 +34,9 @@ def extrapolation_caption(found: Sequence[Extrapolation]) -> str:
     """Line of a figure's caption; empty where nothing is outside."""
     if not found:
         return ""
-    names = dict.fromkeys(one.label for one in found)
+    names = dict.fromkeys(
+        f"{one.holder} ({one.worth})" if one.worth else one.label for one in found
+    )
     return f"outside model range: {', '.join(names)}"
 
 

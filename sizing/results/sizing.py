@@ -37,9 +37,10 @@ from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, Summary
 from sizing.sunlight import SolarModel, solar_day
 from sizing.survival.result import Survival
-from sizing.validity.checks import stall_margin_within_polar
+from sizing.validity.checks import record_check, stall_margin_within_polar
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations
+from sizing.validity.told import extrapolations, told
+from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from solar.versions import software_record
 
@@ -167,7 +168,12 @@ class SizingStudy(Result):
         result, found = self.result, self.result.simulated
         if found is None and all(one.requirement == "excess_time" for one in result.violations):
             found = result.nearest
-        return () if found is None else extrapolations(self.aircraft, found)
+        if found is None:
+            return ()
+        notes = extrapolations(self.aircraft, found)
+        if self.survival is not None:
+            notes += told([record_check(self.mission, self.survival.weather.site.altitude_m)])
+        return with_worth(notes, self.aircraft, lambda: found)
 
     def headline(self) -> str:
         """Aircraft, mission, verdict and objective in one line."""

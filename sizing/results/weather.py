@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +30,7 @@ from sizing.validity.checks import (
     charge_rate_check,
     correction_check,
     design_checks,
-    path_check,
+    record_check,
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 # Windows whose waiting times are told [d].
 WINDOWS_DAYS = (1, 2, 3, 5, 7)
 PERCENTILES = (10, 50, 90)
+# Quantities that have the air of each day.
+_OF_DAYS = ("pack_temperature_c", "air_temperature_c")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -91,22 +93,33 @@ class WeatherAnalysis(Result):
         aircraft, mission, design = self.aircraft, done.mission, done.design
         always = [
             check
-            for check in design_checks(aircraft, mission, design)
-            if check.range.quantity != "pack_temperature_c"
+            for check in design_checks(aircraft, mission, design, done.solar)
+            if check.range.quantity not in _OF_DAYS
         ]
-        always += path_check(mission, done.solar, design)
         peak_w = np.max(done.recorded.solar_power_w, axis=1)
         days = Scenarios(np.full(len(axis), mission.latitudes()[0]), axis.day_of_year)
         of_days = [
             *(
                 check
                 for check in battery_checks(aircraft.battery, done.air_of_days_c)
-                if check.range.quantity == "pack_temperature_c"
+                if check.range.quantity in _OF_DAYS
             ),
             *correction_check(days, done.solar, mission),
             *charge_rate_check(aircraft, mission, design, peak_w),
         ]
-        return worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
+        record = told([record_check(mission, self.weather.site.altitude_m)])
+        return worst_of(
+            [
+                *told(always),
+                *told(of_days, of=len(axis), what="days"),
+                *(replace(one, worth=self._of_clouds()) for one in record),
+            ]
+        )
+
+    def _of_clouds(self) -> str:
+        """What the record's clouds leave of the light where it is flown."""
+        share = 100.0 * self.share_of_clear_light()
+        return f"flown through are its clouds and its air: {share:.0f} % of the clear sky's light"
 
     def headline(self) -> str:
         """Aircraft, site and days that close in one line."""
