@@ -99,7 +99,7 @@ class Analysis(Result):
         return with_worth(found, self.aircraft, self._level_flight, of_what=self._of_level_flight)
 
     def _level_flight(self) -> Performance | None:
-        """Day repeated at one altitude, the highest one of climbs; None where it cannot be flown."""
+        """Day repeated at one altitude, of climbs the highest; None where none can be flown."""
         if self.climb is None and self.days is None:
             return self.performance
         mission = self.mission

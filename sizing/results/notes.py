@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from sizing.aircraft import Aircraft
+from sizing.results.records import hours
 from sizing.results.tables import Line
 from sizing.validity.ranges import Extrapolation
 
@@ -35,7 +36,10 @@ def extrapolation_caption(found: Sequence[Extrapolation]) -> str:
     if not found:
         return ""
     names = dict.fromkeys(
-        f"{one.holder} ({one.worth})" if one.worth else one.label for one in found
+        one.label
+        if one.excess_time_h is None
+        else f"{one.holder} (without it excess time {hours(one.excess_time_h)})"
+        for one in found
     )
     return f"outside model range: {', '.join(names)}"
 

@@ -13,6 +13,7 @@ from missions.mission import Mission, Scenarios
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
+from sizing.energy.battery_condition import BatteryTemperature
 from sizing.results.battery import battery_line_of_days, battery_record_of_days
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import check_subjects, clock_label, finite, hours
@@ -50,6 +51,8 @@ WINDOWS_DAYS = (1, 2, 3, 5, 7)
 PERCENTILES = (10, 50, 90)
 # Quantities that have the air of each day.
 _OF_DAYS = ("pack_temperature_c", "air_temperature_c")
+# Quantities of what is assumed high up.
+_ASSUMED = ("height_above_record_m", "altitude_m", "air_temperature_c")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -107,19 +110,41 @@ class WeatherAnalysis(Result):
             *correction_check(days, done.solar, mission),
             *charge_rate_check(aircraft, mission, design, peak_w),
         ]
-        record = told([record_check(mission, self.weather.site.altitude_m)])
-        return worst_of(
-            [
-                *told(always),
-                *told(of_days, of=len(axis), what="days"),
-                *(replace(one, worth=self._of_clouds()) for one in record),
-            ]
+        always.append(record_check(mission, self.weather.site.altitude_m))
+        found = worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
+        worths = {
+            "weather_record": self._worth_of_record,
+            "module_temperature": self._worth_of_cold_modules,
+            "battery": self._worth_of_warm_battery,
+        }
+        return tuple(
+            replace(one, worth=worths[one.model]())
+            if one.quantity in _ASSUMED and one.model in worths
+            else one
+            for one in found
         )
 
-    def _of_clouds(self) -> str:
+    def _worth_of_record(self) -> str:
         """What the record's clouds leave of the light where it is flown."""
         share = 100.0 * self.share_of_clear_light()
         return f"flown through are its clouds and its air: {share:.0f} % of the clear sky's light"
+
+    def _worth_of_cold_modules(self) -> str:
+        """Energy of the record beside that of modules at 25 C."""
+        done = self.performance
+        power_w, modules = done.recorded.solar_power_w, self.aircraft.modules
+        rated_w = power_w / modules.temperature_efficiency(done.module_temperature_c)
+        percent = 100.0 * (float(np.sum(power_w)) / max(float(np.sum(rated_w)), 1e-9) - 1.0)
+        return f"{percent:+.0f} % of solar energy beside modules at 25 C"
+
+    def _worth_of_warm_battery(self) -> str:
+        """Days that close with a battery as cold as the air."""
+        done = self.performance
+        battery = self.aircraft.battery.model_copy(update={"temperature": BatteryTemperature()})
+        cold = self.aircraft.model_copy(update={"battery": battery})
+        flown = weather_performance(cold, done.mission, self.weather, done.solar)
+        closes, before = (int(one.recorded.closes.sum()) for one in (flown, done))
+        return f"unheated {closes} instead of {before} days close"
 
     def headline(self) -> str:
         """Aircraft, site and days that close in one line."""

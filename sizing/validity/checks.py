@@ -122,9 +122,7 @@ def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
         yield Check.of("aged_capacity_fraction", "battery", left)
 
 
-def altitude_checks(
-    mission: Mission, solar: SolarModel, altitude_m: ArrayLike
-) -> Iterator[Check]:
+def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) -> Iterator[Check]:
     """Altitude beside the ranges of sky, solar power and module temperature.
 
     Parameters

@@ -75,10 +75,10 @@ def _with_modules_at_25_c(aircraft: Aircraft, perf: Performance) -> tuple[Perfor
     cold_wh, warm_wh = (float(one.cycle.energy_budget.solar_wh[0]) for one in (perf, warm))
     at = f"at {STC_TEMPERATURE_C:.0f} C"
     if warm_wh <= 0.0:
-        return warm, at
+        return warm, f"{at},"
     percent = 100.0 * (cold_wh / warm_wh - 1.0)
     more = f"{abs(percent):.0f} % {'more' if percent >= 0.0 else 'less'} solar energy"
-    return warm, f"at {perf.mission.module_temperature_c():.0f} C {more} than {at}; {at}"
+    return warm, f"at {perf.mission.module_temperature_c():.3g} C {more} than {at}, where"
 
 
 def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
@@ -87,7 +87,7 @@ def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Pe
     left = float(BatteryTemperature().capacity_fraction(air_c))
     design = perf.design._replace(battery_energy_wh=perf.design.battery_energy_wh * left)
     cold = performance(aircraft, perf.mission, perf.solar, day=perf.day, design=design)
-    return cold, f"unheated at {air_c:.0f} C, {100.0 * left:.0f} % of its capacity:"
+    return cold, f"unheated at {air_c:.3g} C, with {100.0 * left:.0f} % of its capacity,"
 
 
 _WITHOUT = {_MODULES: _with_modules_at_25_c, _BATTERY: _with_an_unheated_battery}
@@ -100,12 +100,12 @@ def _told(
     other, words = without
     before_h, after_h = (float(flight.cycle.excess_time_h[0]) for flight in (once, other))
     before, after = map(_hours, (before_h, after_h))
-    change = f"stays {before}" if before == after else f"{after} instead of {before}"
-    what = f"excess time {of_what} " if of_what else "excess time "
+    change = f"stays {before}" if before == after else f"is {after} instead of {before}"
+    what = f"the excess time {of_what}".rstrip()
     place = once.day.scenarios.label(0)
     return replace(
         one,
-        worth=f"{words} {what}{change} at {place}",
+        worth=f"{words} {what} {change} at {place}",
         excess_time_h=after_h if np.isfinite(after_h) else None,
     )
 

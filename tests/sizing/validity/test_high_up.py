@@ -52,9 +52,9 @@ def test_the_worth_of_cold_modules_is_the_flight_with_modules_at_25_c() -> None:
     assert one.excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-9)
     # Linear in the temperature: 0.3 % a kelvin.
     more = DESIGN.modules.temperature_coefficient_per_k * (25.0 - AIR_C)
-    assert f"; at -50 C {100 * more:.0f} % more solar energy than at 25 C" in one.text
+    assert f"; at -49.9 C {100 * more:.0f} % more solar energy than at 25 C" in one.text
     before = analyse(DESIGN, HIGH).excess_time_h
-    assert f"excess time {warm.excess_time_h:.2f} h instead of {before:.2f} h" in one.text
+    assert f"excess time is {warm.excess_time_h:.2f} h instead of {before:.2f} h" in one.text
 
 
 HIGH_WITH_WARM_MODULES = {
@@ -74,7 +74,7 @@ def test_the_worth_of_a_warm_battery_is_the_flight_with_an_unheated_one(
     unheated = analyse(cold, HIGH).excess_time_h
     assert unheated < 0.0 < result.excess_time_h
     assert one.excess_time_h == pytest.approx(unheated, abs=1e-9)
-    assert f"excess time {unheated:.2f} h instead of {result.excess_time_h:.2f} h" in one.text
+    assert f"excess time is {unheated:.2f} h instead of {result.excess_time_h:.2f} h" in one.text
 
 
 def test_days_in_a_row_and_climbs_say_what_their_worth_is_of() -> None:
@@ -188,9 +188,12 @@ def test_a_map_of_sizings_tells_the_worth_of_its_lightest_design() -> None:
 
 
 def test_captions_say_what_is_assumed_and_its_worth() -> None:
-    caption = extrapolation_caption(analyse(DESIGN, HIGH).extrapolations)
-    assert "module temperature of the air (at -50 C 22 % more solar energy than at 25 C" in caption
-    assert "battery without temperature (" in caption
+    found = analyse(DESIGN, HIGH).extrapolations
+    caption = extrapolation_caption(found)
+    for key, what in ((MODULES, "module temperature of the air"), (BATTERY, "battery without")):
+        hours = f"{notes(found)[key].excess_time_h:.2f} h"
+        assert what in caption
+        assert f"(without it excess time {hours})" in caption
 
 
 def test_records_keep_the_worth_and_those_from_before_it_are_read() -> None:
@@ -217,7 +220,17 @@ def test_a_record_far_below_the_flight_is_told(height_m: float, is_told: bool) -
 
 
 def test_a_record_tells_the_cold_of_its_days() -> None:
-    record = clear_record(3, first="2001-07-14", temperature_c=np.full(72, -30.0))
-    where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + 100.0)
-    (one,) = notes(sizing.analyse_weather(AS2, where, record)).values()
-    assert (one.quantity, one.what) == ("air_temperature_c", "days")
+    cold = np.full(40 * 24, -30.0)
+    record = clear_record(40, first="2001-07-14", share=0.75, temperature_c=cold)
+    where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + 3000.0)
+    result = sizing.analyse_weather(AS2, where, record)
+    found = notes(result)
+    assert set(found) == {MODULES, BATTERY, RECORD}
+    assert (found[BATTERY].what, found[BATTERY].count) == ("days", 40)
+    # 3000 m at 6.5 K/km above the record's -30 C, at 0.3 % a kelvin below 25 C.
+    assert f"+{0.3 * (25.0 + 30.0 + 19.5):.0f} % of solar energy" in found[MODULES].text
+    unheated = shipped_aircraft(AS2.name, "battery.temperature={}")
+    closes = sizing.analyse_weather(unheated, where, record).to_dict()["days_that_close"]
+    before = result.to_dict()["days_that_close"]
+    assert closes < before
+    assert f"unheated {closes} instead of {before} days close" in found[BATTERY].text
