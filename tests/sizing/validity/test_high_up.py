@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, mission
 from builders import aircraft as shipped_aircraft
+from command_line import Run
 from weather_files import clear_record
 
 import sizing
@@ -203,6 +205,47 @@ def test_records_keep_the_worth_and_those_from_before_it_are_read() -> None:
         old = {key: value for key, value in record.items() if not key.startswith(("worth", "exc"))}
         plain = dataclasses.replace(one, worth="", excess_time_h=None)
         assert Extrapolation.from_dict(old) == plain
+
+
+# ---- Commands
+
+AT_10_KM = ("mission.altitude_m=10000", "mission.dates={on: 06-21}", "mission.air={}")
+SMALL_MAP = ("--latitudes", "45:50:5", "--days", "172:172:1")
+COMMANDS = {
+    "analyse": ("analyse",),
+    "size": ("size", "-m", "rafz-july", "--objective", "max_excess_time"),
+    "map": ("map", *SMALL_MAP),
+    "map of designs": ("map", "--resize", "min_mass", *SMALL_MAP),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_tell_the_worth_high_up_and_nothing_near_the_ground(
+    command: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    verb, *options = COMMANDS[command]
+    call = (verb, "atlantiksolar-design", *options)
+    high = tuple(word for value in AT_10_KM for word in ("--set", value))
+    record = run(*call, *high, "--json").json()
+    told = {(one["quantity"], one["model"]): one for one in record["extrapolations"]}
+    assert {MODULES, BATTERY, ERROR} <= set(told)
+    printed = run(*call, *high).out
+    for key in (MODULES, BATTERY):
+        assert isinstance(told[key]["excess_time_h"], float)
+        assert told[key]["text"] in printed
+    low = run(*call, "--set", "mission.altitude_m=500", "--json").json()["extrapolations"]
+    assert not HIGH_UP & {(one["quantity"], one["model"]) for one in low}
+
+
+def test_a_report_tells_the_worth(run: Run, tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    high = tuple(word for value in AT_10_KM for word in ("--set", value))
+    run("report", "atlantiksolar-design", *high, "--no-uncertainty", "--out", str(page))
+    text = page.read_text(encoding="utf-8")
+    assert "unheated at -49.9 C, with 60 % of its capacity, the excess time is" in text
+    assert "at -49.9 C 22 % more solar energy than at 25 C" in text
+    assert "error of the solar power model from one morning at 0.5 km" in text
 
 
 # ---- Weather records
