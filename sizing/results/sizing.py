@@ -172,7 +172,8 @@ class SizingStudy(Result):
             return ()
         notes = extrapolations(self.aircraft, found)
         if self.survival is not None:
-            notes += told([record_check(self.mission, self.survival.weather.site.altitude_m)])
+            site = self.survival.weather.site
+            notes += told([record_check(self.survival.mission, site.altitude_m)])
         return with_worth(notes, self.aircraft, lambda: found)
 
     def headline(self) -> str:
