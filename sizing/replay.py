@@ -19,7 +19,6 @@ from sizing.validity.checks import (
     charge_rate_check,
     correction_check,
     design_checks,
-    path_check,
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told
@@ -145,8 +144,7 @@ def _extrapolations(
     days = (np.unique(np.floor(day_of_year).astype(int)) - 1) % dates.DAYS_PER_YEAR + 1
     scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), days)
     checks = [
-        *design_checks(aircraft, mission, design),
-        *path_check(mission, solar, design),
+        *design_checks(aircraft, mission, design, solar),
         *correction_check(scenarios, solar, mission),
         *charge_rate_check(aircraft, mission, design, np.max(solar_power_w)),
     ]

@@ -279,6 +279,12 @@ class WeatherPerformance:
         ambient, _ = _temperatures_c(self.mission, self.light)
         return np.asarray(np.mean(ambient[self.recorded.axis.nodes], axis=1))
 
+    @property
+    def module_temperature_c(self) -> FloatArray:
+        """Temperature of the modules at the nodes of each day [C]; FM has its own."""
+        _, module = _temperatures_c(self.mission, self.light)
+        return np.asarray(module[self.recorded.axis.nodes])
+
 
 def weather_performance(
     aircraft: Aircraft,

@@ -212,7 +212,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         canvas=figure,
         title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
         notes=(caption(result.solar), outside_ranges(result.extrapolations)),
-        size_in=(9.0, 4.8),
+        size_in=(9.0, 5.2),
         sharey=True,
     )
     excess, power, energy = panels

@@ -12,7 +12,7 @@ from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
-from sizing.design import design_of, structure_assessment
+from sizing.design import ImpossibleDesignError, design_of, structure_assessment
 from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
@@ -25,6 +25,7 @@ from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, worst_of
+from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from solar.versions import software_record
@@ -95,7 +96,28 @@ class Analysis(Result):
         climbs = self.climb
         highest_m = None if climbs is None else climbs.climb.maximum_altitude_m
         found = extrapolations(self.aircraft, self.performance, highest_altitude_m=highest_m)
-        return worst_of([*found, *(() if self.flight is None else self.flight.extrapolations)])
+        found = worst_of([*found, *(() if self.flight is None else self.flight.extrapolations)])
+        return with_worth(found, self.aircraft, self._level_flight, of_what=self._of_level_flight)
+
+    def _level_flight(self) -> Performance | None:
+        """Day repeated at one altitude, of climbs the highest; None where none can be flown."""
+        if self.climb is None and self.days is None:
+            return self.performance
+        mission = self.mission
+        if self.climb is not None:
+            mission = mission.at_altitude(float(np.max(self.climb.climb.maximum_altitude_m)))
+        try:
+            return performance(self.aircraft, mission, self.performance.solar)
+        except ImpossibleDesignError:
+            return None
+
+    @property
+    def _of_level_flight(self) -> str:
+        """Which excess time that day has, where it is not the analysis' own."""
+        if self.climb is not None:
+            highest_m = float(np.max(self.climb.climb.maximum_altitude_m))
+            return f"in level flight at {highest_m:.0f} m"
+        return "" if self.days is None else "of the repeated day"
 
     @cached_property
     def structure(self) -> StructureAssessment | None:

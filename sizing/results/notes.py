@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sizing.aircraft import Aircraft
+from sizing.results.records import hours
 from sizing.results.tables import Line, Table, facts
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.ranges import Extrapolation
@@ -35,7 +36,12 @@ def extrapolation_caption(found: Sequence[Extrapolation]) -> str:
     """Line of a figure's caption; empty where nothing is outside."""
     if not found:
         return ""
-    names = dict.fromkeys(one.label for one in found)
+    names = dict.fromkeys(
+        one.label
+        if one.excess_time_h is None
+        else f"{one.holder} (without it excess time {hours(one.excess_time_h)})"
+        for one in found
+    )
     return f"outside model range: {', '.join(names)}"
 
 

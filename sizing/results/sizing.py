@@ -44,9 +44,10 @@ from sizing.results.tables import Result, Summary
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
 from sizing.survival.result import Survival
-from sizing.validity.checks import stall_margin_within_polar
+from sizing.validity.checks import record_check, stall_margin_within_polar
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations
+from sizing.validity.told import extrapolations, told
+from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from solar.versions import software_record
 
@@ -192,7 +193,13 @@ class SizingStudy(Result):
         result, found = self.result, self.result.simulated
         if found is None and all(one.requirement == "excess_time" for one in result.violations):
             found = result.nearest
-        return () if found is None else extrapolations(self.aircraft, found)
+        if found is None:
+            return ()
+        notes = extrapolations(self.aircraft, found)
+        if self.survival is not None:
+            site = self.survival.weather.site
+            notes += told([record_check(self.survival.mission, site.altitude_m)])
+        return with_worth(notes, self.aircraft, lambda: found)
 
     def headline(self) -> str:
         """Aircraft, mission, verdict and objective in one line."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from missions.mission import Mission, Scenarios
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
+from sizing.energy.battery_condition import BatteryTemperature
 from sizing.results.battery import battery_line_of_days, battery_record_of_days
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import check_subjects, clock_label, finite, hours
@@ -30,7 +31,7 @@ from sizing.validity.checks import (
     charge_rate_check,
     correction_check,
     design_checks,
-    path_check,
+    record_check,
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
@@ -48,6 +49,10 @@ if TYPE_CHECKING:
 # Windows whose waiting times are told [d].
 WINDOWS_DAYS = (1, 2, 3, 5, 7)
 PERCENTILES = (10, 50, 90)
+# Quantities that have the air of each day.
+_OF_DAYS = ("pack_temperature_c", "air_temperature_c")
+# Quantities of what is assumed high up.
+_ASSUMED = ("height_above_record_m", "altitude_m", "air_temperature_c")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -91,22 +96,55 @@ class WeatherAnalysis(Result):
         aircraft, mission, design = self.aircraft, done.mission, done.design
         always = [
             check
-            for check in design_checks(aircraft, mission, design)
-            if check.range.quantity != "pack_temperature_c"
+            for check in design_checks(aircraft, mission, design, done.solar)
+            if check.range.quantity not in _OF_DAYS
         ]
-        always += path_check(mission, done.solar, design)
         peak_w = np.max(done.recorded.solar_power_w, axis=1)
         days = Scenarios(np.full(len(axis), mission.latitudes()[0]), axis.day_of_year)
         of_days = [
             *(
                 check
                 for check in battery_checks(aircraft.battery, done.air_of_days_c)
-                if check.range.quantity == "pack_temperature_c"
+                if check.range.quantity in _OF_DAYS
             ),
             *correction_check(days, done.solar, mission),
             *charge_rate_check(aircraft, mission, design, peak_w),
         ]
-        return worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
+        always.append(record_check(mission, self.weather.site.altitude_m))
+        found = worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
+        worths = {
+            "weather_record": self._worth_of_record,
+            "module_temperature": self._worth_of_cold_modules,
+            "battery": self._worth_of_warm_battery,
+        }
+        return tuple(
+            replace(one, worth=worths[one.model]())
+            if one.quantity in _ASSUMED and one.model in worths
+            else one
+            for one in found
+        )
+
+    def _worth_of_record(self) -> str:
+        """What the record's clouds leave of the light where it is flown."""
+        share = 100.0 * self.share_of_clear_light()
+        return f"flown through are its clouds and its air: {share:.0f} % of the clear sky's light"
+
+    def _worth_of_cold_modules(self) -> str:
+        """Energy of the record beside that of modules at 25 C."""
+        done = self.performance
+        power_w, modules = done.recorded.solar_power_w, self.aircraft.modules
+        rated_w = power_w / modules.temperature_efficiency(done.module_temperature_c)
+        percent = 100.0 * (float(np.sum(power_w)) / max(float(np.sum(rated_w)), 1e-9) - 1.0)
+        return f"{percent:+.0f} % of solar energy beside modules at 25 C"
+
+    def _worth_of_warm_battery(self) -> str:
+        """Days that close with a battery as cold as the air."""
+        done = self.performance
+        battery = self.aircraft.battery.model_copy(update={"temperature": BatteryTemperature()})
+        cold = self.aircraft.model_copy(update={"battery": battery})
+        flown = weather_performance(cold, done.mission, self.weather, done.solar)
+        closes, before = (int(one.recorded.closes.sum()) for one in (flown, done))
+        return f"unheated {closes} instead of {before} days close"
 
     def headline(self) -> str:
         """Aircraft, site and days that close in one line."""

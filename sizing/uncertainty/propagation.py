@@ -33,7 +33,6 @@ from sizing.validity.checks import (
     charge_rate_check,
     correction_check,
     design_checks,
-    path_check,
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
@@ -178,8 +177,7 @@ class Propagation:
         case = self._case(values)
         craft, mission, design = case.craft, case.mission, case.design
         checks = [
-            *design_checks(craft, mission, design),
-            *path_check(mission, self.solar, design),
+            *design_checks(craft, mission, design, self.solar),
             *charge_rate_check(craft, mission, design, flights.peak_solar_w),
         ]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)

@@ -30,7 +30,9 @@ _RATIO_OF_SPECIFIC_HEATS = 1.4
 _AIRSPEED_TOLERANCE = 0.05
 
 
-def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Iterator[Check]:
+def design_checks(
+    aircraft: Aircraft, mission: Mission, design: Design, solar: SolarModel
+) -> Iterator[Check]:
     """Quantities of a design in flight, whatever the scenario.
 
     Parameters
@@ -39,6 +41,8 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
         Technology of the design; altitude, wind and payload.
     design : Design
         Closed design of floats, or of arrays.
+    solar : SolarModel
+        Model and correction.
 
     Yields
     ------
@@ -51,7 +55,8 @@ def design_checks(aircraft: Aircraft, mission: Mission, design: Design) -> Itera
     yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
     yield from technology_checks(aircraft)
     yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
-    yield from altitude_check(mission, mission.altitude_m)
+    yield from altitude_checks(mission, solar, mission.altitude_m)
+    yield from _path_check(mission, solar, design)
     if design.airspeed_m_per_s is not None:
         ends = (mission.wind_m_per_s, None)
         yield Check.of("airspeed_m_per_s", "wind", design.airspeed_m_per_s, ends)
@@ -105,9 +110,11 @@ def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
     Yields
     ------
     Check
-        Nothing for a battery without temperature and age.
+        Of a battery without a temperature that of the air; nothing for one without age.
     """
-    if battery.temperature is not None:
+    if battery.temperature is None:
+        yield Check.of("air_temperature_c", "battery", air_c)
+    else:
         pack_c = battery.temperature.pack_c(air_c)
         yield Check.of("pack_temperature_c", "battery", pack_c)
     if battery.ageing is not None:
@@ -115,27 +122,57 @@ def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
         yield Check.of("aged_capacity_fraction", "battery", left)
 
 
-def altitude_check(mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Altitude beside the range of the clear sky.
+def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) -> Iterator[Check]:
+    """Altitude beside the ranges of sky, solar power and module temperature.
 
     Parameters
     ----------
     mission : Mission
-        Whose clear sky it is.
+        Whose clear sky and modules they are.
+    solar : SolarModel
+        Model and correction.
     altitude_m : array_like
         Altitude above mean sea level [m].
 
     Yields
     ------
     Check
-        Nothing for a sky of the user's own, whose range is not known.
+        Nothing of a sky of the user's own, whose range is not known.
     """
-    if mission.clear_sky != "ashrae":
-        return
     altitude = np.asarray(altitude_m, float)
-    thin = altitude >= THIN_AIR_FROM_M
-    yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
-    yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
+    yield Check.of("altitude_m", "model_error", altitude)
+    if _uses_reported_errors(mission, solar):
+        yield Check.of("altitude_m", "correction", altitude)
+    if _modules_as_cold_as_air(mission, solar):
+        yield Check.of("altitude_m", "module_temperature", altitude)
+    if mission.clear_sky == "ashrae":
+        thin = altitude >= THIN_AIR_FROM_M
+        yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
+        yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
+
+
+def _modules_as_cold_as_air(mission: Mission, solar: SolarModel) -> bool:
+    """Whether nothing warms the modules: FM does, and ``loiter`` leads to the energy of FM."""
+    warmed = solar.model == "FM" or solar.correction == "loiter"
+    return mission.air.module_temperature_c is None and not warmed
+
+
+def record_check(mission: Mission, site_altitude_m: float) -> Check:
+    """Height of a flight above the site of the weather record that it goes through.
+
+    Parameters
+    ----------
+    mission : Mission
+        At the record's site.
+    site_altitude_m : float
+        Ground of the site above mean sea level [m].
+
+    Returns
+    -------
+    Check
+    """
+    above_m = np.asarray(mission.altitude_m) - site_altitude_m
+    return Check.of("height_above_record_m", "weather_record", above_m)
 
 
 def _measured_checks(
@@ -251,30 +288,20 @@ def correction_check(scenarios: Scenarios, solar: SolarModel, mission: Mission) 
     Check
         Of the scenarios in which the sun rises; nothing where no constant of the flight is used.
     """
-    if solar.correction == "none" and mission.uncertainty_margins.solar_model_sigmas == 0.0:
+    if not _uses_reported_errors(mission, solar):
         return
     sun_deg = np.degrees(declination(scenarios.noon_day))
     noon_deg = 90.0 - np.abs(scenarios.latitude_deg - sun_deg)
     yield Check.of("noon_elevation_deg", "correction", np.where(noon_deg > 0.0, noon_deg, np.nan))
 
 
-def path_check(mission: Mission, solar: SolarModel, design: Design) -> Iterator[Check]:
-    """Airspeed of the design beside that of the flight path, for solar power along the path.
+def _uses_reported_errors(mission: Mission, solar: SolarModel) -> bool:
+    """Whether a correction or a margin takes its number from the report's flight."""
+    return solar.correction != "none" or mission.uncertainty_margins.solar_model_sigmas != 0.0
 
-    Parameters
-    ----------
-    mission : Mission
-        With or without a flight path.
-    solar : SolarModel
-        Model and correction.
-    design : Design
-        Of floats, or of arrays.
 
-    Yields
-    ------
-    Check
-        Nothing for a horizontal model, or where one of the airspeeds is unknown.
-    """
+def _path_check(mission: Mission, solar: SolarModel, design: Design) -> Iterator[Check]:
+    """Airspeed of the design beside that of the flight path, for solar power along the path."""
     on_path = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
     flown = getattr(mission.flight_path, "airspeed_m_per_s", None)
     if not on_path or flown is None or design.airspeed_m_per_s is None:
@@ -355,8 +382,7 @@ def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
     peak = np.max(perf.day.specific_power_w_per_m2, axis=-1)
     area_m2 = np.asarray(design.variables.module_area_m2, float)[..., np.newaxis]
     return [
-        *design_checks(aircraft, mission, design),
-        *path_check(mission, solar, design),
+        *design_checks(aircraft, mission, design, solar),
         *(
             one.over(area_m2.shape[:-1])
             for one in correction_check(perf.day.scenarios, solar, mission)

@@ -42,6 +42,10 @@ class Extrapolation:
     count, of, what : int, int, str
         Of how many cells of a map, points of a trade study or altitudes it is told; 0 of a single
         result.
+    worth : str
+        What the assumption that stands in for the model changes, in words.
+    excess_time_h : float or None
+        Excess time without that assumption [h]; None where it is unlimited, or not known.
     """
 
     quantity: str
@@ -58,6 +62,8 @@ class Extrapolation:
     count: int = 0
     of: int = 0
     what: str = ""
+    worth: str = ""
+    excess_time_h: float | None = None
 
     @property
     def text(self) -> str:
@@ -69,7 +75,8 @@ class Extrapolation:
             digits += 1
         held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
-        return f"{self.label} {value}{unit}{self.at}{among}: {self.holder} holds {held}"
+        worth = f"; {self.worth}" if self.worth else ""
+        return f"{self.label} {value}{unit}{self.at}{among}: {self.holder} holds {held}{worth}"
 
     @property
     def distance(self) -> float:
@@ -85,8 +92,8 @@ class Extrapolation:
 
     @classmethod
     def from_dict(cls, record: Mapping[str, Any]) -> Extrapolation:
-        """What :meth:`to_dict` wrote."""
-        values = {name: record[name] for name in cls.__dataclass_fields__}
+        """What :meth:`to_dict` wrote, by an earlier version too."""
+        values = {name: record[name] for name in cls.__dataclass_fields__ if name in record}
         return cls(**values | {"scenarios": tuple(record["scenarios"])})
 
 

@@ -14,7 +14,7 @@ from missions.mission import Scenarios
 from sizing.aircraft import Aircraft
 from sizing.parameters import parameter
 from sizing.performance import Performance
-from sizing.validity.checks import altitude_check, flight_checks
+from sizing.validity.checks import altitude_checks, battery_checks, flight_checks
 from sizing.validity.ranges import (
     EXPERIENCE,
     Check,
@@ -24,6 +24,9 @@ from sizing.validity.ranges import (
     extrapolation,
     ranges,
 )
+
+# Quantities that a flight with climbs has at its highest altitude.
+_OF_HEIGHT = ("altitude_m", "air_temperature_c")
 
 
 def extrapolations(
@@ -47,8 +50,13 @@ def extrapolations(
     """
     checks = flight_checks(aircraft, perf)
     if highest_altitude_m is not None:
-        checks = [one for one in checks if one.range.quantity != "altitude_m"]
-        checks += altitude_check(perf.mission, highest_altitude_m)
+        highest = perf.mission.at_altitude(float(np.max(highest_altitude_m)))
+        up_there = [
+            *altitude_checks(perf.mission, perf.solar, highest_altitude_m),
+            *battery_checks(aircraft.battery, highest.air_state().temperature_c),
+        ]
+        checks = [one for one in checks if one.range.quantity not in _OF_HEIGHT]
+        checks += [one for one in up_there if one.range.quantity in _OF_HEIGHT]
     return told(checks, perf.day.scenarios)
 
 

@@ -12,19 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
+from sizing.design import Design, design_of
 from sizing.energy.cycle import Status
-from sizing.performance import performance
+from sizing.performance import Performance, performance
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     charge_rate_check,
     charge_rate_is_open,
     correction_check,
     design_checks,
-    path_check,
 )
 from sizing.validity.ranges import Check, Extrapolation
 from sizing.validity.told import told
+from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
@@ -202,13 +202,22 @@ def _extrapolations(
     latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
     design = design_of(asked.aircraft, asked.mission)
     checks = [
-        *design_checks(asked.aircraft, asked.mission, design),
-        *path_check(asked.mission, asked.solar, design),
+        *design_checks(asked.aircraft, asked.mission, design, asked.solar),
         *correction_check(Scenarios(latitude[known], day[known]), asked.solar, asked.mission),
     ]
     if "charge_rate" in columns:
         checks.append(Check.of("charge_rate_per_h", "battery", columns["charge_rate"][known]))
-    return told(checks, of=int(known.sum()), what="cells")
+    found = told(checks, of=int(known.sum()), what="cells")
+    excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
+    best = np.unravel_index(int(np.argmax(excess_h)), excess_h.shape)
+    cell = Scenarios(latitude[best][np.newaxis], day[best][np.newaxis])
+    return with_worth(found, asked.aircraft, lambda: _in_cells(asked, cell, design))
+
+
+def _in_cells(asked: MapConfiguration, cells: Scenarios, design: Design) -> Performance:
+    """Flight of the map's design in some cells."""
+    day = solar_day(asked.aircraft, asked.mission, asked.solar, scenarios=cells)
+    return performance(asked.aircraft, asked.mission, asked.solar, day=day, design=design)
 
 
 def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
@@ -25,7 +28,7 @@ from studies.output.columns import (
     told_of_cells,
 )
 from studies.output.gridded import can_be_result
-from studies.output.sized_columns import size_cells
+from studies.output.sized_columns import size_cells, sized_flight
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -163,7 +166,21 @@ def prepare(
             "objective": asked.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
-        lambda columns: told_of_cells(columns, SIZED, "cells"),
+        lambda columns: _extrapolations(configuration, grid, columns),
+    )
+
+
+def _extrapolations(
+    asked: ResizedMapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
+) -> tuple[Extrapolation, ...]:
+    """What the designs of all cells take from outside, its worth that of the lightest one."""
+    mass_kg = np.where(np.isin(columns["status"], SIZED), columns["total_mass"], np.inf)
+    row, column = np.unravel_index(int(np.argmin(mass_kg)), mass_kg.shape)
+    cell = (float(grid.latitudes_deg[row]), int(grid.days[column]))
+    return with_worth(
+        told_of_cells(columns, SIZED, "cells"),
+        asked.aircraft,
+        lambda: sized_flight(asked.aircraft, asked.mission, cell, asked.objective, asked.solar),
     )
 
 

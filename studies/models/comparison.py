@@ -30,7 +30,6 @@ from sizing.validity.checks import (
     charge_rate_check,
     correction_check,
     design_checks,
-    path_check,
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, together, told, worst_of
@@ -416,8 +415,7 @@ def _extrapolations(
     day, design, solar = sun.day(case.solar), design_of(aircraft, mission), case.solar
     peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * design.variables.module_area_m2
     checks = [
-        *design_checks(aircraft, mission, design),
-        *path_check(mission, solar, design),
+        *design_checks(aircraft, mission, design, solar),
         *correction_check(day.scenarios, solar, mission),
         *charge_rate_check(aircraft, mission, design, peak_w),
     ]

@@ -13,24 +13,24 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import parametric_design
+from sizing.design import DesignVariables, parametric_design
 from sizing.optimisation import cells as cell_sizing
 from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult
+from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     charge_rate_check,
     charge_rate_is_open,
     correction_check,
     design_checks,
-    path_check,
 )
 from sizing.validity.told import cell_texts
 from studies.output.columns import BLANKS, SIZED
 
-__all__ = ["size_cells", "sizing_row"]
+__all__ = ["size_cells", "sized_flight", "sizing_row"]
 
 
 def sizing_row(result: SizingResult) -> dict[str, Any]:
@@ -105,6 +105,39 @@ def size_cells(
     return columns
 
 
+def sized_flight(
+    aircraft: Aircraft,
+    mission: Mission,
+    cell: tuple[float, int],
+    objective: Objective,
+    solar: SolarModel,
+) -> Performance | None:
+    """Fly the best design of a single cell.
+
+    Parameters
+    ----------
+    aircraft, mission, objective, solar
+        As for :func:`size_cells`.
+    cell : (float, int)
+        Latitude [deg] and day of year.
+
+    Returns
+    -------
+    Performance or None
+        None where there is no design.
+    """
+    scenario = Scenarios(np.array([cell[0]]), np.array([cell[1]]))
+    problems = _programs(aircraft)
+    found = cell_sizing.size_cells(
+        problems.aircraft, mission, scenario, objective, solar, problems=problems
+    )
+    if found.status[0] not in SIZED:
+        return None
+    values = (None if v is None else np.ravel(v)[0] for v in found.variables)
+    day = solar_day(aircraft, mission, solar, scenarios=scenario)
+    return performance_of_designs(aircraft, mission, DesignVariables(*values), solar, day=day)
+
+
 @lru_cache(maxsize=1)
 def _programs(aircraft: Aircraft) -> SizingProblems:
     """Programs of an aircraft, kept for the next chunk of the same map in this process."""
@@ -143,8 +176,7 @@ def _extrapolations(
     sized = np.isin(found.status, SIZED)
     design = parametric_design(aircraft, mission, found.variables, found.total_mass_kg)
     checks = [
-        *design_checks(aircraft, mission, design),
-        *path_check(mission, solar, design),
+        *design_checks(aircraft, mission, design, solar),
         *correction_check(scenarios, solar, mission),
     ]
     if charge_rate_is_open(aircraft):

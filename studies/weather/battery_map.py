@@ -25,6 +25,8 @@ from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
 from sizing.survival.flights import Powers, SeasonFlights
+from sizing.validity.checks import record_check
+from sizing.validity.told import told
 from solar.types import IntArray
 from studies.output.figures.drawing import Canvas, caption, new_figure, styled
 from studies.output.figures.options import DEFAULT
@@ -90,6 +92,7 @@ def battery_map(
     if not np.all(factors > 0.0):
         raise ValueError(f"batteries must be multiples above 0 (got {factors.min():g})")
     moved, notes = mission_at_site(mission, weather, chosen=mission_chosen)
+    above = told([record_check(moved, weather.site.altitude_m)])
     all_year = {"dates": type(moved.dates).model_validate({"from": "01-01", "to": "12-31"})}
     moved = moved.model_copy(update=all_year)
     flights = SeasonFlights.of(aircraft, moved, weather, solar, step_s=NODE_STEP_S)
@@ -126,7 +129,7 @@ def battery_map(
             "site": weather.site.label,
             "model": solar.model,
             "correction": solar.correction,
-            "notes": "; ".join([*notes, _LAST_NIGHT]),
+            "notes": "; ".join([*notes, *(one.text for one in above), _LAST_NIGHT]),
         },
     )  # fmt: skip
 

@@ -89,7 +89,9 @@ def test_the_battery_and_what_is_outside_of_a_range_are_told_over_the_days():
     record = clear_record(3, first="2001-07-14", temperature_c=air_c)
     mission = load_mission("rafz-july")
     new = sizing.analyse_weather(AS2, mission, record).to_dict()
-    assert (new["battery_condition"], new["extrapolations"]) == (None, [])
+    assert new["battery_condition"] is None
+    # A battery without temperature is told of the day that is colder than its shipped table.
+    assert [one["quantity"] for one in new["extrapolations"]] == ["air_temperature_c"]
     keys = ["battery.temperature={ambient_offset_k: 1}", "battery.ageing={cycles: 100}"]
     craft = load_aircraft("atlantiksolar-as2", keys)
     analysis = sizing.analyse_weather(craft, mission, record, correction="report")

@@ -92,6 +92,9 @@ def expected(craft: Aircraft, where: Mission, values: dict[str, float]) -> dict[
         and outside(where.altitude_m, -500.0, 7000.0),
         "altitude_m of thin_air": where.altitude_m >= 12000.0
         and outside(where.altitude_m, 12000.0, 25000.0),
+        "altitude_m of model_error": outside(where.altitude_m, -math.inf, 9000.0),
+        "altitude_m of module_temperature": outside(where.altitude_m, -math.inf, 3000.0),
+        "air_temperature_c of battery": outside(float(air.temperature_k) - 273.15, -20.0, math.inf),
         "mach_number of aerodynamics": outside(speed / sound, -1.0, 0.3),
         "propulsion_power_w of propulsion": outside(values["power"], 3.0, 1000.0),
         "cruise_discharge_rate_per_h of battery": outside(load / energy, -1.0, 0.2),
@@ -266,7 +269,9 @@ def test_an_airspeed_below_the_wind_is_told_with_the_wind() -> None:
 
 def test_a_measured_aircraft_far_from_its_measurement_is_told() -> None:
     high = extrapolations(AS2, performance(AS2, mission(altitude_m=11500.0)))
-    assert quantities(high) == {"reynolds_ratio of measured", "altitude_m of ashrae"}
+    of_any = {f"altitude_m of {model}" for model in ("model_error", "module_temperature")}
+    of_any |= {"air_temperature_c of battery"}
+    assert quantities(high) == {"reynolds_ratio of measured", "altitude_m of ashrae"} | of_any
     laden = extrapolations(AS2, performance(AS2, mission(payload={"mass_kg": 10.0})))
     assert "reynolds_ratio of measured" in quantities(laden)
 

@@ -1,0 +1,114 @@
+"""What is assumed high up is worth: the same flight once more without the assumption."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from sizing.aircraft import Aircraft
+from sizing.energy.battery_condition import BatteryTemperature
+from sizing.performance import Performance, performance
+from sizing.sunlight import solar_day
+from sizing.validity.ranges import Extrapolation
+from solar.modules import STC_TEMPERATURE_C
+
+_MODULES = ("altitude_m", "module_temperature")
+_BATTERY = ("air_temperature_c", "battery")
+
+
+def with_worth(
+    found: Iterable[Extrapolation],
+    aircraft: Aircraft,
+    flown: Callable[[], Performance | None],
+    *,
+    of_what: str = "",
+) -> tuple[Extrapolation, ...]:
+    """Add to what is told of modules and battery in cold air what the assumption is worth.
+
+    Parameters
+    ----------
+    found : iterable of Extrapolation
+        All that is told of a result.
+    aircraft : Aircraft
+        Technology of the design.
+    flown : callable
+        Gives a single design's repeated day, whose worst scenario is flown again; asked only where
+        an assumption is told. None where nothing flies.
+    of_what : str
+        Which excess time it is, where it is not the one that the result tells.
+
+    Returns
+    -------
+    tuple of Extrapolation
+        In the same order.
+    """
+    notes = tuple(found)
+    perf = None
+    if any((one.quantity, one.model) in _WITHOUT for one in notes):
+        perf = flown()
+    if perf is None:
+        return notes
+    once = _worst_scenario(aircraft, perf)
+    return tuple(
+        one if without is None else _told(one, once, without(aircraft, once), of_what)
+        for one in notes
+        for without in (_WITHOUT.get((one.quantity, one.model)),)
+    )
+
+
+def _worst_scenario(aircraft: Aircraft, perf: Performance) -> Performance:
+    """Flight in the scenario of the least excess time alone."""
+    day = perf.day.at([perf.worst_scenario()])
+    return performance(aircraft, perf.mission, perf.solar, day=day, design=perf.design)
+
+
+def _with_modules_at_25_c(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
+    """Same flight with modules at the temperature of their rated efficiency."""
+    air = perf.mission.air.model_copy(update={"module_temperature_c": STC_TEMPERATURE_C})
+    mission = perf.mission.model_copy(update={"air": air})
+    step_h = float(perf.day.time_h[1] - perf.day.time_h[0])
+    day = solar_day(aircraft, mission, perf.solar, scenarios=perf.day.scenarios, step_h=step_h)
+    warm = performance(aircraft, mission, perf.solar, day=day, design=perf.design)
+    cold_wh, warm_wh = (float(one.cycle.energy_budget.solar_wh[0]) for one in (perf, warm))
+    at = f"at {STC_TEMPERATURE_C:.0f} C"
+    if warm_wh <= 0.0:
+        return warm, f"{at},"
+    percent = 100.0 * (cold_wh / warm_wh - 1.0)
+    more = f"{abs(percent):.0f} % {'more' if percent >= 0.0 else 'less'} solar energy"
+    return warm, f"at {perf.mission.module_temperature_c():.3g} C {more} than {at}, where"
+
+
+def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
+    """Same flight with a battery as cold as the air, of the shipped table's capacity."""
+    air_c = float(perf.mission.air_state().temperature_c)
+    left = float(BatteryTemperature().capacity_fraction(air_c))
+    design = perf.design._replace(battery_energy_wh=perf.design.battery_energy_wh * left)
+    cold = performance(aircraft, perf.mission, perf.solar, day=perf.day, design=design)
+    return cold, f"unheated at {air_c:.3g} C, with {100.0 * left:.0f} % of its capacity,"
+
+
+_WITHOUT = {_MODULES: _with_modules_at_25_c, _BATTERY: _with_an_unheated_battery}
+
+
+def _told(
+    one: Extrapolation, once: Performance, without: tuple[Performance, str], of_what: str
+) -> Extrapolation:
+    """Note with the excess times of a flight with and without an assumption."""
+    other, words = without
+    before_h, after_h = (float(flight.cycle.excess_time_h[0]) for flight in (once, other))
+    before, after = map(_hours, (before_h, after_h))
+    change = f"stays {before}" if before == after else f"is {after} instead of {before}"
+    what = f"the excess time {of_what}".rstrip()
+    place = once.day.scenarios.label(0)
+    return replace(
+        one,
+        worth=f"{words} {what} {change} at {place}",
+        excess_time_h=after_h if np.isfinite(after_h) else None,
+    )
+
+
+def _hours(value_h: float) -> str:
+    return "unlimited" if math.isinf(value_h) else f"{value_h:.2f} h"

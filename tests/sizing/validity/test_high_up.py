@@ -1,0 +1,279 @@
+"""What is assumed high up is told, with its worth: warm battery, cold modules, error, record."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import AS2, DESIGN, mission
+from builders import aircraft as shipped_aircraft
+from command_line import Run
+from weather_files import clear_record
+
+import sizing
+from sizing.aircraft import Aircraft
+from sizing.results.analysis import analyse
+from sizing.results.notes import extrapolation_caption
+from sizing.results.sizing import size
+from sizing.validity.ranges import Extrapolation
+from studies.maps.feasibility import feasibility_map
+from studies.maps.resized import resized_map
+from studies.output.columns import extrapolations_of
+
+# Perpetual there on the longest day, by less than the assumptions are worth.
+HIGH = mission(altitude_m=10000.0, dates={"on": "06-21"})
+MODULES = ("altitude_m", "module_temperature")
+BATTERY = ("air_temperature_c", "battery")
+ERROR = ("altitude_m", "model_error")
+CORRECTION = ("altitude_m", "correction")
+RECORD = ("height_above_record_m", "weather_record")
+HIGH_UP = {MODULES, BATTERY, ERROR, CORRECTION, RECORD}
+# Standard air at 10,000 m of geometric altitude, U.S. Standard Atmosphere 1976, table I.
+AIR_C = 223.252 - 273.15
+
+
+def notes(result: object) -> dict[tuple[str, str], Extrapolation]:
+    """Notes of a result on what is assumed high up."""
+    found = result if isinstance(result, tuple) else result.extrapolations  # type: ignore[attr-defined]
+    every = {(one.quantity, one.model): one for one in found}
+    return {key: one for key, one in every.items() if key in HIGH_UP}
+
+
+def test_an_analysis_high_up_tells_each_assumption() -> None:
+    found = notes(analyse(DESIGN, HIGH))
+    assert set(found) == {MODULES, BATTERY, ERROR}
+    assert found[BATTERY].value == pytest.approx(AIR_C, abs=0.01)
+    assert "from one morning at 0.5 km" in found[ERROR].text
+
+
+def test_the_worth_of_cold_modules_is_the_flight_with_modules_at_25_c() -> None:
+    one = notes(analyse(DESIGN, HIGH))[MODULES]
+    warm = analyse(DESIGN, mission(**HIGH_WITH_WARM_MODULES))
+    assert one.excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-9)
+    # Linear in the temperature: 0.3 % a kelvin.
+    more = DESIGN.modules.temperature_coefficient_per_k * (25.0 - AIR_C)
+    assert f"; at -49.9 C {100 * more:.0f} % more solar energy than at 25 C" in one.text
+    before = analyse(DESIGN, HIGH).excess_time_h
+    assert f"excess time is {warm.excess_time_h:.2f} h instead of {before:.2f} h" in one.text
+
+
+HIGH_WITH_WARM_MODULES = {
+    "altitude_m": 10000.0,
+    "dates": {"on": "06-21"},
+    "air": {"module_temperature_c": 25.0},
+}
+
+
+@pytest.mark.parametrize("aircraft", [DESIGN, AS2], ids=["parametric", "measured"])
+def test_the_worth_of_a_warm_battery_is_the_flight_with_an_unheated_one(
+    aircraft: Aircraft,
+) -> None:
+    result = analyse(aircraft, HIGH)
+    one = notes(result)[BATTERY]
+    cold = shipped_aircraft(aircraft.name, "battery.temperature={}")
+    unheated = analyse(cold, HIGH).excess_time_h
+    assert unheated < 0.0 < result.excess_time_h
+    assert one.excess_time_h == pytest.approx(unheated, abs=1e-9)
+    assert f"excess time is {unheated:.2f} h instead of {result.excess_time_h:.2f} h" in one.text
+
+
+def test_days_in_a_row_and_climbs_say_what_their_worth_is_of() -> None:
+    level = notes(analyse(DESIGN, HIGH))
+    days = notes(analyse(DESIGN, HIGH, days=2))
+    assert "excess time of the repeated day" in days[BATTERY].text
+    assert days[BATTERY].excess_time_h == pytest.approx(level[BATTERY].excess_time_h, abs=0.05)
+    climbing = mission(dates={"on": "06-21"}, climb={"ceiling_m": 10000.0})
+    climbs = analyse(AS2, climbing)
+    assert climbs.climb is not None
+    assert climbs.climb.climb.maximum_altitude_m == pytest.approx(10000.0)
+    high = notes(analyse(AS2, mission(altitude_m=10000.0, dates={"on": "06-21"})))
+    found = notes(climbs)
+    assert set(found) == {MODULES, BATTERY, ERROR}
+    for key in (MODULES, BATTERY):
+        assert "excess time in level flight at 10000 m" in found[key].text
+        assert found[key].excess_time_h == pytest.approx(high[key].excess_time_h, abs=1e-6)
+
+
+def test_what_a_file_gives_is_not_assumed() -> None:
+    warm = mission(**HIGH_WITH_WARM_MODULES)
+    assert set(notes(analyse(DESIGN, warm))) == {BATTERY, ERROR}
+    heated = shipped_aircraft(
+        "atlantiksolar-design", "battery.temperature={held_c: 10, heat_loss_w_per_k: 0.1}"
+    )
+    assert set(notes(analyse(heated, HIGH))) == {MODULES, ERROR}
+
+
+def test_the_full_model_has_warmth_of_its_own() -> None:
+    path = {"kind": "circle", "radius_m": 500.0, "airspeed_m_per_s": 17.0}
+    high = mission(altitude_m=10000.0, dates={"on": "06-21"}, flight_path=path)
+    assert MODULES not in notes(analyse(DESIGN, high, model="FM"))
+    assert MODULES in notes(analyse(DESIGN, high, model="VM"))
+    # Brought to the daily energy of the Full Model.
+    assert MODULES not in notes(analyse(DESIGN, high, correction="loiter"))
+
+
+def test_a_correction_high_up_is_told_besides_the_error() -> None:
+    assert CORRECTION not in notes(analyse(DESIGN, HIGH))
+    found = notes(analyse(DESIGN, HIGH, correction="report"))
+    assert {ERROR, CORRECTION} <= set(found)
+
+
+@pytest.mark.parametrize(
+    ("altitude_m", "offset_k", "expected"),
+    [
+        (500.0, 0.0, set()),
+        (2999.0, 0.0, set()),
+        (3001.0, 0.0, {MODULES}),
+        # 288.15 K less 6.5 K/km is -20 C at a geopotential altitude of 5385 m, 5389 m geometric.
+        (5380.0, 0.0, {MODULES}),
+        (5400.0, 0.0, {MODULES, BATTERY}),
+        (500.0, -40.0, {BATTERY}),
+        (8999.0, 0.0, {MODULES, BATTERY}),
+        (9001.0, 0.0, {MODULES, BATTERY, ERROR}),
+    ],
+)
+def test_each_note_begins_where_its_range_ends(
+    altitude_m: float, offset_k: float, expected: set[tuple[str, str]]
+) -> None:
+    where = mission(altitude_m=altitude_m, air={"temperature_offset_k": offset_k})
+    assert set(notes(analyse(DESIGN, where))) == expected
+
+
+def test_a_sizing_tells_the_worth_of_its_own_design() -> None:
+    study = size(DESIGN, HIGH, "max_excess_time")
+    found = notes(study)
+    assert set(found) == {MODULES, BATTERY, ERROR}
+    data = study.sized_aircraft().model_dump()
+    data["battery"]["temperature"] = {}
+    cold = analyse(Aircraft.model_validate(data), HIGH).excess_time_h
+    # The mass of a design is closed to 1e-9, its excess time to some 1e-6 h.
+    assert found[BATTERY].excess_time_h == pytest.approx(cold, abs=1e-5)
+    warm = analyse(study.sized_aircraft(), mission(**HIGH_WITH_WARM_MODULES))
+    assert found[MODULES].excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-5)
+
+
+def test_an_infeasible_sizing_tells_the_worth_of_its_nearest_design() -> None:
+    study = size(DESIGN, HIGH, "min_mass", required_excess_time_h=12.0)
+    assert not study.feasible
+    assert "instead of" in notes(study)[BATTERY].text
+
+
+def test_a_map_tells_the_worth_in_its_best_cell() -> None:
+    data = feasibility_map(DESIGN, HIGH, latitudes=[35.0, 45.0], days=[80, 172])
+    found = notes(extrapolations_of(data))
+    assert set(found) == {MODULES, BATTERY, ERROR}
+    at = np.unravel_index(int(np.argmax(data["excess_time"].to_numpy())), (2, 2))
+    best = mission(
+        altitude_m=10000.0,
+        latitude_deg=[35.0, 45.0][at[0]],
+        dates={"on": ["03-21", "06-21"][at[1]]},
+    )
+    cold = shipped_aircraft("atlantiksolar-design", "battery.temperature={}")
+    unheated = analyse(cold, best).excess_time_h
+    assert found[BATTERY].excess_time_h == pytest.approx(unheated, abs=1e-9)
+    assert f"at {best.latitudes()[0]:g} N, 21 Jun" in found[BATTERY].text
+    dark = feasibility_map(DESIGN, HIGH, latitudes=[85.0], days=[355])
+    assert set(notes(extrapolations_of(dark))) == {MODULES, BATTERY, ERROR}
+
+
+def test_a_map_of_sizings_tells_the_worth_of_its_lightest_design() -> None:
+    data = resized_map(DESIGN, HIGH, "min_mass", latitudes=[45.0, 50.0], days=[172])
+    found = notes(extrapolations_of(data))
+    assert set(found) == {MODULES, BATTERY, ERROR}
+    lightest = [45.0, 50.0][int(np.argmin(data["total_mass"].to_numpy()[:, 0]))]
+    where = mission(altitude_m=10000.0, latitude_deg=lightest, dates={"on": "06-21"})
+    of_one = notes(size(DESIGN, where, "min_mass"))
+    # Two solvers, each to 1e-4 of the mass.
+    assert found[BATTERY].excess_time_h == pytest.approx(of_one[BATTERY].excess_time_h, abs=0.05)
+
+
+def test_captions_say_what_is_assumed_and_its_worth() -> None:
+    found = analyse(DESIGN, HIGH).extrapolations
+    caption = extrapolation_caption(found)
+    for key, what in ((MODULES, "module temperature of the air"), (BATTERY, "battery without")):
+        hours = f"{notes(found)[key].excess_time_h:.2f} h"
+        assert what in caption
+        assert f"(without it excess time {hours})" in caption
+
+
+def test_records_keep_the_worth_and_those_from_before_it_are_read() -> None:
+    for one in analyse(DESIGN, HIGH).extrapolations:
+        record = one.to_dict()
+        assert Extrapolation.from_dict(record) == one
+        old = {key: value for key, value in record.items() if not key.startswith(("worth", "exc"))}
+        plain = dataclasses.replace(one, worth="", excess_time_h=None)
+        assert Extrapolation.from_dict(old) == plain
+
+
+# ---- Commands
+
+AT_10_KM = ("mission.altitude_m=10000", "mission.dates={on: 06-21}", "mission.air={}")
+SMALL_MAP = ("--latitudes", "45:50:5", "--days", "172:172:1")
+COMMANDS = {
+    "analyse": ("analyse",),
+    "size": ("size", "-m", "rafz-july", "--objective", "max_excess_time"),
+    "map": ("map", *SMALL_MAP),
+    "map of designs": ("map", "--resize", "min_mass", *SMALL_MAP),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_tell_the_worth_high_up_and_nothing_near_the_ground(
+    command: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    verb, *options = COMMANDS[command]
+    call = (verb, "atlantiksolar-design", *options)
+    high = tuple(word for value in AT_10_KM for word in ("--set", value))
+    record = run(*call, *high, "--json").json()
+    told = {(one["quantity"], one["model"]): one for one in record["extrapolations"]}
+    assert {MODULES, BATTERY, ERROR} <= set(told)
+    printed = run(*call, *high).out
+    for key in (MODULES, BATTERY):
+        assert isinstance(told[key]["excess_time_h"], float)
+        assert told[key]["text"] in printed
+    low = run(*call, "--set", "mission.altitude_m=500", "--json").json()["extrapolations"]
+    assert not HIGH_UP & {(one["quantity"], one["model"]) for one in low}
+
+
+def test_a_report_tells_the_worth(run: Run, tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    high = tuple(word for value in AT_10_KM for word in ("--set", value))
+    run("report", "atlantiksolar-design", *high, "--no-uncertainty", "--out", str(page))
+    text = page.read_text(encoding="utf-8")
+    assert "unheated at -49.9 C, with 60 % of its capacity, the excess time is" in text
+    assert "at -49.9 C 22 % more solar energy than at 25 C" in text
+    assert "error of the solar power model from one morning at 0.5 km" in text
+
+
+# ---- Weather records
+
+
+@pytest.mark.parametrize(("height_m", "is_told"), [(1990.0, False), (2010.0, True)])
+def test_a_record_far_below_the_flight_is_told(height_m: float, is_told: bool) -> None:
+    record = clear_record(3, first="2001-07-14")
+    where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + height_m)
+    found = notes(sizing.analyse_weather(AS2, where, record))
+    assert (RECORD in found) is is_told
+    if is_told:
+        assert found[RECORD].value == pytest.approx(height_m)
+        assert "% of the clear sky's light" in found[RECORD].text
+
+
+def test_a_record_tells_the_cold_of_its_days() -> None:
+    cold = np.full(40 * 24, -30.0)
+    record = clear_record(40, first="2001-07-14", share=0.75, temperature_c=cold)
+    where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + 3000.0)
+    result = sizing.analyse_weather(AS2, where, record)
+    found = notes(result)
+    assert set(found) == {MODULES, BATTERY, RECORD}
+    assert (found[BATTERY].what, found[BATTERY].count) == ("days", 40)
+    # 3000 m at 6.5 K/km above the record's -30 C, at 0.3 % a kelvin below 25 C.
+    assert f"+{0.3 * (25.0 + 30.0 + 19.5):.0f} % of solar energy" in found[MODULES].text
+    unheated = shipped_aircraft(AS2.name, "battery.temperature={}")
+    closes = sizing.analyse_weather(unheated, where, record).to_dict()["days_that_close"]
+    before = result.to_dict()["days_that_close"]
+    assert closes < before
+    assert f"unheated {closes} instead of {before} days close" in found[BATTERY].text
