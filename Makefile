@@ -34,7 +34,7 @@ install: $(BIN)/python
 	$(BIN)/pip install --quiet ".[dev]"
 
 tables: install
-	$(BIN)/python -m studies.doc_tables
+	$(BIN)/python -m benchmarks.doc_tables
 
 docs: install
 	$(BIN)/pip install --quiet ".[docs]"

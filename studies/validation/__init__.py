@@ -2,6 +2,7 @@
 
 * ``published``, ``report_reproduction``: all numbers, and the report's table
 * ``flights``: published flights, and what may explain the differences
-* ``built_aircraft``: their sizes and masses; ``found_designs``, ``structure_comparison``: from them
-* ``clear_sky_comparison``, ``power_curve``, ``altitude_tables``: tables of the documentation
+* ``built_aircraft``: their sizes and masses
+
+Comparisons that no command prints are in the project's folder ``benchmarks/validation``.
 """

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from source_tree import ROOT, make_benchmarks_importable
+from source_tree import ROOT
 
-make_benchmarks_importable()
-from benchmarks import report  # noqa: E402 - only now it can be found
+from benchmarks import report
 
 COMMANDS = ("--help", "list", "analyse", "size", "map", "sweep", "report")
 

@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 from builders import DESIGN, mission
 from click.testing import CliRunner
-from source_tree import make_benchmarks_importable
 
+from benchmarks import wild_missions, wild_verdicts
+from benchmarks.simulated_search import Effort, RangeJudge
+from benchmarks.wild_problems import WildProblem, wild_problem
+from benchmarks.wild_verdicts import Claim, claim_of, judged
 from missions.files.validation import validate
 from missions.files.yaml import read_yaml
 from missions.mission import Mission
@@ -20,12 +23,6 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.relaxations import Relaxation
 from sizing.performance import performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM
-
-make_benchmarks_importable()
-from benchmarks import wild_missions, wild_verdicts  # noqa: E402 - only now they can be found
-from benchmarks.simulated_search import Effort, RangeJudge  # noqa: E402
-from benchmarks.wild_problems import WildProblem, wild_problem  # noqa: E402
-from benchmarks.wild_verdicts import Claim, claim_of, judged  # noqa: E402
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from documented import blocks
 
-from studies import doc_tables
+from benchmarks import doc_tables
 
 pytestmark = pytest.mark.slow
 
@@ -144,7 +144,7 @@ def test_table_of_the_documentation_is_up_to_date(name: str) -> None:
     page_name, make = doc_tables.TABLES[name]
     page = (VALIDATION.parent / page_name).read_text(encoding="utf-8")
     assert doc_tables.with_table(page, name, make()) == page, (
-        f"docs/{page_name} is stale: run `python -m studies.doc_tables`"
+        f"docs/{page_name} is stale: run `python -m benchmarks.doc_tables`"
     )
 
 

@@ -243,13 +243,13 @@ def _fit(figure: Canvas) -> Figure:
 
 
 def _structure(figure: Canvas) -> Figure:
-    from studies.validation.structure_comparison import structure_figure
+    from benchmarks.validation.structure_comparison import structure_figure
 
     return structure_figure(figure=figure)
 
 
 def _power_curve(figure: Canvas) -> Figure:
-    from studies.validation import power_curve
+    from benchmarks.validation import power_curve
 
     checks = power_curve.check_level_flight()[:3]
     polars = [

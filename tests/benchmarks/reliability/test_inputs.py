@@ -6,14 +6,11 @@ import random
 from pathlib import Path
 
 import pytest
-from source_tree import make_benchmarks_importable
 
-make_benchmarks_importable()
-
-from benchmarks.reliability.inputs import files, mutations  # noqa: E402
-from benchmarks.reliability.inputs.cases import Case, rng_of  # noqa: E402
-from benchmarks.reliability.inputs.judge import Outcome, mistake  # noqa: E402
-from benchmarks.reliability.inputs.process import run_case  # noqa: E402
+from benchmarks.reliability.inputs import files, mutations
+from benchmarks.reliability.inputs.cases import Case, rng_of
+from benchmarks.reliability.inputs.judge import Outcome, mistake
+from benchmarks.reliability.inputs.process import run_case
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from documented import DOCS, ROOT
-from source_tree import make_benchmarks_importable
 
-make_benchmarks_importable()
-from benchmarks.reliability import __main__ as command  # noqa: E402 - only now it can be found
-from benchmarks.reliability.page import Defect, defects, markdown  # noqa: E402
-from benchmarks.reliability.record import Record, Row, kept, merged, of_cases  # noqa: E402
+from benchmarks.reliability import __main__ as command
+from benchmarks.reliability.page import Defect, defects, markdown
+from benchmarks.reliability.record import Record, Row, kept, merged, of_cases
 
 RECORD = Record("faults", "python -m x", 7, 3.0, (Row("map", "SIGKILL", 3, 2, ("seed 7",)),))
 LISTED = [*defects("faults"), *defects("inputs")]

@@ -15,19 +15,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from source_tree import ROOT
 
-from missions.files.errors import InputError
-from missions.files.texts import texts_as_read
-from sizing.aerodynamics.airfoil_polar import AirfoilPolar
-from sizing.aerodynamics.parabolic import level_flight_power_w
-from sizing.aerodynamics.polar_table import (
-    COLUMNS,
-    parse_polar_table,
-    shipped_airfoils,
-    shipped_table,
-)
-from sizing.aerodynamics.wing_polar import WingPolar
-from studies.validation.make_polars import default_grid, main
-from studies.validation.power_curve import (
+from benchmarks.validation.make_polars import default_grid, main
+from benchmarks.validation.power_curve import (
     AS1,
     AS1_FLIGHT,
     AS2,
@@ -39,7 +28,18 @@ from studies.validation.power_curve import (
     power_tables,
     wing_polar,
 )
-from studies.validation.power_curve import main as draw_power_curve
+from benchmarks.validation.power_curve import main as draw_power_curve
+from missions.files.errors import InputError
+from missions.files.texts import texts_as_read
+from sizing.aerodynamics.airfoil_polar import AirfoilPolar
+from sizing.aerodynamics.parabolic import level_flight_power_w
+from sizing.aerodynamics.polar_table import (
+    COLUMNS,
+    parse_polar_table,
+    shipped_airfoils,
+    shipped_table,
+)
+from sizing.aerodynamics.wing_polar import WingPolar
 
 SHIPPED = shipped_airfoils()
 HEADER = "# airfoil: test\n# source: made up\n" + ",".join(COLUMNS) + "\n"

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from log_layouts import LAYOUTS, OWN_NAMES_MAP, dataflash_of
-from source_tree import make_benchmarks_importable
 
+from benchmarks.log_offsets import lying, random_days
 from missions.files.overrides import with_values
 from missions.library import load_mission
 from missions.logs.columns import ColumnMap, read_column_map
@@ -26,9 +26,6 @@ from studies.flight_logs.alignment.shifted_power import ShiftedPower
 from studies.flight_logs.samples import lit_samples
 from studies.flight_logs.synthetic import Faults, Settings, synthetic_log
 from studies.flight_logs.verification import verify
-
-make_benchmarks_importable()
-from benchmarks.log_offsets import lying, random_days  # noqa: E402 - only now it can be found
 
 pytestmark = pytest.mark.slow
 

@@ -6,10 +6,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from source_tree import make_benchmarks_importable
 
-make_benchmarks_importable()
-from benchmarks import map_scaling  # noqa: E402 - only now it can be found
+from benchmarks import map_scaling
 
 pytestmark = pytest.mark.slow
 

@@ -1,6 +1,6 @@
 """How often a fit's interval holds the truth, and how well another flight is predicted.
 
-``python -m studies.fitting.recovery --count 100`` flies as many synthetic aircraft, each
+``python -m benchmarks.fit_recovery --count 100`` flies as many synthetic aircraft, each
 with its own modules, drag and battery, fits them from the shipped file, and predicts two other
 flights of each: the least charge of a night in July, and the time to the empty battery in December.
 """

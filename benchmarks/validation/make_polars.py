@@ -1,6 +1,6 @@
 """Write airfoil polar tables with NeuralFoil (needs the extra ``airfoil``).
 
-``python -m studies.validation.make_polars --airfoil mh114 --out sizing/data/polars/mh114.csv``
+``python -m benchmarks.validation.make_polars --airfoil mh114 --out sizing/data/polars/mh114.csv``
 wrote one of
 the tables that ship with the package. NeuralFoil is a neural network trained on XFOIL: Sharpe, P.
 and Hansman, R. J. (2025), NeuralFoil: An Airfoil Aerodynamics Analysis Tool Using Physics-Informed
@@ -109,7 +109,7 @@ def _header(airfoil: str, section: Any, critical_exponent: float) -> list[str]:
 def main(arguments: list[str] | None = None) -> int:
     """Command line: write one table; the exit code is 1 where it cannot."""
     parser = argparse.ArgumentParser(
-        prog="python -m studies.validation.make_polars", description=__doc__
+        prog="python -m benchmarks.validation.make_polars", description=__doc__
     )
     parser.add_argument("--airfoil", required=True, help="name in AeroSandbox's database")
     parser.add_argument("--out", required=True, type=Path, help="CSV file to write")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from sizing.results.tables import Table
-from studies.validation import slender_wings
-from studies.validation.slender_wings import (
+from benchmarks.validation import slender_wings
+from benchmarks.validation.slender_wings import (
     LARGEST_ASPECT_RATIO,
     SOLONG,
     aspect_ratio_table,
     structure_table,
 )
+from sizing.results.tables import Table
 
 pytestmark = pytest.mark.slow
 

@@ -7,6 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.validation.structure_comparison import (
+    in_words,
+    main,
+    models,
+    structure_figure,
+    structure_tables,
+    variations,
+)
 from missions.files.validation import InputError
 from missions.library import load_mission
 from sizing.aircraft import ParametricAirframe
@@ -20,14 +28,6 @@ from studies.validation.built_aircraft import (
     SKY_SAILOR,
     calibrated_rib_wing,
     family,
-)
-from studies.validation.structure_comparison import (
-    in_words,
-    main,
-    models,
-    structure_figure,
-    structure_tables,
-    variations,
 )
 
 DESIGN = "atlantiksolar-design"

@@ -353,7 +353,7 @@ def power_tables() -> tuple[Table, Table]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line: write the figure; the exit code is 1 where it cannot."""
-    prog = "python -m studies.validation.power_curve"
+    prog = "python -m benchmarks.validation.power_curve"
     return write_figure(power_curve_image, arguments, prog=prog, description=__doc__)
 
 

@@ -1,6 +1,6 @@
 """Structural mass over wingspan: the models beside each other and beside built aircraft.
 
-``python -m studies.validation.structure_comparison --out docs/images/structural-mass.png`` drew
+``python -m benchmarks.validation.structure_comparison --out docs/images/structural-mass.png`` drew
 the figure of docs/structure.md. One aircraft, AtlantikSolar, gives the calibration; any other is a
 test.
 """
@@ -258,7 +258,7 @@ def _against(case: BuiltAircraft, model: StructureModel) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line: write the figure; the exit code is 1 where it cannot."""
-    prog = "python -m studies.validation.structure_comparison"
+    prog = "python -m benchmarks.validation.structure_comparison"
     return write_figure(structure_image, arguments, prog=prog, description=__doc__)
 
 

@@ -1,6 +1,6 @@
 """Structure and aspect ratio: what is computed against what is published.
 
-``python -m studies.validation.slender_wings`` prints the tables of docs/validation.md (structures)
+``python -m benchmarks.validation.slender_wings`` prints the tables of docs/validation.md (structure)
 and docs/structure.md (aspect ratios).
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass, replace
 from typing import Any
 
+from benchmarks.validation.found_designs import CASES
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -25,7 +26,6 @@ from studies.validation.built_aircraft import (
     BuiltAircraft,
     calibrated_rib_wing,
 )
-from studies.validation.found_designs import CASES
 
 # AC Propulsion's SoLong, flown 48 h in June 2005: 4.75 m, 28 lb, 44 % of it battery (The Engineer,
 # July 2005). Assumptions: 1.5 m2 of wing (76 cells alone are 1.2 m2), battery in the fuselage,

@@ -7,9 +7,9 @@ import pandas as pd
 import pvlib
 import pytest
 
+from benchmarks.validation import clear_sky_comparison as study
+from benchmarks.validation.clear_sky_comparison import ALTITUDES_M, light_table, light_up_to
 from solar.clearsky import extraterrestrial_irradiance
-from studies.validation import clear_sky_comparison as study
-from studies.validation.clear_sky_comparison import ALTITUDES_M, light_table, light_up_to
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Tables of the documentation, written by the software itself: ``python -m studies.doc_tables``.
+"""Tables of the documentation, written by the software itself: ``python -m benchmarks.doc_tables``.
 
 A table stands between the markers ``<!-- NAME -->`` and ``<!-- /NAME -->`` of a page.
 """
@@ -12,6 +12,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from benchmarks.validation import altitude_tables, clear_sky_comparison, found_designs
+from benchmarks.validation.slender_wings import aspect_ratio_table, structure_table
+from benchmarks.validation.structure_comparison import gust_table, structure_tables
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from sizing.catalogues.files import KINDS, Kind
@@ -22,14 +25,11 @@ from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.transfer import transfer_table, transferred_errors
 from studies.output.catalogues import catalogue_table, sources_table
-from studies.validation import altitude_tables, clear_sky_comparison, found_designs
 from studies.validation.flights.published_flights import facts_table
 from studies.validation.flights.season import seasons
 from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
-from studies.validation.slender_wings import aspect_ratio_table, structure_table
-from studies.validation.structure_comparison import gust_table, structure_tables
 
 
 def _markdown(*tables: Table) -> str:

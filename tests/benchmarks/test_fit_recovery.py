@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks.fit_recovery import recover
 from studies.fitting.published import fit_published
-from studies.fitting.recovery import recover
 
 pytestmark = pytest.mark.slow
 

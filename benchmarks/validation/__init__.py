@@ -1,0 +1,1 @@
+"""Computed against published and independent numbers: scripts that judge the project."""
