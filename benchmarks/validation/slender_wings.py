@@ -1,7 +1,7 @@
 """Structure and aspect ratio: what is computed against what is published.
 
-``python -m benchmarks.validation.slender_wings`` prints the tables of docs/validation.md (structure)
-and docs/structure.md (aspect ratios).
+``python -m benchmarks.validation.slender_wings`` prints the tables of docs/validation.md
+(structures) and docs/structure.md (aspect ratios).
 """
 
 from __future__ import annotations
