@@ -138,8 +138,7 @@ def _sweep() -> Any:
 
 
 def _computed(job: Any) -> Any:
-    from studies.engine.run import run
-    from studies.engine.workers import pool_of
+    from studies.engine.run import pool_of, run
 
     return run(job, pool_of(1))
 

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from missions.files.errors import file_error
+from sizing.aerodynamics.polar_merging import parse_polar
 from sizing.aerodynamics.polar_table import (
     PolarTable,
     is_table_path,
-    parse_polar,
     read_polar_text,
     shipped_table,
 )

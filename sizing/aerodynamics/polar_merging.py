@@ -9,11 +9,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
-from sizing.aerodynamics.polar_files import FilePolar, PolarRow, names_of
-from sizing.aerodynamics.polar_table import OF_A_SECTION, WingReference
+from sizing.aerodynamics.polar_files import FilePolar, PolarRow, is_foreign, names_of, read_polars
+from sizing.aerodynamics.polar_table import (
+    COLUMNS,
+    OF_A_SECTION,
+    PolarTable,
+    WingReference,
+    parse_polar_table,
+)
 from solar.types import FloatArray
 
-__all__ = ["Merged", "merged"]
+__all__ = ["Merged", "merged", "parse_polar"]
 
 # Fixed-lift polars are resampled from the Reynolds number at which lift this share of the greatest
 # is still flown; a branch of attached flow has to begin below half of it.
@@ -35,6 +41,37 @@ class Merged:
     program: str
     rows: FloatArray
     span_efficiency: float | None
+
+
+def parse_polar(text: str, source: str, wing: WingReference | None = None) -> PolarTable:
+    """Read the text of a polar: our own table, or what XFOIL and XFLR5 write.
+
+    Parameters
+    ----------
+    text : str
+        Contents of the file, or of a folder.
+    source : str
+        File or folder, for messages.
+    wing : WingReference, optional
+        For polars of a whole wing, whose table then has the viscous drag.
+
+    Returns
+    -------
+    PolarTable
+
+    Raises
+    ------
+    InputError
+        With every line that is wrong.
+    """
+    if not is_foreign(text):
+        if wing is not None:
+            raise file_error(source, OF_A_SECTION)
+        return parse_polar_table(text, source)
+    found = merged(read_polars(text, source), source, wing)
+    columns = dict(zip(COLUMNS, (*found.rows.T, np.ones(len(found.rows))), strict=True))
+    header = {"airfoil": found.name, "source": found.program}
+    return PolarTable(source, header, columns, found.span_efficiency)
 
 
 def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> Merged:

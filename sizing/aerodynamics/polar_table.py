@@ -103,40 +103,6 @@ def read_polar_text(path: str) -> str:
     return read_folder(path, POLAR_SUFFIXES) if path.endswith("/") else read_text(path)
 
 
-def parse_polar(text: str, source: str, wing: WingReference | None = None) -> PolarTable:
-    """Read the text of a polar: our own table, or what XFOIL and XFLR5 write.
-
-    Parameters
-    ----------
-    text : str
-        Contents of the file, or of a folder.
-    source : str
-        File or folder, for messages.
-    wing : WingReference, optional
-        For polars of a whole wing, whose table then has the viscous drag.
-
-    Returns
-    -------
-    PolarTable
-
-    Raises
-    ------
-    InputError
-        With every line that is wrong.
-    """
-    from sizing.aerodynamics.polar_files import is_foreign, read_polars
-    from sizing.aerodynamics.polar_merging import merged
-
-    if not is_foreign(text):
-        if wing is not None:
-            raise file_error(source, OF_A_SECTION)
-        return parse_polar_table(text, source)
-    found = merged(read_polars(text, source), source, wing)
-    columns = dict(zip(COLUMNS, (*found.rows.T, np.ones(len(found.rows))), strict=True))
-    header = {"airfoil": found.name, "source": found.program}
-    return PolarTable(source, header, columns, found.span_efficiency)
-
-
 def parse_polar_table(text: str, source: str) -> PolarTable:
     """Read the text of a polar table of our own.
 

@@ -23,11 +23,11 @@ from pydantic_core import PydanticCustomError
 from missions.air import GRAVITY_M_PER_S2
 from missions.files.errors import InputError
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
+from sizing.aerodynamics.polar_merging import parse_polar
 from sizing.aerodynamics.polar_table import (
     OF_A_SECTION,
     WingReference,
     is_table_path,
-    parse_polar,
     read_polar_text,
 )
 from sizing.smooth import Value

@@ -20,7 +20,7 @@ from sizing.replay import CalendarRun, calendar_run
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite
-from sizing.results.tables import Result, Summary
+from sizing.results.tables import Result
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
@@ -62,6 +62,8 @@ class Analysis(Result):
     flight: CalendarRun | None
     climb: ClimbPerformance | None = None
     days: int | None = None
+
+    renderer = "sizing.results.analysis_summary"
 
     @property
     def worst(self) -> int:
@@ -143,18 +145,6 @@ class Analysis(Result):
         if self.climb is not None or self.days is not None:
             return np.full(len(self.performance.cycle.status), np.nan)
         return self.performance.days_to_settle()
-
-    def headline(self) -> str:
-        """Aircraft, place and excess time in one line."""
-        from sizing.results.analysis_summary import headline
-
-        return headline(self)
-
-    def summary(self) -> Summary:
-        """What the terminal shows."""
-        from sizing.results.analysis_summary import summary
-
-        return summary(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Whole analysis, JSON-ready; the top level is the worst scenario."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -40,7 +41,7 @@ from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
-from sizing.results.tables import Result, Summary
+from sizing.results.tables import Result
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
 from sizing.survival.result import Survival
@@ -97,6 +98,8 @@ class SizingStudy(Result):
     without_margins: Performance | None = None
     reliability: Reliability | None = None
     survival: Survival | None = None
+
+    renderer = "sizing.results.sizing_summary"
 
     @property
     def status(self) -> SizingStatus:
@@ -201,18 +204,6 @@ class SizingStudy(Result):
             notes += told([record_check(self.survival.mission, site.altitude_m)])
         return with_worth(notes, self.aircraft, lambda: found)
 
-    def headline(self) -> str:
-        """Aircraft, mission, verdict and objective in one line."""
-        from sizing.results.sizing_summary import headline
-
-        return headline(self)
-
-    def summary(self) -> Summary:
-        """What the terminal shows."""
-        from sizing.results.sizing_summary import summary
-
-        return summary(self)
-
     def to_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready; what only an optimum has is null without one."""
         record = _result_record(self.result, self.aircraft, self.mission)
@@ -254,8 +245,6 @@ class SizingStudy(Result):
             Where no optimum was found.
         """
         import pandas as pd
-
-        from sizing.results.sizing_summary import design_rows
 
         self._optimum()
         return pd.DataFrame(design_rows(self.to_dict()), columns=["quantity", "value", "unit"])
@@ -586,6 +575,24 @@ def _range_record(coverage: WidestRange) -> dict[str, Any]:
         ends = {"from": date_code(int(first)), "to": date_code(int(last))}
         return {**ends, "days": int(coverage.extent)}
     return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
+
+
+def design_rows(record: dict[str, Any]) -> list[tuple[str, float, str]]:
+    """Design of a sizing's record as rows of quantity, value and unit."""
+    quantities = record["quantities"]
+    rows = [
+        ("wingspan", record["wingspan_m"], "m"),
+        ("aspect ratio", record["aspect_ratio"], ""),
+        ("battery mass", record["battery_mass_kg"], "kg"),
+        ("module area", record["module_area_m2"], "m2"),
+        ("total mass", record["total_mass_kg"], "kg"),
+        ("airspeed", record["airspeed_m_per_s"], "m/s"),
+        ("stall speed", quantities["stall_speed_m_per_s"], "m/s"),
+        ("wing loading", quantities["wing_loading_kg_per_m2"], "kg/m2"),
+        ("climb rate at rated power", quantities["climb_rate_m_per_s"], "m/s"),
+        ("load", record["power_out_w"], "W"),
+    ]
+    return [(name, math.nan if value is None else float(value), unit) for name, value, unit in rows]
 
 
 def sensitivity_records(found: list[Sensitivity]) -> list[dict[str, Any]]:

@@ -24,7 +24,7 @@ from sizing.results.notes import (
     structure_blocks,
 )
 from sizing.results.records import hours
-from sizing.results.sizing import SizingStudy
+from sizing.results.sizing import SizingStudy, design_rows
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 from sizing.survival.result import Survival
 
@@ -157,24 +157,6 @@ def relaxation_table(found: Sequence[Relaxation]) -> Table:
         for one in found
     ]
     return Table("feasible with one of these, all else unchanged", columns, tuple(rows))
-
-
-def design_rows(record: dict[str, Any]) -> list[tuple[str, float, str]]:
-    """Design of a sizing's record as rows of quantity, value and unit."""
-    quantities = record["quantities"]
-    rows = [
-        ("wingspan", record["wingspan_m"], "m"),
-        ("aspect ratio", record["aspect_ratio"], ""),
-        ("battery mass", record["battery_mass_kg"], "kg"),
-        ("module area", record["module_area_m2"], "m2"),
-        ("total mass", record["total_mass_kg"], "kg"),
-        ("airspeed", record["airspeed_m_per_s"], "m/s"),
-        ("stall speed", quantities["stall_speed_m_per_s"], "m/s"),
-        ("wing loading", quantities["wing_loading_kg_per_m2"], "kg/m2"),
-        ("climb rate at rated power", quantities["climb_rate_m_per_s"], "m/s"),
-        ("load", record["power_out_w"], "W"),
-    ]
-    return [(name, math.nan if value is None else float(value), unit) for name, value, unit in rows]
 
 
 _FORMS = {"m": ".3f", "": ".2f", "kg": ".3f", "m2": ".3f", "m/s": ".2f", "kg/m2": ".2f", "W": ".1f"}

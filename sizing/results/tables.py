@@ -14,7 +14,8 @@ import io
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
 from sizing.results.layout import Grid, paragraph, side_by_side
 
@@ -258,15 +259,23 @@ class Summary:
 
 
 class Result:
-    """A result that describes itself: as text, in a notebook, and in one line."""
+    """A result that describes itself: as text, in a notebook, and in one line.
+
+    ``renderer`` is the module whose functions ``headline`` and ``summary`` know the result; a
+    result knows neither. One without a renderer has methods of its own.
+    """
+
+    renderer: ClassVar[str] = ""
 
     def headline(self) -> str:
         """Result in one line."""
-        raise NotImplementedError
+        return str(import_module(self.renderer).headline(self))
 
     def summary(self) -> Summary:
         """Result as people read it."""
-        raise NotImplementedError
+        found = import_module(self.renderer).summary(self)
+        assert isinstance(found, Summary)
+        return found
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.headline()}>"

@@ -19,8 +19,8 @@ from studies.cli.progress import progress_of
 from studies.cli.start import let_dask_in
 from studies.cli.telling import tell_error
 from studies.engine.chunk_store import ChunkStore, parts_folder
-from studies.engine.run import Job, Outcome, Stopped, run
-from studies.engine.workers import WorkersUnavailableError, pool_of
+from studies.engine.run import Job, Outcome, Stopped, pool_of, run
+from studies.engine.workers import WorkersUnavailableError
 
 __all__ = ["WorkOptions", "completed"]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from importlib import import_module
 from typing import Any
 
 __all__ = ["let_dask_in", "start"]
@@ -16,9 +17,7 @@ def start() -> None:
     # xarray imports dask where it is installed, to know its arrays: a second for nothing, as no
     # command holds any.
     _modules().setdefault("dask", None)
-    from studies.cli.__main__ import main
-
-    main()
+    import_module("studies.cli.__main__").main()
 
 
 def let_dask_in() -> None:

@@ -38,9 +38,9 @@ from pydantic_core import to_json
 from solar._version import __version__
 from studies.engine.chunk_store import ChunkStore, Part
 from studies.engine.signals import Signals, Stopped, interruptible
-from studies.engine.workers import Pool, WorkersUnavailableError, pool_of
+from studies.engine.workers import LocalPool, Pool, WorkersUnavailableError
 
-__all__ = ["Cell", "Columns", "Job", "Outcome", "Stopped", "pieces", "run"]
+__all__ = ["Cell", "Columns", "Job", "Outcome", "Stopped", "pieces", "pool_of", "run"]
 
 Cell: TypeAlias = tuple[float, ...]
 Columns: TypeAlias = dict[str, NDArray[Any]]
@@ -171,6 +171,39 @@ def compute(
     return outcome
 
 
+def pool_of(
+    workers: int | None = None,
+    scheduler: str | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> Pool:
+    """Pool that the options ``--workers`` and ``--scheduler`` ask for.
+
+    Parameters
+    ----------
+    workers : int or None
+        1 for this process alone, more for so many processes; None for what pays.
+    scheduler : str or None
+        Address of a dask scheduler, or ``local-cluster``.
+    tell : callable, optional
+        Called with what the user should know while the work waits.
+
+    Returns
+    -------
+    Pool
+        For one run, which closes it.
+
+    Raises
+    ------
+    WorkersUnavailableError
+        If dask is not installed, or no worker is there.
+    """
+    if scheduler is None:
+        return LocalPool(workers)
+    from studies.engine.dask_pool import DaskPool
+
+    return DaskPool(scheduler, workers, tell)
+
+
 def pieces(count: int, each: int) -> list[slice]:
     """Slices of at most ``each`` that cover ``count``, as even as possible.
 
@@ -286,7 +319,7 @@ def run(
     job : Job
         What is to be computed.
     pool : Pool
-        Who computes, see :func:`studies.engine.workers.pool_of`.
+        Who computes, see :func:`pool_of`.
     store : ChunkStore, optional
         An opened store, for what is finished.
     progress : callable, optional

@@ -23,7 +23,6 @@ __all__ = [
     "WorkersUnavailableError",
     "available_cores",
     "for_children",
-    "pool_of",
 ]
 
 T = TypeVar("T")
@@ -81,39 +80,6 @@ class Pool(Protocol):
 
     def close(self, *, at_once: bool) -> None:
         """End the workers, in the middle of their tasks if need be."""
-
-
-def pool_of(
-    workers: int | None = None,
-    scheduler: str | None = None,
-    tell: Callable[[str], None] | None = None,
-) -> Pool:
-    """Pool that the options ``--workers`` and ``--scheduler`` ask for.
-
-    Parameters
-    ----------
-    workers : int or None
-        1 for this process alone, more for so many processes; None for what pays.
-    scheduler : str or None
-        Address of a dask scheduler, or ``local-cluster``.
-    tell : callable, optional
-        Called with what the user should know while the work waits.
-
-    Returns
-    -------
-    Pool
-        For one run, which closes it.
-
-    Raises
-    ------
-    WorkersUnavailableError
-        If dask is not installed, or no worker is there.
-    """
-    if scheduler is None:
-        return LocalPool(workers)
-    from studies.engine.dask_pool import DaskPool
-
-    return DaskPool(scheduler, workers, tell)
 
 
 def available_cores() -> int:

@@ -29,10 +29,10 @@ from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.polar_files import read_polars
+from sizing.aerodynamics.polar_merging import parse_polar
 from sizing.aerodynamics.polar_table import (
     PolarTable,
     WingReference,
-    parse_polar,
     read_polar_text,
 )
 from sizing.aerodynamics.wing_polar import WingPolar

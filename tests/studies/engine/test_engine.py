@@ -465,7 +465,7 @@ from pathlib import Path
 import chunk_functions
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
-from studies.engine.workers import pool_of
+from studies.engine.run import pool_of
 
 if __name__ == "__main__":
     folder, log, workers, scheduler = sys.argv[1:]
