@@ -13,7 +13,6 @@ import html
 import json
 import secrets
 from collections.abc import Callable
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -171,11 +170,12 @@ def _tokens(scope: Scope) -> list[bytes]:
 
 
 def _cookies(header: bytes, name: str) -> list[bytes]:
-    try:
-        found = SimpleCookie(header.decode("latin-1")).get(name)
-    except CookieError:
-        return []
-    return [] if found is None else [found.value.encode()]
+    """Values of a cookie, whatever stands beside it: other programs of this machine set what they like.
+
+    ``SimpleCookie`` drops all of them where it does not understand one.
+    """
+    pairs = (pair.strip().partition(b"=") for pair in header.split(b";"))
+    return [value for key, _, value in pairs if key == name.encode()]
 
 
 def _limited(receive: Receive) -> Receive:
