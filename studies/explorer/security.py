@@ -170,7 +170,7 @@ def _tokens(scope: Scope) -> list[bytes]:
 
 
 def _cookies(header: bytes, name: str) -> list[bytes]:
-    """Values of a cookie, whatever stands beside it: other programs of this machine set what they like.
+    """Values of a cookie, whatever other programs of this machine have set beside it.
 
     ``SimpleCookie`` drops all of them where it does not understand one.
     """
