@@ -138,9 +138,10 @@ def check_outputs(**options: str | None) -> None:
         if not path:
             raise click.BadParameter("needs the name of a file", param_hint=option)
         check_target(path)
-        place = os.path.realpath(path)
-        if os.path.exists(place) and not os.path.isfile(place):  # noqa: PTH110, PTH113
+        if os.path.exists(path) and not os.path.isfile(path):  # noqa: PTH110, PTH113
             continue  # a device or a pipe takes one after the other
+        folder, file = os.path.split(os.path.abspath(path))  # noqa: PTH100
+        place = os.path.join(os.path.realpath(folder), file)  # noqa: PTH118
         if place in taken:
             raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
         taken[place] = option
