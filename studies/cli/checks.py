@@ -10,7 +10,7 @@ import click
 
 from missions.files.errors import InputError, Problem, printable
 from missions.files.validation import located_error
-from missions.flight_path import orbit
+from missions.flight_path import path_trouble
 from sizing.aircraft import MeasuredAirframe
 from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import design_of
@@ -80,10 +80,9 @@ def require_path(case: Case, asked: str | None = None) -> None:
     if case.mission.flight_path is None:
         message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
         raise located_error(case.where.document, ("name",), message)
-    try:
-        orbit(case.mission.flight_path, case.mission.wind, samples=4)
-    except ValueError as error:
-        raise located_error(case.where.document, ("flight_path",), str(error)) from None
+    trouble = path_trouble(case.mission.flight_path, case.mission.wind)
+    if trouble is not None:
+        raise located_error(case.where.document, ("flight_path",), trouble)
 
 
 def refuse_polar_night(case: Case) -> None:

@@ -21,7 +21,7 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import metadata
@@ -132,9 +132,13 @@ def _refuse_newer(record: Any, text: str, source: str) -> None:
 
 
 def write_run_folder(
-    folder: Path, inputs: RunInputs, record: Any, extra: Mapping[str, bytes]
+    folder: Path,
+    inputs: RunInputs,
+    record: Any,
+    extra: Mapping[str, bytes],
+    figures: Mapping[str, Callable[[], bytes]],
 ) -> None:
-    """Write a folder of results whole or not at all.
+    """Write a folder of results whole or not at all; without figures where one cannot be drawn.
 
     Existing files of these names are replaced; what an earlier run wrote besides is removed.
 
@@ -147,7 +151,10 @@ def write_run_folder(
     record : JSON-ready
         Content of ``results.json``.
     extra : mapping
-        Further files, such as tables and figures, by name.
+        Further files, such as tables, by name.
+    figures : mapping
+        Functions that draw figures, by the names of their files. What one of them raises is raised
+        again when everything else is written.
 
     Raises
     ------
@@ -159,12 +166,14 @@ def write_run_folder(
     for name, path in named.items():
         extra = {**extra, name: _content(path)}
         files["airfoil" if Path(name).stem == POLAR else Path(name).stem] = InputFile.of(path)
+    drawn, trouble = _drawn(figures)
     contents = {
         AIRCRAFT: _described(aircraft, files["aircraft"]),
         MISSION: _described(inputs.mission, files["mission"]),
         RUN: b"",
         RESULTS: _json_bytes(record),
         **extra,
+        **drawn,
     }
     contents[RUN] = _json_bytes({**run_record(inputs.solar, files), "files": sorted(contents)})
     earlier = _files_of_run(folder)
@@ -172,6 +181,18 @@ def write_run_folder(
     for name in earlier - contents.keys():
         with suppress(OSError):  # a folder of that name is none of ours
             (folder / name).unlink(missing_ok=True)
+    if trouble is not None:
+        raise trouble
+
+
+def _drawn(
+    figures: Mapping[str, Callable[[], bytes]],
+) -> tuple[dict[str, bytes], Exception | None]:
+    """Files of figures, or none and the reason."""
+    try:
+        return {name: draw() for name, draw in figures.items()}, None
+    except Exception as error:
+        return {}, error
 
 
 def _read(path: Path) -> bytes:
