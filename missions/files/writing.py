@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import stat
 from collections.abc import Mapping
@@ -21,6 +22,7 @@ __all__ = [
     "check_writable_folder",
     "file_text",
     "names_a_device",
+    "to_json",
     "to_yaml",
     "write_bytes_atomically",
     "write_files_atomically",
@@ -117,6 +119,36 @@ def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
         indent=2,
         default_flow_style=False,
     )
+
+
+def to_json(record: Any, **layout: Any) -> str:
+    """Write a record as strict JSON: no NaN, no infinity, and zero without a sign.
+
+    Parameters
+    ----------
+    record : JSON-ready
+    **layout
+        What :func:`json.dumps` takes, such as ``indent``.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ValueError
+        For numbers that are not finite.
+    """
+    return json.dumps(_without_signed_zeros(record), allow_nan=False, **layout)
+
+
+def _without_signed_zeros(record: Any) -> Any:
+    """Record whose zeros are positive: the sign of a zero is an accident of the arithmetic."""
+    if isinstance(record, Mapping):
+        return {key: _without_signed_zeros(value) for key, value in record.items()}
+    if isinstance(record, list | tuple):
+        return [_without_signed_zeros(value) for value in record]
+    return record + 0.0 if isinstance(record, float) else record
 
 
 def file_text(head: str, data: Mapping[str, Any]) -> str:

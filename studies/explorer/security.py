@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import asyncio
 import html
-import json
 import secrets
 from collections.abc import Callable
 from typing import Any
 from urllib.parse import parse_qs
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from missions.files.writing import to_json
 
 __all__ = ["MAXIMUM_BODY_BYTES", "Guard", "error_body", "new_token"]
 
@@ -62,7 +63,7 @@ def error_body(kind: str, message: str, problems: list[dict[str, Any]] | None = 
         JSON.
     """
     record = {"kind": kind, "message": message, "problems": problems or []}
-    return json.dumps({"error": record}).encode()
+    return to_json({"error": record}).encode()
 
 
 class Guard:

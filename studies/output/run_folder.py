@@ -31,7 +31,7 @@ from typing import Any
 from missions.files.errors import InputError, Problem, file_error
 from missions.files.reading import read_plain_file
 from missions.files.texts import read_folder
-from missions.files.writing import file_text, write_folder
+from missions.files.writing import file_text, to_json, write_folder
 from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
 from sizing.sunlight import SolarModel
@@ -210,7 +210,7 @@ def _files_of_run(folder: Path) -> set[str]:
 
 def _json_bytes(record: Any) -> bytes:
     """Record as strict JSON."""
-    return (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
+    return (to_json(record, indent=2) + "\n").encode()
 
 
 def _described(data: Mapping[str, Any], file: InputFile) -> bytes:

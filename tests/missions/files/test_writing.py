@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import enum
+import json
 import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from hypothesis import given
@@ -17,6 +19,7 @@ from hypothesis import strategies as st
 from missions.files.writing import (
     OutputError,
     check_writable_folder,
+    to_json,
     to_yaml,
     write_bytes_atomically,
     write_folder,
@@ -118,6 +121,15 @@ def test_existing_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> 
     write_bytes_atomically(path, b"new")
     assert path.read_bytes() == b"new"
     assert path.stat().st_mode & 0o777 == 0o604
+
+
+def test_json_is_strict_and_has_no_negative_zero() -> None:
+    record = {"a": -0.0, "b": [(-0.0, 1.5), {"c": np.float64(-0.0)}], "d": [-0, None, True, "-0.0"]}
+    expected = {"a": 0.0, "b": [[0.0, 1.5], {"c": 0.0}], "d": [0, None, True, "-0.0"]}
+    assert to_json(record) == json.dumps(expected)
+    assert to_json(-1e-300) == "-1e-300"  # what is not zero keeps its sign
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        to_json({"a": math.nan})
 
 
 def test_link_is_replaced_and_not_followed(tmp_path: Path) -> None:
