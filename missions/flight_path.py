@@ -234,6 +234,26 @@ def _check_calm_bank(key: str, radius: float, airspeed: float) -> None:
         )
 
 
+def path_trouble(path: FlightPath, wind: Wind) -> str | None:
+    """Tell why a path cannot be flown in a wind.
+
+    Parameters
+    ----------
+    path : FlightPath
+    wind : Wind
+
+    Returns
+    -------
+    str or None
+        None where it can.
+    """
+    try:
+        orbit(path, wind, samples=4)
+    except ValueError as error:
+        return str(error)
+    return None
+
+
 def _check_wind(path: _MovingPath, wind: Wind) -> None:
     # The mean velocity through the air of any closed orbit is minus the wind, so no path allows
     # more; below the airspeed, every course can be held.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import typing
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -77,9 +77,15 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     """
     result = dataclasses.replace(document, data=copy.deepcopy(document.data))
     problems: list[Problem] = []
-    if isinstance(overrides, str):
-        raise TypeError(f"overrides are a mapping or a list of texts (got the text {overrides!r})")
+    if isinstance(overrides, str | bytes) or not isinstance(overrides, Iterable):
+        raise TypeError(f"overrides are a mapping or a list of texts (got {overrides!r})")
     values = overrides if isinstance(overrides, Mapping) else None
+    overrides = list(overrides)
+    for given in overrides:
+        if not isinstance(given, str):
+            raise TypeError(
+                f"overrides are texts, such as 'a.b=2.5', or have such keys (got {given!r})"
+            )
     keys = {given.partition("=")[0].strip() for given in overrides}
     for given in overrides:
         key, equals, text = given.partition("=") if values is None else (given, "=", "")

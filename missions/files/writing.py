@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import stat
 from collections.abc import Mapping
@@ -21,6 +22,7 @@ __all__ = [
     "check_writable_folder",
     "file_text",
     "names_a_device",
+    "to_json",
     "to_yaml",
     "write_bytes_atomically",
     "write_files_atomically",
@@ -119,6 +121,36 @@ def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
     )
 
 
+def to_json(record: Any, **layout: Any) -> str:
+    """Write a record as strict JSON: no NaN, no infinity, and zero without a sign.
+
+    Parameters
+    ----------
+    record : JSON-ready
+    **layout
+        What :func:`json.dumps` takes, such as ``indent``.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ValueError
+        For numbers that are not finite.
+    """
+    return json.dumps(_without_signed_zeros(record), allow_nan=False, **layout)
+
+
+def _without_signed_zeros(record: Any) -> Any:
+    """Record whose zeros are positive: the sign of a zero is an accident of the arithmetic."""
+    if isinstance(record, Mapping):
+        return {key: _without_signed_zeros(value) for key, value in record.items()}
+    if isinstance(record, list | tuple):
+        return [_without_signed_zeros(value) for value in record]
+    return record + 0.0 if isinstance(record, float) else record
+
+
 def file_text(head: str, data: Mapping[str, Any]) -> str:
     """Text of an aircraft or mission file: where it comes from, its format, and its data.
 
@@ -151,7 +183,8 @@ def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
     Parameters
     ----------
     path : str or path
-        File to write; a symbolic link is followed, a device or pipe is written to.
+        File to write; a symbolic link is replaced, unless it leads to a device or pipe, as
+        ``/dev/stdout`` does.
     text : str
         What to write, as UTF-8.
 
@@ -169,7 +202,8 @@ def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     Parameters
     ----------
     path : str or path
-        File to write; a symbolic link is followed, a device or pipe is written to.
+        File to write; a symbolic link is replaced, unless it leads to a device or pipe, as
+        ``/dev/stdout`` does.
     data : bytes
         What to write.
 
@@ -184,22 +218,23 @@ def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
 def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> None:
     """Write several files, each completely, and none of them where one cannot be written.
 
-    Everything is written beside its target first; only then are the targets replaced.
+    Everything is written beside its target first; only then are the targets replaced. A symbolic
+    link is a target itself: what it leads to stays as it is, unless that is a device or a pipe.
 
     Raises
     ------
     OutputError
         If one of the files cannot be written; existing files are then unchanged.
     """
-    _write_all(contents, follow=True)
+    _write_all(contents, named=True)
 
 
-def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, follow: bool) -> None:
+def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool) -> None:
     staged: list[_Staged] = []
     path: str | os.PathLike[str] = ""
     try:
         for path, data in contents.items():
-            staged.append(_stage(Path(path), data, follow=follow))
+            staged.append(_stage(Path(path), data, named=named))
         for file in staged:
             path = file.target
             file.commit()
@@ -214,8 +249,8 @@ def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, follow: bool
 def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     """Write files into a folder, made if need be: all of them, or none.
 
-    The folder may have come from elsewhere: a symbolic link in it, which could lead to any file
-    of the user's, is replaced and not followed.
+    The folder may have come from elsewhere: a symbolic link in it is replaced even where it leads
+    to a device.
 
     Parameters
     ----------
@@ -236,7 +271,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
         name = printable(os.fspath(folder))
         raise OutputError(f"cannot write to {name}: {_writing_trouble(error)}") from error
     try:
-        _write_all({folder / file: data for file, data in contents.items()}, follow=False)
+        _write_all({folder / file: data for file, data in contents.items()}, named=False)
     except BaseException:  # a signal, too, leaves no empty folder
         for path in made:
             with suppress(OSError):  # not empty: somebody else's by now
@@ -281,19 +316,18 @@ class _Staged:
             self.scratch.unlink(missing_ok=True)
 
 
-def _stage(path: Path, data: bytes, *, follow: bool) -> _Staged:
+def _stage(path: Path, data: bytes, *, named: bool) -> _Staged:
+    """Make a file ready; one that somebody named may be a link to a device or a pipe."""
     if not os.fspath(path) or os.fspath(path) == ".":
         raise IsADirectoryError
-    if not follow and path.is_symlink():
-        return _beside(path, data, None)
-    mode = path.stat().st_mode if path.exists() else None
+    link = path.is_symlink()
+    mode = path.stat().st_mode if path.exists() and (named or not link) else None
     if mode is not None and stat.S_ISDIR(mode):
         raise IsADirectoryError
     if mode is not None and not stat.S_ISREG(mode):
         # A device or a pipe must be written to, never replaced by a file.
         return _Staged(path, data, None)
-    # Through a symbolic link the file it names is replaced, not the link.
-    return _beside(Path(os.path.realpath(path)), data, mode)
+    return _beside(path, data, None if link else mode)
 
 
 def _beside(target: Path, data: bytes, mode: int | None) -> _Staged:

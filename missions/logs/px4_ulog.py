@@ -7,7 +7,7 @@ import io
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,8 @@ _AIRSPEED_TOPICS = ("airspeed_validated", "airspeed")
 _EXAMPLE = "battery_status[1].voltage_v * battery_status[1].current_a"
 # How often a log is read over before its reader is taken to go round in circles.
 _MOST_PASSES = 20
+# Characters in the names of all fields of all topics: some hundred topics have some 100,000.
+_MOST_CHARACTERS = 2_000_000
 _DAMAGED = "the log is damaged; what of it could be read is used"
 
 
@@ -89,7 +91,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
 
 
 class _EndlessError(Exception):
-    """More was read of a file than any of its contents could need."""
+    """More is to be read or laid out of a file than any flight could need."""
 
 
 class _BoundedFile:
@@ -116,6 +118,54 @@ class _BoundedFile:
         self._file.close()
 
 
+def _bounded_reader(reader: Any) -> Any:
+    """Class of pyulog's reader, for one log, with a bound on the fields of what is subscribed.
+
+    pyulog lays a topic out field by field as soon as it is subscribed, however often its format
+    holds others; a few hundred bytes can ask for more fields than any memory has.
+    """
+    known: dict[str, _Fields] = {}
+
+    class Bounded(reader):  # type: ignore[misc]  # pyulog has no types
+        _characters = 0
+
+        def _MessageAddLogged(self, data: bytes, header: Any, formats: Any) -> Any:  # noqa: N802
+            fields = _fields_of(self.parse_string(data[3:]), formats, known)
+            self._characters += fields.characters
+            if self._characters > _MOST_CHARACTERS:
+                raise _EndlessError("its formats have more fields than any log")
+            return reader._MessageAddLogged(data, header, formats)
+
+    return Bounded
+
+
+class _Fields(NamedTuple):
+    """Fields that a format is laid out to, and the characters of their names."""
+
+    number: int
+    characters: int
+
+
+def _fields_of(
+    name: str, formats: Mapping[str, Any], known: dict[str, _Fields], above: tuple[str, ...] = ()
+) -> _Fields:
+    """Fields of a format and of those that it holds, which count themselves as well."""
+    if name in above:
+        circle = " holds ".join((*above[above.index(name) :], name))
+        raise _EndlessError(f"its formats contain each other: {circle}")
+    if name not in known:
+        number = characters = 0
+        for kind, times, field in formats[name].fields:
+            held = _Fields(0, 0)
+            if kind in formats:
+                held = _fields_of(kind, formats, known, (*above, name))
+            own = len(f"{field}[{times}].") * (1 + held.number)
+            number += max(times, 1) * (1 + held.number)
+            characters += max(times, 1) * (own + held.characters)
+        known[name] = _Fields(number, characters)
+    return known[name]
+
+
 def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream], bool]:
     """Topics in the log, of the first instance without a number; whether the log is damaged."""
     try:
@@ -132,9 +182,11 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     with contextlib.redirect_stdout(io.StringIO()):
         try:
             with open(source, "rb") as file:  # noqa: PTH123
-                log = ULog(_BoundedFile(file), sorted(names))
+                log = _bounded_reader(ULog)(_BoundedFile(file), sorted(names))
         except OSError as error:
             raise file_error(source, f"cannot be read: {error.strerror}") from None
+        except RecursionError:
+            raise file_error(source, "is not a ULog: its formats are nested too deeply") from None
         except Exception as error:  # pyulog raises whatever its parsing trips over
             raise file_error(source, f"is not a ULog: {printable(str(error))[:200]}") from None
     topics: dict[str, Stream] = {}

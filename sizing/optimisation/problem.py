@@ -63,6 +63,8 @@ _IPOPT_EFFORTS: dict[Effort, tuple[str, str, int]] = {
     "patient": ("exact", "adaptive", 600),
 }
 
+_TOLERANCE = 1e-8  # of the interior-point method, in the program
+
 _COMMON_OPTIONS = {
     "print_time": False,
     "show_eval_warnings": False,
@@ -75,7 +77,7 @@ _COMMON_OPTIONS = {
 _IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.tol": 1e-8,
+    "ipopt.tol": _TOLERANCE,
     "ipopt.acceptable_tol": 1e-6,
     "ipopt.acceptable_iter": 8,
     # One factorisation of the low-rank Hessian bordered, instead of many solves with its inverse.
@@ -362,16 +364,18 @@ class SizingProblem:
         return np.concatenate([parts[name] for name in _PARAMETERS])
 
     def design_variables(
-        self, x: FloatArray, bounds: Mapping[str, tuple[float, float]]
+        self, x: FloatArray, ends: Mapping[str, tuple[float, float]]
     ) -> DesignVariables:
         """Design in a decision vector, within its bounds: the solver may step slightly over.
+
+        What the solver leaves of a value at zero, below its tolerance, is zero.
 
         Parameters
         ----------
         x : ndarray, shape (variable,)
             Decision vector.
-        bounds : mapping
-            Bounds by name of a variable, in its unit, that replace its own.
+        ends : mapping
+            Bounds by name of a variable, in its unit; the same where it is held.
 
         Returns
         -------
@@ -380,8 +384,9 @@ class SizingProblem:
         values = {"aspect_ratio": self.aircraft.airframe.aspect_ratio}
         for v in self.variables:
             if v.name in DesignVariables._fields:
-                ends = bounds.get(v.name, (v.minimum, v.maximum))
-                values[v.name] = float(np.clip(self.value(x, v.name), *ends))
+                value = float(np.clip(self.value(x, v.name), *ends[v.name]))
+                noise = _TOLERANCE * (v.scale or 0.0) >= abs(value) and ends[v.name][0] == 0.0
+                values[v.name] = 0.0 if noise else value
         return DesignVariables(**values)
 
 

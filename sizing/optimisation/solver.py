@@ -218,6 +218,7 @@ class _Posed(NamedTuple):
     instance: ProblemInstance
     scenarios: tuple[int, ...]
     weights: FloatArray
+    ends: Mapping[str, tuple[float, float]]
     limits: dict[str, Any]
 
     def within(self, x: FloatArray) -> FloatArray:
@@ -329,7 +330,10 @@ class ProgramSolver:
         suns = self._suns[list(scenarios)]
         lit = [i for i, scenario in enumerate(scenarios) if scenario in instance.lit]
         suns[lit, -1] = self._lowest_power[[scenarios[i] for i in lit]]
-        lower, upper = self._bounds(problem, instance)
+        ends = self._ends(problem, instance)
+        lower, upper = np.array(
+            [[v.to_program(end) for end in ends[v.name]] for v in problem.variables]
+        ).T
         limits = {
             "p": problem.parameters(weights, self.conditions, suns, margin=instance.margin),
             "lbx": lower,
@@ -337,7 +341,7 @@ class ProgramSolver:
             "lbg": 0.0,
             "ubg": np.array([0.0 if c.equation else np.inf for c in problem.constraints]),
         }
-        return _Posed(problem, instance, tuple(scenarios), weights, limits)
+        return _Posed(problem, instance, tuple(scenarios), weights, ends, limits)
 
     def _solved(
         self, posed: _Posed, effort: Effort, start: Mapping[str, FloatArray]
@@ -359,7 +363,7 @@ class ProgramSolver:
         if not (stats["success"] and np.isfinite(x).all()):
             return None
         problem, instance = posed.problem, posed.instance
-        design = problem.design_variables(x, instance.bounds)
+        design = problem.design_variables(x, posed.ends)
         return Solution(
             *(instance, problem.variables, problem.constraints, posed.scenarios, design),
             *(x, posed.weights, rows, bounds),
@@ -377,10 +381,10 @@ class ProgramSolver:
         """Work so far."""
         return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
 
-    def _bounds(
+    def _ends(
         self, problem: SizingProblem, instance: ProblemInstance
-    ) -> tuple[FloatArray, FloatArray]:
-        """Least and largest value of the decision vector, in the program."""
+    ) -> dict[str, tuple[float, float]]:
+        """Least and largest value of each variable, in its unit; the same where it is held."""
         most_h = problem.variables[problem.index[WORST_EXCESS]].maximum
         fixed = {
             name: (value, value)
@@ -390,17 +394,8 @@ class ProgramSolver:
         fixed[WORST_EXCESS] = (instance.goal_h, most_h if instance.best_excess else instance.goal_h)
         if instance.penalty is None:
             fixed |= {v.name: (0.0, 0.0) for v in problem.of_role(Role.slack)}
-        ends = [
-            [
-                v.to_program(end)
-                for end in fixed.get(v.name)
-                or instance.bounds.get(v.name)
-                or (v.minimum, v.maximum)
-            ]
-            for v in problem.variables
-        ]
-        lower, upper = np.array(ends).T
-        return lower, upper
+        own = {v.name: (v.minimum, v.maximum) for v in problem.variables}
+        return own | {k: v for k, v in (dict(instance.bounds) | fixed).items() if k in own}
 
     def _held_values(self, problem: SizingProblem) -> dict[str, float]:
         """Variables that stay as aircraft and mission have them unless they are freed."""

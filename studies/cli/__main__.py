@@ -137,6 +137,10 @@ def cli() -> None:
 
 def main() -> None:
     """Run the command; a user's mistake or a signal ends as one message and an exit code."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        # One that was closed takes nothing, and leaves its number to no file of ours.
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: PTH123, SIM115
     for stream in (sys.stdout, sys.stderr):
         # A terminal that cannot show a character shows a stand-in; it is no reason to fail.
         if isinstance(stream, io.TextIOWrapper):

@@ -10,7 +10,7 @@ import click
 
 from missions.files.errors import InputError, Problem, printable
 from missions.files.validation import located_error
-from missions.flight_path import orbit
+from missions.flight_path import path_trouble
 from sizing.aircraft import MeasuredAirframe
 from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import design_of
@@ -80,10 +80,9 @@ def require_path(case: Case, asked: str | None = None) -> None:
     if case.mission.flight_path is None:
         message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
         raise located_error(case.where.document, ("name",), message)
-    try:
-        orbit(case.mission.flight_path, case.mission.wind, samples=4)
-    except ValueError as error:
-        raise located_error(case.where.document, ("flight_path",), str(error)) from None
+    trouble = path_trouble(case.mission.flight_path, case.mission.wind)
+    if trouble is not None:
+        raise located_error(case.where.document, ("flight_path",), trouble)
 
 
 def refuse_polar_night(case: Case) -> None:
@@ -138,9 +137,10 @@ def check_outputs(**options: str | None) -> None:
         if not path:
             raise click.BadParameter("needs the name of a file", param_hint=option)
         check_target(path)
-        place = os.path.realpath(path)
-        if os.path.exists(place) and not os.path.isfile(place):  # noqa: PTH110, PTH113
+        if os.path.exists(path) and not os.path.isfile(path):  # noqa: PTH110, PTH113
             continue  # a device or a pipe takes one after the other
+        folder, file = os.path.split(os.path.abspath(path))  # noqa: PTH100
+        place = os.path.join(os.path.realpath(folder), file)  # noqa: PTH118
         if place in taken:
             raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
         taken[place] = option

@@ -302,7 +302,7 @@ def write_starters(name: str, folder: Path) -> list[Path]:
         folder / f"{name}.yaml": _template("aircraft").replace("NAME", name),
         folder / f"{name}-mission.yaml": _template("mission").replace("NAME", name),
     }
-    taken = [path for path in contents if path.exists()]
+    taken = [path for path in contents if os.path.lexists(path)]
     if taken:
         message = "exists already and is not overwritten"
         raise _joined([file_error(path.name, message) for path in taken])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 import math
 from collections.abc import Callable, Iterable
 from importlib import import_module
@@ -484,4 +483,6 @@ def check_image(path: str | None) -> None:
 
 def print_json(record: Any) -> None:
     """Print a record as strict JSON."""
-    click.echo(json.dumps(record, indent=2, allow_nan=False))
+    from missions.files.writing import to_json  # not for --help
+
+    click.echo(to_json(record, indent=2))

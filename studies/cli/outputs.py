@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -65,6 +66,43 @@ def tell(
     suggest(next_step)
 
 
+@contextmanager
+def told(
+    case: Case,
+    record: Any,
+    shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
+    *,
+    as_json: bool = False,
+    out_dir: str | None = None,
+    files: Iterable[str | None] = (),
+    next_step: str | None = None,
+) -> Iterator[None]:
+    """Print a result once its files are written, and also where one of them cannot be.
+
+    Parameters
+    ----------
+    case, record, shown, as_json, out_dir, files, next_step
+        As for :func:`tell`; what the files are is not told where writing them failed.
+
+    Yields
+    ------
+    None
+        Files are written inside.
+    """
+    try:
+        yield
+    except BaseException:  # a signal, too: a report takes seconds
+        tell(case, record, shown, as_json=as_json)
+        raise
+    tell(
+        *(case, record, shown),
+        as_json=as_json,
+        out_dir=out_dir,
+        files=files,
+        next_step=next_step,
+    )
+
+
 def suggest(step: str | None) -> None:
     """Say on standard error what to do next, where somebody reads along: on a terminal alone."""
     if step is not None and sys.stdout.isatty() and sys.stderr.isatty():
@@ -118,6 +156,8 @@ def write_results(
 ) -> None:
     """Make and write those of both files that were asked for; if one cannot be, neither is.
 
+    Data are written even where they cannot be drawn.
+
     Parameters
     ----------
     data_file, plot_file : str or None
@@ -133,8 +173,12 @@ def write_results(
     contents: dict[str | os.PathLike[str], bytes] = {}
     if data_file is not None:
         contents[data_file] = data()
-    if plot_file is not None and draw is not None:
-        contents[plot_file] = figure_bytes(draw(), plot_file)
+    try:
+        if plot_file is not None and draw is not None:
+            contents[plot_file] = figure_bytes(draw(), plot_file)
+    except Exception:
+        write_files_atomically(contents)
+        raise
     write_files_atomically(contents)
 
 

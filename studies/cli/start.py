@@ -17,6 +17,9 @@ def start() -> None:
     # xarray imports dask where it is installed, to know its arrays: a second for nothing, as no
     # command holds any.
     _modules().setdefault("dask", None)
+    from studies.output.figures.options import ignore_settings_of_folder
+
+    ignore_settings_of_folder()
     import_module("studies.cli.__main__").main()
 
 

@@ -17,6 +17,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
+from missions.files.writing import to_json
 from sizing.optimisation.objectives import Objective
 from studies.explorer.latest import Latest, SupersededError
 from studies.explorer.security import BodyTooLongError, BodyTooSlowError, Guard, error_body
@@ -256,7 +257,7 @@ def _one_of(body: dict[str, Any], key: str, names: tuple[str, ...]) -> str:
 
 
 def _json(record: Any) -> Response:
-    return Response(json.dumps(record, allow_nan=False), media_type="application/json")
+    return Response(to_json(record), media_type="application/json")
 
 
 def _error(

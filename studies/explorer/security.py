@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import asyncio
 import html
-import json
 import secrets
 from collections.abc import Callable
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from missions.files.writing import to_json
 
 __all__ = ["MAXIMUM_BODY_BYTES", "Guard", "error_body", "new_token"]
 
@@ -63,7 +63,7 @@ def error_body(kind: str, message: str, problems: list[dict[str, Any]] | None = 
         JSON.
     """
     record = {"kind": kind, "message": message, "problems": problems or []}
-    return json.dumps({"error": record}).encode()
+    return to_json({"error": record}).encode()
 
 
 class Guard:
@@ -171,11 +171,12 @@ def _tokens(scope: Scope) -> list[bytes]:
 
 
 def _cookies(header: bytes, name: str) -> list[bytes]:
-    try:
-        found = SimpleCookie(header.decode("latin-1")).get(name)
-    except CookieError:
-        return []
-    return [] if found is None else [found.value.encode()]
+    """Values of a cookie, whatever other programs of this machine have set beside it.
+
+    ``SimpleCookie`` drops all of them where it does not understand one.
+    """
+    pairs = (pair.strip().partition(b"=") for pair in header.split(b";"))
+    return [value for key, _, value in pairs if key == name.encode()]
 
 
 def _limited(receive: Receive) -> Receive:

@@ -22,6 +22,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.parameters import label
 from sizing.results.constraint_words import constraint_words
 from sizing.sunlight import SolarModel
+from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
 
 __all__ = [
@@ -139,6 +140,7 @@ class Worker:
 def _serve(pipe: Connection) -> None:
     """Work of the process: one task after the other, until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's, which ends this one
+    ignore_settings_of_folder()
     with suppress(EOFError, OSError):
         while True:
             work, task = pipe.recv()

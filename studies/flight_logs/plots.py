@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -85,8 +86,8 @@ Draw: TypeAlias = "Callable[[Axes, _View], None]"
 
 def figures(
     result: Verification, *, figure: FigureOptions = DEFAULT
-) -> Iterator[tuple[str, Figure]]:
-    """Figures of all windows and days, each with a name for its file.
+) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """Functions that draw all windows and days, each with a name for its file.
 
     Parameters
     ----------
@@ -98,12 +99,12 @@ def figures(
     Yields
     ------
     name : str
-    drawn : Figure
+    draw : callable
     """
     for number in range(len(result.windows)):
-        yield f"window-{number + 1}", window_figure(result, number, figure=figure)
+        yield f"window-{number + 1}", partial(window_figure, result, number, figure=figure)
     for section, (date, mask) in zip(result.days, day_masks(result.samples), strict=True):
-        yield f"day-{date}", day_figure(result, section, mask, figure=figure)
+        yield f"day-{date}", partial(day_figure, result, section, mask, figure=figure)
 
 
 @styled

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective, SizingStatus
@@ -218,7 +219,7 @@ def extrapolation_attribute(found: Sequence[Extrapolation]) -> dict[str, str]:
     """Attribute that tells what lies outside the range of a model; none where nothing does."""
     if not found:
         return {}
-    return {"extrapolations": json.dumps([one.to_dict() for one in found])}
+    return {"extrapolations": to_json([one.to_dict() for one in found])}
 
 
 def extrapolations_of(data: OnGrid) -> tuple[Extrapolation, ...]:

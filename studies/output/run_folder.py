@@ -21,7 +21,7 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import metadata
@@ -31,7 +31,7 @@ from typing import Any
 from missions.files.errors import InputError, Problem, file_error
 from missions.files.reading import read_plain_file
 from missions.files.texts import read_folder
-from missions.files.writing import file_text, write_folder
+from missions.files.writing import file_text, to_json, write_folder
 from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
 from sizing.sunlight import SolarModel
@@ -132,9 +132,13 @@ def _refuse_newer(record: Any, text: str, source: str) -> None:
 
 
 def write_run_folder(
-    folder: Path, inputs: RunInputs, record: Any, extra: Mapping[str, bytes]
+    folder: Path,
+    inputs: RunInputs,
+    record: Any,
+    extra: Mapping[str, bytes],
+    figures: Mapping[str, Callable[[], bytes]],
 ) -> None:
-    """Write a folder of results whole or not at all.
+    """Write a folder of results whole or not at all; without figures where one cannot be drawn.
 
     Existing files of these names are replaced; what an earlier run wrote besides is removed.
 
@@ -147,7 +151,10 @@ def write_run_folder(
     record : JSON-ready
         Content of ``results.json``.
     extra : mapping
-        Further files, such as tables and figures, by name.
+        Further files, such as tables, by name.
+    figures : mapping
+        Functions that draw figures, by the names of their files. What one of them raises is raised
+        again when everything else is written.
 
     Raises
     ------
@@ -159,12 +166,14 @@ def write_run_folder(
     for name, path in named.items():
         extra = {**extra, name: _content(path)}
         files["airfoil" if Path(name).stem == POLAR else Path(name).stem] = InputFile.of(path)
+    drawn, trouble = _drawn(figures)
     contents = {
         AIRCRAFT: _described(aircraft, files["aircraft"]),
         MISSION: _described(inputs.mission, files["mission"]),
         RUN: b"",
         RESULTS: _json_bytes(record),
         **extra,
+        **drawn,
     }
     contents[RUN] = _json_bytes({**run_record(inputs.solar, files), "files": sorted(contents)})
     earlier = _files_of_run(folder)
@@ -172,6 +181,18 @@ def write_run_folder(
     for name in earlier - contents.keys():
         with suppress(OSError):  # a folder of that name is none of ours
             (folder / name).unlink(missing_ok=True)
+    if trouble is not None:
+        raise trouble
+
+
+def _drawn(
+    figures: Mapping[str, Callable[[], bytes]],
+) -> tuple[dict[str, bytes], Exception | None]:
+    """Files of figures, or none and the reason."""
+    try:
+        return {name: draw() for name, draw in figures.items()}, None
+    except Exception as error:
+        return {}, error
 
 
 def _read(path: Path) -> bytes:
@@ -189,7 +210,7 @@ def _files_of_run(folder: Path) -> set[str]:
 
 def _json_bytes(record: Any) -> bytes:
     """Record as strict JSON."""
-    return (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
+    return (to_json(record, indent=2) + "\n").encode()
 
 
 def _described(data: Mapping[str, Any], file: InputFile) -> bytes:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from missions.dates import date_code
 from missions.mission import MAXIMUM_SCENARIOS
@@ -18,6 +19,9 @@ from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Keys of a mission that play no part in a weather record.
 _NOT_OF_A_RECORD = ("launch", "clearness", "required_excess_time_h")
@@ -75,10 +79,37 @@ def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[
     return data
 
 
-def sizing_files(study: SizingStudy, figure: FigureOptions = DEFAULT) -> dict[str, bytes]:
-    """Tables and figures of an optimum, by the names of their files.
+def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
+    """Tables of an optimum, by the names of their files.
 
-    Sensitivities, where there are any, come as a table and as a tornado plot.
+    Parameters
+    ----------
+    study : SizingStudy
+        With an optimum.
+
+    Returns
+    -------
+    dict
+        Contents of the files.
+    """
+    contents = {
+        "scenarios.csv": csv_bytes(study.scenarios()),
+        "masses.csv": csv_bytes(study.masses()),
+    }
+    if study.sensitivities:
+        import pandas as pd
+
+        records = sensitivity_records(study.sensitivities)
+        contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(records))
+    return contents
+
+
+def sizing_figures(
+    study: SizingStudy, figure: FigureOptions = DEFAULT
+) -> dict[str, Callable[[], bytes]]:
+    """Functions that draw an optimum, by the names of their files.
+
+    Sensitivities, where there are any, come as a tornado plot.
 
     Parameters
     ----------
@@ -90,37 +121,35 @@ def sizing_files(study: SizingStudy, figure: FigureOptions = DEFAULT) -> dict[st
     Returns
     -------
     dict
-        Contents of the files.
+        Functions that return the contents of the files.
     """
     result, worth, solar = study.result, study.sensitivities, study.solar
     assert result.design is not None
-    sized = study.sized_aircraft()
-    analysis = analyse(
-        sized, study.sized_mission(), model=solar.model, correction=solar.correction, replay=False
-    )
-    masses = plots.plot_masses(
-        result.design.masses._asdict(),
-        f"{sized.name}: mass budget",
-        notes=(drawing.outside_ranges(study.extrapolations),),
-        figure=figure,
-    )
-    contents = {
-        "scenarios.csv": csv_bytes(study.scenarios()),
-        "masses.csv": csv_bytes(study.masses()),
-        "cycle.png": drawing.to_bytes(plots.plot_cycle(analysis, figure=figure), "png"),
-        "masses.png": drawing.to_bytes(masses, "png"),
-    }
-    if worth:
-        import pandas as pd
+    parts, sized = result.design.masses._asdict(), study.sized_aircraft()
+    mission = study.sized_mission()
 
-        contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(sensitivity_records(worth)))
-        tornado = plots.plot_sensitivities(
-            worth,
-            result.objective,
-            sized.name,
-            solar,
+    def cycle() -> Figure:
+        flown = analyse(
+            sized, mission, model=solar.model, correction=solar.correction, replay=False
+        )
+        return plots.plot_cycle(flown, figure=figure)
+
+    def masses() -> Figure:
+        notes = (drawing.outside_ranges(study.extrapolations),)
+        return plots.plot_masses(parts, f"{sized.name}: mass budget", notes=notes, figure=figure)
+
+    def sensitivities() -> Figure:
+        return plots.plot_sensitivities(
+            *(worth or [], result.objective, sized.name, solar),
             extrapolations=study.extrapolations,
             figure=figure,
         )
-        contents["sensitivities.png"] = drawing.to_bytes(tornado, "png")
-    return contents
+
+    drawn = {"cycle.png": cycle, "masses.png": masses}
+    if worth:
+        drawn["sensitivities.png"] = sensitivities
+    return {name: partial(_png, draw) for name, draw in drawn.items()}
+
+
+def _png(draw: Callable[[], Figure]) -> bytes:
+    return drawing.to_bytes(draw(), "png")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import re
 import shlex
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.records import check_subjects
@@ -138,7 +138,7 @@ def render(subject: Subject) -> str:
     if sys.argv[:1] and not sys.argv[0].endswith("solar-uav"):
         run["command"] = shlex.join(["python", *sys.argv]) if sys.argv[0] else "python"
     sections = list(_numbered([*_sections(subject), provenance_section(subject, run)]))
-    results = json.dumps(subject.results(), allow_nan=False, sort_keys=True)
+    results = to_json(subject.results(), sort_keys=True)
     page: str = _template().render(
         subject=subject,
         verdict=verdict(subject),

@@ -225,6 +225,10 @@ def models_section(subject: Subject) -> Section | None:
     """All solar power models side by side; None for a mission that climbs."""
     from studies.models.plots import plot_comparison
 
+    title = "Solar power models"
+    if subject.path_trouble is not None and not subject.climbs:
+        told = f"The solar power models are not compared: {subject.path_trouble}."
+        return Section("models", title, [Text(told)])
     found = subject.comparison
     if found is None:
         return None
@@ -251,7 +255,7 @@ def models_section(subject: Subject) -> Section | None:
     ]
     if found.notes:
         blocks.append(Items(tuple(found.notes)))
-    return Section("models", "Solar power models", blocks)
+    return Section("models", title, blocks)
 
 
 # ---- Scatter, weather, logs
@@ -314,9 +318,9 @@ def verification_section(subject: Subject) -> Section | None:
         return None
     blocks = summary_blocks(found.summary(), title="errors")
     drawn: list[Block] = []
-    for number, (name, plot) in enumerate(figures(found, figure=page_options(_WIDTH_IN + 0.4))):
+    for number, (name, draw) in enumerate(figures(found, figure=page_options(_WIDTH_IN + 0.4))):
         markup = figure_markup(
-            plot,
+            draw(),
             title=f"Log and models, {name}",
             description="Measured and modelled solar power over solar time, and what the models "
             "say of angles, efficiencies and shade.",

@@ -82,8 +82,19 @@ class Subject:
         return self.mission.climb is not None
 
     @cached_property
+    def path_trouble(self) -> str | None:
+        """Why VM and FM cannot fly the path in the wind; None if they can, or have none."""
+        from missions.flight_path import path_trouble
+        from studies.models.solar_models import attitude_is_known
+
+        path = self.mission.flight_path
+        if path is None or not attitude_is_known(self.aircraft, self.mission):
+            return None
+        return path_trouble(path, self.mission.wind)
+
+    @cached_property
     def comparison(self) -> Comparison | None:
-        """Solar power models side by side; None for a mission that climbs.
+        """Solar power models side by side; None for a mission that climbs, or too strong a wind.
 
         Of a mission with many latitudes at that of its weakest scenario: the season of VM and FM
         takes a second or two at each.
@@ -91,7 +102,7 @@ class Subject:
         from studies.models.comparison import compare
         from studies.models.solar_models import attitude_is_known
 
-        if self.climbs:
+        if self.climbs or self.path_trouble is not None:
             return None
         mission, latitudes = self.mission, self.mission.latitudes()
         if len(latitudes) > _MOST_LATITUDES and attitude_is_known(self.aircraft, mission):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
+from missions.files.writing import to_json
 from studies.output.formats import TABLE_FORMATS, csv_bytes, table_bytes, workbook_bytes
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
 
     table = to_table(data)
     if file_format == "csv":
-        return f"# {json.dumps(table.attrs)}\n".encode() + csv_bytes(table)
+        return f"# {to_json(table.attrs)}\n".encode() + csv_bytes(table)
     if file_format == "xlsx":
         return workbook_bytes({"points": table, "configuration": _configuration(table.attrs)})
     return table_bytes(table, f"table.{file_format}")
@@ -63,5 +63,5 @@ def _configuration(attrs: dict[Any, Any]) -> pd.DataFrame:
     """Whole configuration as keys and values."""
     import pandas as pd
 
-    texts = [value if isinstance(value, str) else json.dumps(value) for value in attrs.values()]
+    texts = [value if isinstance(value, str) else to_json(value) for value in attrs.values()]
     return pd.DataFrame({"key": [str(key) for key in attrs], "value": texts})

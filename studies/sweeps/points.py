@@ -14,7 +14,7 @@ from missions.files.overrides import with_overrides
 from missions.files.texts import texts_as_read
 from missions.files.validation import validate
 from missions.files.yaml import Document
-from missions.flight_path import orbit
+from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, DesignSpace, Range
 from sizing.design import DesignVariables, FlightConditions, variables_of
@@ -179,11 +179,8 @@ def _unflyable(solar: SolarModel, mission: Mission) -> str | None:
     needed = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
     if not needed or mission.flight_path is None:
         return None
-    try:
-        orbit(mission.flight_path, mission.wind, samples=4)
-    except ValueError as error:
-        return f"flight path: {error}"
-    return None
+    trouble = path_trouble(mission.flight_path, mission.wind)
+    return None if trouble is None else f"flight path: {trouble}"
 
 
 def _problems(error: InputError) -> str:

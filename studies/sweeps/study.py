@@ -8,7 +8,6 @@ variables are held and the others sized.
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -21,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from missions.files.errors import InputError, Problem
 from missions.files.texts import texts_as_read
+from missions.files.writing import to_json
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -503,7 +503,7 @@ def _attributes(study: Study) -> dict[str, Any]:
     asked: SweepConfiguration = study.job.configuration
     title = f"Trade study of {study.aircraft.name} on {study.mission.name}"
     return attributes(title, study.aircraft, study.mission, asked.solar) | {
-        "vary": json.dumps({axis.key: list(axis.names or axis.values) for axis in study.axes}),
+        "vary": to_json({axis.key: list(axis.names or axis.values) for axis in study.axes}),
         "sample": study.sample,
         "seed": study.seed,
         "modules_cover_the_wing": int(asked.cover),

@@ -126,7 +126,7 @@ def analyse(
         require_path,
     )
     from studies.cli.files import load
-    from studies.cli.outputs import tell, write_results
+    from studies.cli.outputs import told, write_results
     from studies.output.formats import table_bytes
     from studies.output.plots import plot_cycle, plot_flight
 
@@ -165,22 +165,22 @@ def analyse(
         case.aircraft, case.mission, model=solar.model, correction=solar.correction, days=days
     )
     flight = result.flight
-    write_results(
-        table_file,
-        lambda: table_bytes(result.trajectory(), table_file, title="cycle"),
-        plot_file,
-        lambda: (
-            plot_cycle(result, figure=figure)
-            if flight is None
-            else plot_flight(result, flight, figure=figure)
-        ),
-    )
-    tell(
+    with told(
         *(case, case.named(result.to_dict()), result),
         as_json=as_json,
         files=(table_file, plot_file),
         next_step=_next_step(case, perpetual=bool(result.performance.cycle.perpetual.all())),
-    )
+    ):
+        write_results(
+            table_file,
+            lambda: table_bytes(result.trajectory(), table_file, title="cycle"),
+            plot_file,
+            lambda: (
+                plot_cycle(result, figure=figure)
+                if flight is None
+                else plot_flight(result, flight, figure=figure)
+            ),
+        )
 
 
 def _next_step(case: Case, *, perpetual: bool) -> str:
@@ -208,7 +208,7 @@ def _in_weather(
     from missions.weather.files import load_weather
     from sizing.results.analysis import analyse as run_analysis
     from sizing.results.weather import analyse_weather
-    from studies.cli.outputs import tell, write_results
+    from studies.cli.outputs import told, write_results
     from studies.output.formats import table_bytes
     from studies.weather.plots import plot_weather
 
@@ -223,15 +223,6 @@ def _in_weather(
         correction=case.solar.correction,
         mission_chosen=not case.mission_is_default,
     )
-    write_results(
-        table_years, lambda: table_bytes(result.to_years_frame(), table_years, title="years")
-    )
-    write_results(
-        table_file,
-        lambda: table_bytes(result.to_frame(), table_file, title="days"),
-        plot_file,
-        lambda: plot_weather(result, figure=figure),
-    )
     record = {"weather": result.to_dict()}
     if as_json:
         clear_day = run_analysis(
@@ -243,4 +234,13 @@ def _in_weather(
         )
         record = clear_day.to_dict() | record
     files = (table_file, table_years, plot_file)
-    tell(case, case.named(record), result, as_json=as_json, files=files)
+    with told(case, case.named(record), result, as_json=as_json, files=files):
+        write_results(
+            table_years, lambda: table_bytes(result.to_years_frame(), table_years, title="years")
+        )
+        write_results(
+            table_file,
+            lambda: table_bytes(result.to_frame(), table_file, title="days"),
+            plot_file,
+            lambda: plot_weather(result, figure=figure),
+        )

@@ -62,7 +62,7 @@ def ceiling(
     from studies.ceiling import perpetual_ceiling, plot_ceiling
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
     from studies.cli.files import load
-    from studies.cli.outputs import tell, write_results
+    from studies.cli.outputs import told, write_results
     from studies.cli.progress import progress_of
     from studies.output.formats import table_bytes
 
@@ -85,12 +85,13 @@ def ceiling(
             step_m=step_m,
             progress=progress,
         )
-    write_results(
-        table_file,
-        lambda: table_bytes(result.to_frame(), table_file, title="altitudes"),
-        plot_file,
-        lambda: plot_ceiling(result, figure=figure),
-    )
-    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(table_file, plot_file))
+    record, files = case.named(result.to_dict()), (table_file, plot_file)
+    with told(case, record, result, as_json=as_json, files=files):
+        write_results(
+            table_file,
+            lambda: table_bytes(result.to_frame(), table_file, title="altitudes"),
+            plot_file,
+            lambda: plot_ceiling(result, figure=figure),
+        )
     if result.found.highest is None:
         raise SystemExit(EXIT_FAILED)

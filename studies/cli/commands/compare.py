@@ -146,7 +146,7 @@ def compare(
     from missions.files.writing import check_writable_folder
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
     from studies.cli.files import load
-    from studies.cli.outputs import figure_bytes, tell, write_results
+    from studies.cli.outputs import figure_bytes, told, write_results
     from studies.cli.progress import progress_of
     from studies.models.comparison import compare as compare_models
     from studies.models.plots import plot_comparison
@@ -179,21 +179,20 @@ def compare(
             progress=progress,
         )
     record = case.named(found.to_dict())
-    if out_dir is None:
-        write_results(
-            table_file,
-            lambda: table_bytes(found.to_frame(), table_file, title="models"),
-            plot_file,
-            lambda: plot_comparison(found, figure=figure),
-        )
-    else:
-        contents = {
-            "comparison.csv": csv_bytes(found.to_frame()),
-            "comparison.png": figure_bytes(plot_comparison(found, figure=figure), "comparison.png"),
-        }
-        write_run_folder(Path(out_dir), case.inputs(), record, contents)
     files = () if out_dir is not None else (table_file, plot_file)
-    tell(case, record, found, as_json=as_json, out_dir=out_dir, files=files)
+    with told(case, record, found, as_json=as_json, out_dir=out_dir, files=files):
+        if out_dir is None:
+            write_results(
+                table_file,
+                lambda: table_bytes(found.to_frame(), table_file, title="models"),
+                plot_file,
+                lambda: plot_comparison(found, figure=figure),
+            )
+        else:
+            contents = {"comparison.csv": csv_bytes(found.to_frame())}
+            image = "comparison.png"
+            drawn = {image: lambda: figure_bytes(plot_comparison(found, figure=figure), image)}
+            write_run_folder(Path(out_dir), case.inputs(), record, contents, drawn)
     sized = [one.built for one in found.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)

@@ -132,9 +132,7 @@ def diff(
 )
 def schema(kind: str, out_file: str | None) -> None:
     """Print the JSON Schema of aircraft or mission files, for completion in an editor."""
-    import json
-
-    from missions.files.writing import write_text_atomically
+    from missions.files.writing import to_json, write_text_atomically
     from studies.cli.checks import check_outputs
     from studies.exchange.schema import file_schema
 
@@ -143,5 +141,5 @@ def schema(kind: str, out_file: str | None) -> None:
     if out_file is None:
         print_json(record)
         return
-    write_text_atomically(out_file, json.dumps(record, indent=2) + "\n")
+    write_text_atomically(out_file, to_json(record, indent=2) + "\n")
     click.echo(f"written to {out_file}")

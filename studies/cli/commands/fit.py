@@ -84,7 +84,7 @@ def fit(
     from sizing.results.tables import Summary
     from studies.cli.checks import check_outputs, refuse_to_overwrite
     from studies.cli.files import load, refuse_swapped_log
-    from studies.cli.outputs import figure_bytes, tell
+    from studies.cli.outputs import figure_bytes, told
     from studies.fitting.files import file_text, fitted_document, fitted_lines
     from studies.fitting.flight import fit_flight
     from studies.fitting.parameters import chosen
@@ -112,23 +112,24 @@ def fit(
         prediction = predict_flight(found, read_flight_log(other_log, layout), case.mission)
         record["prediction"] = prediction.to_dict()
         shown = shown + Summary((prediction.table(),))
-    if found.fitted and (write_file is not None or out_dir is not None):
-        log = InputFile.of(Path(log_file))
-        sources = {
-            "aircraft_sha256": case.craft.sha256,
-            "log": log.source,
-            "log_sha256": log.sha256,
-            "mission": case.where.document.source,
-        }
-        document = fitted_document(case.craft.document, found, sources)
-        if out_dir is not None:
-            inputs = case.inputs(log=Path(log_file)).of_aircraft(document.data)
-            image = figure_bytes(plot_fit(found, figure=figure), "fit.png")
-            write_run_folder(Path(out_dir), inputs, record, {"fit.png": image})
-        if write_file is not None:
-            write_text_atomically(write_file, file_text(document, fitted_lines(found)))
-    written = (write_file, out_dir) if found.fitted else (None, None)
-    tell(case, record, shown, as_json=as_json, out_dir=written[1], files=(written[0],))
+    if not found.fitted:
+        write_file = out_dir = None
+    with told(case, record, shown, as_json=as_json, out_dir=out_dir, files=(write_file,)):
+        if write_file is not None or out_dir is not None:
+            log = InputFile.of(Path(log_file))
+            sources = {
+                "aircraft_sha256": case.craft.sha256,
+                "log": log.source,
+                "log_sha256": log.sha256,
+                "mission": case.where.document.source,
+            }
+            document = fitted_document(case.craft.document, found, sources)
+            if write_file is not None:
+                write_text_atomically(write_file, file_text(document, fitted_lines(found)))
+            if out_dir is not None:
+                inputs = case.inputs(log=Path(log_file)).of_aircraft(document.data)
+                drawn = {"fit.png": lambda: figure_bytes(plot_fit(found, figure=figure), "fit.png")}
+                write_run_folder(Path(out_dir), inputs, record, {}, drawn)
     if not found.fitted:
         click.echo("solar-uav: the log tells none of the parameters; nothing is written", err=True)
         sys.exit(EXIT_FAILED)

@@ -104,7 +104,7 @@ def map_(
     from studies.cli.checks import check_outputs, refuse_climb, require_parametric, require_path
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
-    from studies.cli.outputs import call, tell, write_results
+    from studies.cli.outputs import call, told, write_results
     from studies.maps import feasibility, results
     from studies.output.gridded import to_netcdf_bytes
 
@@ -135,21 +135,18 @@ def map_(
         record, table = results.designs_record, results.designs_table
     with completed(study.job, options, out_file, "cells") as outcome:
         data = study.gridded(outcome)
-        write_results(
-            out_file,
-            lambda: to_netcdf_bytes(data),
-            plot_file,
-            lambda: _drawn(data, figure, resized=objective is not None),
-        )
-        named = case.named(record(data))
-        tell(
-            case,
-            named,
-            lambda: table(data),
+        with told(
+            *(case, case.named(record(data)), lambda: table(data)),
             as_json=as_json,
             files=(out_file, plot_file),
             next_step=call("report", "--out", "report.html"),
-        )
+        ):
+            write_results(
+                out_file,
+                lambda: to_netcdf_bytes(data),
+                plot_file,
+                lambda: _drawn(data, figure, resized=objective is not None),
+            )
 
 
 # Options of a map over latitudes, and those of one in a weather record.
@@ -195,7 +192,7 @@ def _in_weather(
 ) -> None:
     """Map the days of a record that close, and tell it."""
     from missions.weather.files import load_weather
-    from studies.cli.outputs import tell, write_results
+    from studies.cli.outputs import told, write_results
     from studies.output.gridded import to_netcdf_bytes
     from studies.weather import battery_map as maps
 
@@ -204,20 +201,14 @@ def _in_weather(
         solar=case.solar,
         mission_chosen=not case.mission_is_default,
     )
-    write_results(
-        files[0],
-        lambda: to_netcdf_bytes(data),
-        files[1],
-        lambda: maps.plot_battery_map(data, figure=figure),
-    )
-    record = {"days_in_weather": maps.battery_map_record(data)}
-    tell(
-        case,
-        case.named(record),
-        lambda: maps.battery_map_table(data),
-        as_json=as_json,
-        files=files,
-    )
+    record = case.named({"days_in_weather": maps.battery_map_record(data)})
+    with told(case, record, lambda: maps.battery_map_table(data), as_json=as_json, files=files):
+        write_results(
+            files[0],
+            lambda: to_netcdf_bytes(data),
+            files[1],
+            lambda: maps.plot_battery_map(data, figure=figure),
+        )
 
 
 def _drawn(data: OnGrid, figure: FigureOptions, *, resized: bool) -> Figure:

@@ -152,11 +152,11 @@ def size(
         uncertain_inputs_of,
     )
     from studies.cli.files import load
-    from studies.cli.outputs import tell
+    from studies.cli.outputs import told
     from studies.cli.progress import progress_of
     from studies.cli.reports import check_report, report_on_sizing
     from studies.output.run_folder import write_run_folder
-    from studies.output.sizing_files import sized_inputs, sizing_files
+    from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
     asked = Objective(objective)
     if asked.of_range and (with_sensitivities or with_cross_check):
@@ -221,19 +221,19 @@ def size(
         )
     record = case.named(study.to_dict())
     written = out_dir if study.feasible else None
-    if written is not None:
-        read = case.inputs() if weather_file is None else case.inputs_with_weather(weather_file)
-        inputs = sized_inputs(study, read)
-        write_run_folder(Path(written), inputs, record, sizing_files(study, figure))
     reported = report_file if study.feasible else None
-    if reported is not None:
-        report_on_sizing(case, study, record, reported, overrides=overrides)
-    tell(
+    with told(
         *(case, record, study),
         as_json=as_json,
         out_dir=written,
         files=(reported,),
         next_step=_next_step(study, written),
-    )
+    ):
+        if written is not None:
+            read = case.inputs() if weather_file is None else case.inputs_with_weather(weather_file)
+            inputs, tables = sized_inputs(study, read), sizing_tables(study)
+            write_run_folder(Path(written), inputs, record, tables, sizing_figures(study, figure))
+        if reported is not None:
+            report_on_sizing(case, study, record, reported, overrides=overrides)
     if not study.feasible:
         sys.exit(EXIT_FAILED)

@@ -138,7 +138,7 @@ def sweep(
     from studies.cli.checks import check_outputs, refuse_climb, require_path
     from studies.cli.files import load
     from studies.cli.jobs import WorkOptions, completed
-    from studies.cli.outputs import call, figure_bytes, tell
+    from studies.cli.outputs import call, figure_bytes, told
     from studies.sweeps import study
     from studies.sweeps.axes import axis_names
     from studies.sweeps.files import FORMATS, table_format, to_bytes
@@ -178,33 +178,33 @@ def sweep(
     check_outputs(out=out_file, plot=plot_file)
     with completed(prepared.job, options, out_file, "points") as outcome:
         data = study.dataset(prepared, outcome)
-        contents: dict[str | os.PathLike[str], bytes] = {}
-        if out_file is not None and file_format is not None:
-            contents[out_file] = to_bytes(data, file_format)
-        trouble = None
-        if plot_file is not None:
-            from studies.sweeps.plots import plot_pareto, plot_sweep
-
-            try:
-                drawn = (
-                    plot_sweep(data, figure=figure)
-                    if pareto is None
-                    else plot_pareto(data, *pareto, figure=figure)
-                )
-                contents[plot_file] = figure_bytes(drawn, plot_file)
-            except ValueError as error:
-                # The points are worth keeping even where there is nothing to draw.
-                trouble = str(error)
-        write_files_atomically(contents)
         record = case.named(points_record(data))
         if pareto is not None:
             record |= front_record(data, *pareto)
-        tell(
+        contents: dict[str | os.PathLike[str], bytes] = {}
+        trouble = None
+        with told(
             *(case, record, lambda: points_summary(data, sort=sort, top=top, front=pareto)),
             as_json=as_json,
-            files=map(str, contents),
+            files=(str(name) for name in contents),
             next_step=f"{call('explore')} (the same with sliders)",
-        )
+        ):
+            if out_file is not None and file_format is not None:
+                contents[out_file] = to_bytes(data, file_format)
+            if plot_file is not None:
+                from studies.sweeps.plots import plot_pareto, plot_sweep
+
+                try:
+                    drawn = (
+                        plot_sweep(data, figure=figure)
+                        if pareto is None
+                        else plot_pareto(data, *pareto, figure=figure)
+                    )
+                    contents[plot_file] = figure_bytes(drawn, plot_file)
+                except ValueError as error:
+                    # The points are worth keeping even where there is nothing to draw.
+                    trouble = str(error)
+            write_files_atomically(contents)
         if trouble is not None:
             tell_error(f"solar-uav: no chart: {trouble}")
     if trouble is not None:

@@ -65,7 +65,7 @@ def uncertainty(
         uncertain_inputs_of,
     )
     from studies.cli.files import load
-    from studies.cli.outputs import tell, write_results
+    from studies.cli.outputs import told, write_results
     from studies.output.formats import table_bytes
     from studies.uncertainty.plots import plot_uncertainty
 
@@ -84,10 +84,11 @@ def uncertainty(
             seed=seed,
             model_error=not no_model_error,
         )
-    write_results(
-        table_file,
-        lambda: table_bytes(result.to_frame(), table_file, title="draws"),
-        plot_file,
-        lambda: plot_uncertainty(result, figure=figure),
-    )
-    tell(case, case.named(result.to_dict()), result, as_json=as_json, files=(table_file, plot_file))
+    record, files = case.named(result.to_dict()), (table_file, plot_file)
+    with told(case, record, result, as_json=as_json, files=files):
+        write_results(
+            table_file,
+            lambda: table_bytes(result.to_frame(), table_file, title="draws"),
+            plot_file,
+            lambda: plot_uncertainty(result, figure=figure),
+        )

@@ -132,7 +132,7 @@ def efficiencies(
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
     from studies.cli.checks import check_outputs, refuse_polar_night, require_path
     from studies.cli.files import load
-    from studies.cli.outputs import tell, write_results
+    from studies.cli.outputs import told, write_results
     from studies.models import component_efficiencies as study
     from studies.output.formats import table_bytes
 
@@ -142,13 +142,15 @@ def efficiencies(
     require_path(case, "--model FM")
     refuse_polar_night(case)
     data = study.component_efficiencies(case.aircraft, case.mission)
-    write_results(
-        table_file,
-        lambda: table_bytes(data.to_dataframe().reset_index(), table_file, title="efficiencies"),
-        plot_file,
-        lambda: study.plot_efficiencies(data, figure=figure),
-    )
-    tell(case, {}, study.efficiency_table(data), files=(table_file, plot_file))
+    with told(case, {}, study.efficiency_table(data), files=(table_file, plot_file)):
+        write_results(
+            table_file,
+            lambda: table_bytes(
+                data.to_dataframe().reset_index(), table_file, title="efficiencies"
+            ),
+            plot_file,
+            lambda: study.plot_efficiencies(data, figure=figure),
+        )
 
 
 @command("solar-uav reproduce-report --out reproduced", name="reproduce-report")
@@ -162,7 +164,7 @@ def reproduce_report(as_json: bool, out_dir: str | None, figure: FigureOptions) 
     """
     from missions.files.writing import check_writable_folder
     from studies.cli.files import Case, open_aircraft, open_mission
-    from studies.cli.outputs import tell
+    from studies.cli.outputs import told
     from studies.output.figures.drawing import to_bytes
     from studies.output.run_folder import write_run_folder
     from studies.validation import report_reproduction as study
@@ -172,11 +174,13 @@ def reproduce_report(as_json: bool, out_dir: str | None, figure: FigureOptions) 
     case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION))
     result = study.reproduce(case.aircraft, case.mission, vary=True)
     record = case.named(result.to_dict())
-    if out_dir is not None:
-        tables = "\n".join(table.to_markdown() for table in result.tables())
-        contents = {
-            "report.md": tables.encode(),
-            "report.png": to_bytes(study.reproduction_figure(result, figure=figure), "png"),
-        }
-        write_run_folder(Path(out_dir), case.inputs(), record, contents)
-    tell(case, record, result, as_json=as_json, out_dir=out_dir)
+    with told(case, record, result, as_json=as_json, out_dir=out_dir):
+        if out_dir is not None:
+            tables = "\n".join(table.to_markdown() for table in result.tables())
+            contents = {"report.md": tables.encode()}
+            drawn = {
+                "report.png": lambda: to_bytes(
+                    study.reproduction_figure(result, figure=figure), "png"
+                )
+            }
+            write_run_folder(Path(out_dir), case.inputs(), record, contents, drawn)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +26,8 @@ from studies.cli.options import (
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from missions.logs.columns import ColumnMap
     from studies.flight_logs.errors import Window
 
@@ -81,7 +85,7 @@ def verify(
     from missions.logs.csv import read_flight_log
     from studies.cli.checks import refuse_to_overwrite
     from studies.cli.files import load, refuse_swapped_log
-    from studies.cli.outputs import figure_bytes, tell
+    from studies.cli.outputs import told
     from studies.cli.reports import check_report, report_on_log
     from studies.flight_logs.plots import figures
     from studies.flight_logs.verification import verify as verify_models
@@ -102,12 +106,20 @@ def verify(
         correct=not as_logged,
     )
     record = case.named(result.to_dict())
-    if out_dir is not None:
-        contents = {_SAMPLES: result.to_csv().encode()}
-        for name, drawn in figures(result, figure=figure):
-            contents[f"{name}.png"] = figure_bytes(drawn, f"{name}.png")
-        inputs = case.inputs(log=Path(log_file))
-        write_run_folder(Path(out_dir), inputs, record, contents)
-    if report_file is not None:
-        report_on_log(case, result, log_file, report_file, overrides=overrides)
-    tell(case, record, result, as_json=as_json, out_dir=out_dir, files=(report_file,))
+    with told(case, record, result, as_json=as_json, out_dir=out_dir, files=(report_file,)):
+        if out_dir is not None:
+            contents = {_SAMPLES: result.to_csv().encode()}
+            drawn = {
+                f"{name}.png": partial(_drawn, draw, f"{name}.png")
+                for name, draw in figures(result, figure=figure)
+            }
+            inputs = case.inputs(log=Path(log_file))
+            write_run_folder(Path(out_dir), inputs, record, contents, drawn)
+        if report_file is not None:
+            report_on_log(case, result, log_file, report_file, overrides=overrides)
+
+
+def _drawn(draw: Callable[[], Figure], name: str) -> bytes:
+    from studies.cli.outputs import figure_bytes
+
+    return figure_bytes(draw(), name)

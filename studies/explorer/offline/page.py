@@ -5,10 +5,10 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
-import json
 import re
 from importlib import resources
 
+from missions.files.writing import to_json
 from solar._version import __version__
 from studies.explorer.offline.record import offline_record
 from studies.explorer.session import Session
@@ -51,7 +51,7 @@ def offline_page(session: Session) -> str:
         mission=html.escape(session.mission.name),
     )
     # JSON in a script element: no text of a file may end it.
-    tables = json.dumps(record, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    tables = to_json(record, separators=(",", ":")).replace("<", "\\u003c")
     scripts = [parts["vendor/uPlot.iife.min.js"], bundled(parts, "main.js")]
     styles = [
         parts["vendor/uPlot.min.css"],

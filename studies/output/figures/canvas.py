@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from studies.output.figures import drawing
@@ -54,7 +53,6 @@ class StyledFigure(Figure):
         **kwargs
             As there; the resolution is by default that of the options.
         """
-        settings: Any = self.options.settings()
         kwargs.setdefault("dpi", self.options.dots_per_inch or drawing.DOTS_PER_INCH)
-        with drawing.SETTINGS, mpl.rc_context(settings):
+        with drawing.in_style(self.options):
             super().savefig(fname, **kwargs)

@@ -7,6 +7,7 @@ A style is a shipped name, a name of matplotlib, or a file in the format of matp
 from __future__ import annotations
 
 import math
+import os
 import re
 from dataclasses import dataclass
 from importlib import resources
@@ -19,6 +20,7 @@ __all__ = [
     "FigureOptions",
     "TooManyDotsError",
     "check_dots",
+    "ignore_settings_of_folder",
     "read_dots_per_inch",
     "read_size",
     "read_style",
@@ -106,6 +108,22 @@ class FigureOptions:
 
 
 DEFAULT = FigureOptions()
+
+
+def ignore_settings_of_folder() -> None:
+    """Keep matplotlib from reading a ``matplotlibrc`` in the current folder.
+
+    It does so when it is imported, and fails on some; nothing turns that off. To be called before
+    there are threads. Nothing is imported where there is no such file.
+    """
+    if not os.path.lexists("matplotlibrc"):
+        return
+    here = Path.cwd()
+    os.chdir(here.anchor)
+    try:
+        import matplotlib  # noqa: F401
+    finally:
+        os.chdir(here)
 
 
 def check_dots(width_in: float, height_in: float, dots_per_inch: float) -> None:

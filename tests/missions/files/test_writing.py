@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import enum
+import json
 import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from hypothesis import given
@@ -17,6 +19,7 @@ from hypothesis import strategies as st
 from missions.files.writing import (
     OutputError,
     check_writable_folder,
+    to_json,
     to_yaml,
     write_bytes_atomically,
     write_folder,
@@ -120,11 +123,37 @@ def test_existing_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> 
     assert path.stat().st_mode & 0o777 == 0o604
 
 
-def test_link_is_followed(tmp_path: Path) -> None:
-    (tmp_path / "link").symlink_to(tmp_path / "target")
-    write_bytes_atomically(tmp_path / "link", b"x")
-    assert (tmp_path / "link").is_symlink()
-    assert (tmp_path / "target").read_bytes() == b"x"
+def test_json_is_strict_and_has_no_negative_zero() -> None:
+    record = {"a": -0.0, "b": [(-0.0, 1.5), {"c": np.float64(-0.0)}], "d": [-0, None, True, "-0.0"]}
+    expected = {"a": 0.0, "b": [[0.0, 1.5], {"c": 0.0}], "d": [0, None, True, "-0.0"]}
+    assert to_json(record) == json.dumps(expected)
+    assert to_json(-1e-300) == "-1e-300"  # what is not zero keeps its sign
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        to_json({"a": math.nan})
+
+
+def test_link_is_replaced_and_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    for number, target in enumerate(("mine.txt", "nowhere")):
+        link = tmp_path / f"link{number}"
+        link.symlink_to(tmp_path / target)
+        write_bytes_atomically(link, b"x")
+        assert not link.is_symlink()
+        assert link.read_bytes() == b"x"
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_link_to_a_device_or_a_pipe_is_written_to(tmp_path: Path) -> None:
+    link = tmp_path / "link"  # as /dev/stdout is one
+    link.symlink_to(os.devnull)
+    write_bytes_atomically(link, b"x")
+    assert link.is_symlink()
+    (tmp_path / "folder").mkdir()
+    link.unlink()
+    link.symlink_to(tmp_path / "folder")
+    with pytest.raises(OutputError, match="it is a folder"):
+        write_bytes_atomically(link, b"x")
 
 
 @pytest.mark.parametrize(("owner", "step"), [(os, "fsync"), (Path, "replace")])

@@ -263,9 +263,15 @@ def ulog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     file.write_bytes(b"ULog")
 
     def reader(content: dict[str, dict[str, Any]]) -> FlightLog:
-        data = [SimpleNamespace(name=n, multi_id=0, data=d) for n, d in content.items()]
+        class ULog:
+            file_corruption = False
+
+            def __init__(self, *_: Any) -> None:
+                pairs = content.items()
+                self.data_list = [SimpleNamespace(name=n, multi_id=0, data=d) for n, d in pairs]
+
         module = ModuleType("pyulog")
-        module.ULog = lambda *_: SimpleNamespace(data_list=data, file_corruption=False)  # type: ignore[attr-defined]
+        module.ULog = ULog  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "pyulog", module)
         return read_flight_log(file)
 
@@ -383,6 +389,55 @@ def test_ulog_that_leads_back_to_itself_is_refused(tmp_path: Path) -> None:
     file.write_bytes(content)
     with pytest.raises(InputError, match=r"is not a ULog|has no topic"):
         read_flight_log(file)
+
+
+def ulog_messages(*messages: tuple[bytes, bytes]) -> bytes:
+    head = ulog_bytes({})
+    return head + b"".join(struct.pack("<H", len(body)) + kind + body for kind, body in messages)
+
+
+def multiplying(deep: int, times: int) -> list[tuple[bytes, bytes]]:
+    """Formats of which each holds so many of the next one."""
+    nested = [(b"F", f"t{i}:t{i + 1}[{times}] x;".encode()) for i in range(deep)]
+    return [*nested, (b"F", f"t{deep}:uint8_t y;".encode())]
+
+
+SUBSCRIBED = (b"A", struct.pack("<BH", 0, 0) + b"t0")
+ENDLESS_FORMATS = {
+    "of powers": ([*multiplying(30, 100), SUBSCRIBED], "its formats have more fields than"),
+    "of nothing": (
+        [*multiplying(30, 100)[:-1], (b"F", b"t30:"), SUBSCRIBED],
+        "its formats have more fields than any log",
+    ),
+    "often": ([*multiplying(2, 100), *(1000 * [SUBSCRIBED])], "its formats have more fields than"),
+    "in itself": ([(b"F", b"t0:t0 x;"), SUBSCRIBED], "its formats contain each other: t0 holds t0"),
+    "in each other": (
+        [(b"F", b"t0:u z;"), (b"F", b"u:t0 x;"), SUBSCRIBED],
+        "its formats contain each other: t0 holds u holds t0",
+    ),
+    "long names": (
+        [(b"F", b"t0:uint8_t[60000] " + 60_000 * b"y" + b";"), SUBSCRIBED],
+        "its formats have more fields than any log",
+    ),
+    "two ways": (
+        [(b"F", f"{a}{i}:t{i + 1} x;u{i + 1} y;".encode()) for i in range(60) for a in "tu"]
+        + [(b"F", b"t60:float x;"), (b"F", b"u60:float x;"), SUBSCRIBED],
+        "its formats have more fields than",
+    ),
+    "deep": ([*multiplying(3000, 1), SUBSCRIBED], "its formats are nested too deeply"),
+}
+
+
+@pytest.mark.parametrize("kind", ENDLESS_FORMATS)
+def test_ulog_formats_without_end_are_refused_in_a_line(tmp_path: Path, kind: str) -> None:
+    pytest.importorskip("pyulog")
+    messages, expected = ENDLESS_FORMATS[kind]
+    file = tmp_path / "flight.ulg"
+    file.write_bytes(ulog_messages(*messages))
+    with pytest.raises(InputError) as caught:
+        read_flight_log(file)
+    assert str(caught.value).startswith(f"{file}: is not a ULog: {expected}")
+    assert "\n" not in str(caught.value)
 
 
 def test_lines_without_end_and_devices_are_refused(tmp_path: Path) -> None:

@@ -68,6 +68,14 @@ def test_largest_payload_is_carried_and_a_little_more_is_not(
         assert again.status == status
 
 
+@pytest.mark.parametrize("mass_kg", [0.0, 0.3])
+def test_payload_that_is_held_is_that_of_the_mission_to_the_last_bit(mass_kg: float) -> None:
+    there = mission(payload={"mass_kg": mass_kg})
+    found = size_aircraft(builders.DESIGN, there, Objective.max_payload_power)
+    assert found.design is not None
+    assert found.design.masses.payload == mass_kg
+
+
 def test_payload_and_wingspan_are_two_sides_of_one_optimum() -> None:
     plane = aircraft()
     loaded = mission(payload={"mass_kg": 1.5})

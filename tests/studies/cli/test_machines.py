@@ -126,3 +126,21 @@ def test_a_folder_of_results_lists_nothing_of_other_folders(run: Run, tmp_path: 
         (tmp_path / "sized" / name).write_text("mine")
     assert run(*size).code == 0
     assert all((tmp_path / "sized" / name).exists() for name in outside)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closed by a shell")
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&- <&-"])
+def test_closed_streams_are_no_reason_to_fail(closed: str, tmp_path: Path) -> None:
+    code = "from studies.cli.__main__ import main; main()"
+    words = [sys.executable, "-c", code, "analyse", AS2, "--csv", "day.csv"]
+    done = subprocess.run(
+        ["sh", "-c", f'exec "$@" {closed}', "-", *words],
+        cwd=tmp_path,
+        env={name: value for name, value in os.environ.items() if name != "COLUMNS"},
+        capture_output=True,
+        timeout=300,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    # What a library prints does not end in a file that was opened in the place of a stream.
+    assert (tmp_path / "day.csv").read_text().splitlines()[0].count(",") > 3

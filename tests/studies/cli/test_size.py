@@ -322,3 +322,32 @@ def test_reliability_that_cannot_be_asked(run: Run, asked: tuple[str, ...], mess
     outcome = run("size", DESIGN, "-m", "rafz-july", *asked)
     assert outcome.code == 2
     assert message in outcome.err
+
+
+def test_a_result_is_printed_and_written_where_figures_and_report_fail(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError("cannot be drawn")
+
+    usual = run("size", DESIGN, "-m", "rafz-july")
+    monkeypatch.setattr("studies.output.plots.plot_masses", fail)
+    monkeypatch.setattr("studies.report.document.render", fail)
+    figures = run("size", DESIGN, "-m", "rafz-july", "--out", "d")
+    report = run("size", DESIGN, "-m", "rafz-july", "--report", "r.html")
+    for outcome in (figures, report):
+        assert (outcome.code, outcome.err) == (1, "solar-uav: cannot be drawn\n")
+        assert outcome.out.splitlines()[0] == usual.out.splitlines()[0]
+        assert "written to" not in outcome.out
+    kept = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
+    assert files(tmp_path / "d") == kept | {"scenarios.csv", "masses.csv"}
+    assert not (tmp_path / "r.html").exists()
+
+
+def test_the_report_of_a_sizing_is_written_in_a_wind_too_strong_for_the_path(run: Run) -> None:
+    outcome = run(
+        *("size", DESIGN, "-m", "rafz-july", "--set", "mission.wind_m_per_s=9"),
+        *("--report", "r.html"),
+    )
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.endswith("written to r.html\n")

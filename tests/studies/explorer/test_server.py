@@ -198,7 +198,26 @@ def test_first_page_turns_the_token_into_a_cookie(server: Server) -> None:
     assert "SameSite=Strict" in cookie
     pair = cookie.partition(";")[0]
     assert server.get("/api/session", token=None, cookie=pair).status == 200
-    assert server.get("/api/session", token=None, cookie=f"other=1; {pair}").status == 200
+    # What other programs of this machine set is sent along, whatever it looks like.
+    for other in (
+        "other=1",
+        'x={"a":1}',
+        "a[b]=1",
+        "bare",
+        '"',
+        "=",
+        "",
+        "a=\xe4",
+        "a=b=c",
+        "a,b=1",
+    ):
+        for cookies in (f"{other}; {pair}", f"{pair}; {other}", f"{other};{pair} ;{other}"):
+            answer = server.get("/api/session", token=None, cookie=cookies)
+            assert answer.status == 200, cookies
+    name, _, token = pair.partition("=")
+    assert server.get("/api/session", token=None, cookie=f"{name}=old; {pair}").status == 200
+    for wrong in (name, f"{name}=", f"{name}={token}x", f"a={name}={token}", f"{name} {token}"):
+        assert server.get("/api/session", token=None, cookie=wrong).status == 403, wrong
     assert server.get("/api/session", token=None, cookie=f"x{pair}").status == 403
     assert server.get(f"/api/session?token={server.token}", token=None).status == 403
 

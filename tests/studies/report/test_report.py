@@ -185,6 +185,15 @@ def test_climbing_missions_are_reported_without_maps() -> None:
     assert not {"season", "models", "margins"} & keys
 
 
+def test_models_are_left_out_in_words_where_the_wind_is_too_strong_for_the_path() -> None:
+    windy = shipped_mission("rafz-july", wind_m_per_s=9.0)  # the path is flown at 8.6 m/s
+    text = make_report(AS2, windy)
+    page = Page(text)
+    assert {"season", "models"} <= {section["id"] for section in page.of("section")}
+    assert "are not compared: the wind of 9 m/s is not below the airspeed of 8.6 m/s" in text
+    assert "comparison" not in page.results()
+
+
 def test_uncertain_inputs_are_reported_where_a_file_has_them() -> None:
     assert DESIGN.uncertainty is not None
     page = Page(make_report(DESIGN, mission()))

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command_line import Run
@@ -121,11 +124,32 @@ def test_a_style_leaves_no_trace(analysis: sizing.Analysis) -> None:
 def test_figures_do_not_depend_on_the_settings_of_the_machine(analysis: sizing.Analysis) -> None:
     import matplotlib as mpl
 
-    with mpl.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
+    usual = to_bytes(studies.plot_cycle(analysis), "png")
+    settings: dict[str, Any] = {"font.size": 30.0, "axes.facecolor": "red", "text.usetex": True}
+    settings |= {"savefig.pad_inches": 2.0, "savefig.transparent": True, "path.sketch": (9, 9, 9)}
+    with mpl.rc_context(settings):
         figure = studies.plot_cycle(analysis)
         axes = figure.axes[0]
+        assert to_bytes(figure, "png") == usual
     assert axes.yaxis.label.get_fontsize() == 10.0
     assert axes.get_facecolor() == (1.0, 1.0, 1.0, 1.0)
+
+
+def test_the_command_reads_no_settings_of_its_folder(tmp_path: Path) -> None:
+    written = []
+    # The last one is no text, on which the import of matplotlib fails.
+    for number, settings in enumerate([None, b"text.usetex: True\nno.key: 1\n", b"\xff\xfe\x00"]):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        if settings is not None:
+            (folder / "matplotlibrc").write_bytes(settings)
+        start = "from studies.cli.start import start; start()"
+        command = [sys.executable, "-c", start, "analyse", AS2, "--plot", "a.png", "--dpi", "40"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, ""), done.stderr
+        assert done.stdout.endswith("written to a.png\n")
+        written.append((folder / "a.png").read_bytes())
+    assert written[1:] == written[:1] * 2
 
 
 def test_a_figure_is_drawn_onto_one_that_is_given(analysis: sizing.Analysis) -> None:
