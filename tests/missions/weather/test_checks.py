@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from weather_files import clear_record, write_plain
+from weather_files import SITE, clear_record, write_plain
 
 from missions.files.errors import InputError
 from missions.weather.files import load_weather
@@ -201,3 +201,21 @@ def test_what_is_left_out_of_the_air_is_told(tmp_path, monkeypatch):
     found = loaded_beside(tmp_path, [15.0] * 72, [999] * 20 + [3.0] * 52)
     assert found.repairs == ("wind speed not used: it lacks in 20 rows",)
     assert found.wind_m_per_s is None
+
+
+def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_path):
+    record = clear_record(59, first="2001-01-01", site=replace(SITE, utc_offset_h=0.0))
+
+    def february_of(year):
+        return lambda rows: [row.replace("2001-02", f"{year}-02") for row in rows]
+
+    found = load(tmp_path, record, rows=february_of(1993))
+    assert found.typical
+    # A year without 29 February: the rows follow each other as those of 2001 do.
+    assert np.diff(found.start_s) == pytest.approx(3600.0)
+    with pytest.raises(InputError, match="goes back in time"):
+        load(
+            tmp_path,
+            clear_record(8, first="2001-01-10"),
+            rows=lambda rows: [*rows[:96], *(row.replace("2001", "1993") for row in rows[96:])],
+        )
