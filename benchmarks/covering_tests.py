@@ -196,7 +196,8 @@ class CoveredTests:
 
 def _shared_by_tests(tree: Path) -> list[Path]:
     """Files that many test files use."""
-    return [tree / "tests/conftest.py", *sorted((tree / "tests/support").glob("*.py"))]
+    tests = tree / "tests"
+    return [*sorted(tests.rglob("conftest.py")), *sorted((tests / "support").glob("*.py"))]
 
 
 def _digest(paths: Iterable[Path]) -> str:
@@ -259,7 +260,7 @@ def _in_child(tree: Path, call: Callable[[], int], seconds: float) -> int | None
 
     def start() -> None:
         os.setsid()
-        quiet = os.open(os.environ.get("MUTANTS_OUTPUT", os.devnull), os.O_RDWR | os.O_CREAT)
+        quiet = os.open(os.devnull, os.O_RDWR)
         for stream in (0, 1, 2):
             os.dup2(quiet, stream)
         os.chdir(tree)

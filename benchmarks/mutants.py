@@ -22,14 +22,12 @@ where it stopped. Needs Linux or macOS, and ``coverage``, which comes with the e
 
 from __future__ import annotations
 
-import csv
-import json
 import random
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import groupby, islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import click
 
@@ -40,10 +38,10 @@ from benchmarks.covering_tests import (
     run_tests,
     sources,
 )
+from benchmarks.mutant_rows import Key, Row, kept, table
 from benchmarks.mutations import Mutation, changed_source, mutations
 
 _PROJECT = Path(__file__).parents[1]
-_HARMLESS = Path(__file__).with_name("mutants_harmless.csv")
 # Beside the time under coverage, which slows tests down: another load of the machine is no hang.
 _PATIENCE, _AT_LEAST_S = 5.0, 60.0
 
@@ -57,7 +55,7 @@ class Mutant(NamedTuple):
     code: str  # the line as it is
 
     @property
-    def key(self) -> tuple[str, int, str]:
+    def key(self) -> Key:
         """What tells it from every other one."""
         return self.module.as_posix(), self.change.start, self.change.new
 
@@ -116,8 +114,8 @@ def folders_of(module: Path) -> tuple[str, str]:
     return f"tests/{package}", own
 
 
-def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> dict[str, Any]:
-    """Row of a mutant: what it is, and the test that finds it.
+def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> Row:
+    """Try a mutant.
 
     Parameters
     ----------
@@ -130,8 +128,7 @@ def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> dict[str, Any]:
 
     Returns
     -------
-    dict
-        ``found`` is the test, ``"hung"``, or None; ``tests`` how many were run.
+    Row
     """
     path = tree / mutant.module
     source = path.read_text(encoding="utf-8")
@@ -146,16 +143,7 @@ def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> dict[str, Any]:
     finally:
         path.write_text(source, encoding="utf-8")
     module, start, new = mutant.key
-    return {
-        "module": module,
-        "start": start,
-        "new": new,
-        "line": mutant.change.line,
-        "code": mutant.code,
-        "change": mutant.words,
-        "found": found,
-        "tests": run,
-    }
+    return Row(module, mutant.change.line, start, new, mutant.code, mutant.words, found, tests=run)
 
 
 def _batches(mutant: Mutant, tests: CoveredTests) -> Iterator[list[str]]:
@@ -176,111 +164,29 @@ def _batches(mutant: Mutant, tests: CoveredTests) -> Iterator[list[str]]:
         yield rest
 
 
-def package_of(module: str) -> str:
-    """Package of a module in the table: of sizing also the sub-package.
-
-    Parameters
-    ----------
-    module : str
-        Path below the root of the project.
-
-    Returns
-    -------
-    str
-    """
-    package, *inner = module.split("/")[:-1]
-    return f"{package}.{inner[0]}" if package == "sizing" and inner else package
-
-
-def harmless() -> dict[tuple[str, str, str], str]:
-    """Reasons why changes cannot be observed, by module, line as it is, and change."""
-    with _HARMLESS.open(encoding="utf-8", newline="") as file:
-        return {
-            (row["module"], row["code"], row["change"]): row["reason"]
-            for row in csv.DictReader(file)
-        }
-
-
-def table(
-    rows: Sequence[Mapping[str, Any]], reasons: Mapping[tuple[str, str, str], str]
-) -> Iterator[str]:
-    """Lines of a Markdown table by package, and of the survivors.
-
-    Parameters
-    ----------
-    rows : sequence of mapping
-        See :func:`row_of`.
-    reasons : mapping
-        See :func:`harmless`.
-
-    Yields
-    ------
-    str
-    """
-    yield "| package | tried | found | harmless | survived | found of those not harmless |"
-    yield "| --- | --- | --- | --- | --- | --- |"
-    ordered = sorted(rows, key=lambda row: (package_of(row["module"]), row["module"], row["line"]))
-    for package, some in groupby(ordered, key=lambda row: package_of(row["module"])):
-        yield _line(package, list(some), reasons)
-    yield _line("all", ordered, reasons)
-    left = [row for row in ordered if row["found"] is None and not _known(row, reasons)]
-    if left:
-        yield ""
-        yield "These survived:"
-        yield ""
-        for row in left:
-            never = "" if row["tests"] else ", which no test executes"
-            yield f"- {row['module']}:{row['line']}: {row['change']} in `{row['code']}`{never}"
-
-
-def _known(row: Mapping[str, Any], reasons: Mapping[tuple[str, str, str], str]) -> bool:
-    return (row["module"], row["code"], row["change"]) in reasons
-
-
-def _line(
-    package: str,
-    rows: Sequence[Mapping[str, Any]],
-    reasons: Mapping[tuple[str, str, str], str],
-) -> str:
-    found = sum(row["found"] is not None for row in rows)
-    same = sum(row["found"] is None and _known(row, reasons) for row in rows)
-    counted = len(rows) - same
-    share = f"{100.0 * found / counted:.0f} %" if counted else "-"
-    return f"| {package} | {len(rows)} | {found} | {same} | {counted - found} | {share} |"
-
-
-def _kept(path: Path | None) -> dict[tuple[str, int, str], dict[str, Any]]:
-    """Rows of an earlier run, the last one of each mutant."""
-    if path is None or not path.exists():
-        return {}
-    rows = map(json.loads, path.read_text(encoding="utf-8").splitlines())
-    return {(row["module"], row["start"], row["new"]): row for row in rows}
-
-
 def _rows(
     mutants: Iterable[Mutant],
-    known: Mapping[tuple[str, int, str], dict[str, Any]],
+    known: Mapping[Key, Row],
     work: Path,
     rows_file: Path | None,
     again: bool,
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Row]:
     """Rows of mutants, each kept as it is made; what is known is not tried again."""
     tree = copy_of_project(_PROJECT, work)
     tests = CoveredTests(tree, work / "covered", click.echo)
     for mutant in mutants:
-        row = known.get(mutant.key)
-        same = row is not None and row["code"] == mutant.code
-        if row is not None and same and not (again and row["found"] is None):
-            yield row
+        before = known.get(mutant.key)
+        same = before is not None and before.code == mutant.code
+        if before is not None and same and not (again and before.found is None):
+            yield before
             continue
         tests.record(folders_of(mutant.module)[0])
         row = row_of(tree, mutant, tests)
         if rows_file is not None:
-            with rows_file.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(row) + "\n")
-        verdict = "survived" if row["found"] is None else f"found by {row['found']}"
-        click.echo(f"{row['module']}:{row['line']}: {row['change']}: {verdict}")
-        yield row
+            row.keep(rows_file)
+        verdict = "survived" if row.found is None else f"found by {row.found}"
+        click.echo(f"{row.module}:{row.line}: {row.change}: {verdict}")
+        yield row._replace(since=before is not None and row.found is not None)
 
 
 @click.command()
@@ -303,8 +209,7 @@ def _rows(
 def main(count: int, seed: int, only: str, rows_file: Path | None, again: bool, work: Path) -> None:
     """Change one token of the code at a time and run the tests; print what they do not find."""
     mutants = islice(drawn(_PROJECT, seed, only), count)
-    rows = list(_rows(mutants, _kept(rows_file), work, rows_file, again))
-    for text in table(rows, harmless()):
+    for text in table(list(_rows(mutants, kept(rows_file), work, rows_file, again))):
         click.echo(text)
 
 
