@@ -69,7 +69,7 @@ def copy_of_project(project: Path, work: Path) -> Path:
     shutil.rmtree(tree, ignore_errors=True)
     shutil.copytree(project, tree, ignore=shutil.ignore_patterns(".*", "__pycache__", "_build"))
     for name in PACKAGES:
-        # Bytecode goes by a time in seconds, and changes come faster.
+        # Otherwise bytecode goes by a time in seconds, and changes come faster.
         mode = PycInvalidationMode.CHECKED_HASH
         compileall.compile_dir(tree / name, quiet=2, invalidation_mode=mode)
     return tree
@@ -128,12 +128,11 @@ class CoveredTests:
         self._seconds: dict[str, dict[str, float]] = {}
         self._data: dict[str, coverage.CoverageData] = {}
 
-    def record(self, folder: str) -> None:
-        """Record the test files of a folder, such as ``tests/solar``."""
-        for path in sorted((self._tree / folder).rglob("test_*.py")):
-            name = path.relative_to(self._tree).as_posix()
+    def record(self, files: Iterable[str]) -> None:
+        """Record test files that have not been."""
+        for name in files:
             if name not in self._seconds:
-                self._record(name, path)
+                self._record(name, self._tree / name)
 
     def _record(self, name: str, path: Path) -> None:
         key = hashlib.sha256(f"{name} {self._shared_key} {_digest([path])}".encode()).hexdigest()
@@ -159,16 +158,9 @@ class CoveredTests:
         ordered = sorted(files, key=lambda name: sum(self._seconds[name].values()))
         return [test for name in ordered for test in self._seconds[name]]
 
-    def below(self, folders: Iterable[str]) -> list[str]:
-        """Test files that lie in one of the folders, or are one of them."""
-        folders = tuple(folders)
-        return [
-            name
-            for name in self._seconds
-            if any(name == folder or name.startswith(f"{folder}/") for folder in folders)
-        ]
-
-    def executing(self, module: Path, lines: Iterable[int] | None, files: list[str]) -> list[str]:
+    def executing(
+        self, module: Path, lines: Iterable[int] | None, files: Iterable[str]
+    ) -> list[str]:
         """Tests that execute one of the lines, shortest first.
 
         Parameters
@@ -177,7 +169,7 @@ class CoveredTests:
             Below the root of the project.
         lines : iterable of int, optional
             Lines of the module; all if not given.
-        files : list of str
+        files : iterable of str
             Test files that count.
 
         Returns
@@ -265,8 +257,6 @@ def _in_child(tree: Path, call: Callable[[], int], seconds: float) -> int | None
             os.dup2(quiet, stream)
         os.chdir(tree)
         os.environ["PYTHONPATH"] = str(tree)
-        os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-        sys.dont_write_bytecode = True
         sys.path.insert(0, str(tree))
         os._exit(call())
 

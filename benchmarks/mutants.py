@@ -2,8 +2,9 @@
 
 ``python -m benchmarks.mutants --count 300 --seed 1``. A module of ``solar``, ``missions`` or
 ``sizing`` is changed in a copy of the project (:mod:`benchmarks.mutations`), and the tests of the
-mirror folder are run, ``tests/solar`` for ``solar`` and so on, up to the first that fails. A test
-that runs for ever has found the change.
+mirror folder are run up to the first that fails: ``tests/solar`` for ``solar``, ``tests/missions``
+for ``missions``, and for ``sizing`` the folder of the sub-package and those files of
+``tests/sizing`` that name the module. A test that runs for ever has found the change.
 
 Only those tests are run that execute the changed statement: the others would do what they did
 before. ``coverage`` tells which they are (:mod:`benchmarks.covering_tests`). A line that runs at
@@ -97,21 +98,32 @@ def drawn(project: Path, seed: int, only: str) -> Iterator[Mutant]:
         yield Mutant(module, change, old, code)
 
 
-def folders_of(module: Path) -> tuple[str, str]:
-    """Folder of the tests of a module's package, and that of its sub-package where it has one.
+def files_of(tree: Path, module: Path) -> tuple[list[str], list[str]]:
+    """Test files that must find a change of a module.
 
     Parameters
     ----------
+    tree : Path
+        Copy of the project.
     module : Path
-        Below the root of the project.
+        Below its root.
 
     Returns
     -------
-    (str, str)
+    (list of str, list of str)
+        Those of the mirror folder, and others of the package; of ``sizing``, only those that name
+        the module.
     """
-    package, *inner, _ = module.parts
-    own = f"tests/{package}/{inner[0]}" if package == "sizing" and inner else f"tests/{package}"
-    return f"tests/{package}", own
+    package, mirror = module.parts[0], tree / "tests" / module.parent
+    dotted = ".".join(module.with_suffix("").parts)
+    own, others = [], []
+    for path in sorted((tree / "tests" / package).rglob("test_*.py")):
+        name = path.relative_to(tree).as_posix()
+        if path.parent == mirror:
+            own.append(name)
+        elif package != "sizing" or dotted in path.read_text(encoding="utf-8"):
+            others.append(name)
+    return own, others
 
 
 def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> Row:
@@ -135,7 +147,7 @@ def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> Row:
     run, found = 0, None
     path.write_text(changed_source(source, mutant.change), encoding="utf-8")
     try:
-        for batch in _batches(mutant, tests):
+        for batch in _batches(tree, mutant, tests):
             run += len(batch)
             found = run_tests(tree, batch, _AT_LEAST_S + _PATIENCE * tests.seconds_of(batch))
             if found is not None:
@@ -146,22 +158,22 @@ def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> Row:
     return Row(module, mutant.change.line, start, new, mutant.code, mutant.words, found, tests=run)
 
 
-def _batches(mutant: Mutant, tests: CoveredTests) -> Iterator[list[str]]:
+def _batches(tree: Path, mutant: Mutant, tests: CoveredTests) -> Iterator[list[str]]:
     """Tests to run: those that execute the change, then those that share what these compute."""
     module, change = mutant.module, mutant.change
-    folder, own = folders_of(module)
-    files = tests.below([folder])
+    own, others = files_of(tree, module)
     lines = None if change.at_import else change.lines
-    first = tests.executing(module, lines, files)
-    if first:
-        yield first
-    rest_of = {test.partition("::")[0] for test in first}
-    if change.at_import:
-        rest_of.update(tests.below([own]))
-    known = set(first)
-    rest = [test for test in tests.of_files(rest_of) if test not in known]
-    if rest:
-        yield rest
+    known: list[str] = []
+    for files in (own, others):
+        tests.record(files)
+        executing = tests.executing(module, lines, files)
+        known += executing
+        if executing:
+            yield executing
+    sharing = {test.partition("::")[0] for test in known}
+    rest = tests.of_files(sharing.union(own) if change.at_import else sharing)
+    if left := [test for test in rest if test not in set(known)]:
+        yield left
 
 
 def _rows(
@@ -180,7 +192,6 @@ def _rows(
         if before is not None and same and not (again and before.found is None):
             yield before
             continue
-        tests.record(folders_of(mutant.module)[0])
         row = row_of(tree, mutant, tests)
         if rows_file is not None:
             row.keep(rows_file)

@@ -53,6 +53,16 @@ def test_long_gaps_take_the_nearest_day_and_longer_ones_are_errors(tmp_path):
         load(tmp_path, record, rows=lambda rows: [*rows[:60], *rows[210:]])
 
 
+def test_a_gap_too_long_is_refused_between_short_ones(tmp_path):
+    record = clear_record(70)
+
+    def holed(rows):  # two rows at noon, six days and six hours, two rows at noon again
+        return [*rows[:34], *rows[36:231], *rows[381:418], *rows[420:]]
+
+    with pytest.raises(InputError, match=r"a gap of 6.\d days from 2001-06-29"):
+        load(tmp_path, record, rows=holed)
+
+
 def test_nights_without_rows_are_no_gaps(tmp_path):
     record = clear_record(5)
 
