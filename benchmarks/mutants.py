@@ -144,6 +144,8 @@ def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> Row:
     """
     path = tree / mutant.module
     source = path.read_text(encoding="utf-8")
+    for files in files_of(tree, mutant.module):
+        tests.record(files)  # of the module as it is
     run, found = 0, None
     path.write_text(changed_source(source, mutant.change), encoding="utf-8")
     try:
@@ -165,7 +167,6 @@ def _batches(tree: Path, mutant: Mutant, tests: CoveredTests) -> Iterator[list[s
     lines = None if change.at_import else change.lines
     known: list[str] = []
     for files in (own, others):
-        tests.record(files)
         executing = tests.executing(module, lines, files)
         known += executing
         if executing:
