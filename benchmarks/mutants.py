@@ -67,7 +67,7 @@ class Mutant(NamedTuple):
 
 
 def drawn(project: Path, seed: int, only: str) -> Iterator[Mutant]:
-    """Draw mutants without end of the modules whose path holds a text, each token once.
+    """Draw mutants, each token once; a part of the modules has its part of the same series.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def drawn(project: Path, seed: int, only: str) -> Iterator[Mutant]:
     seed : int
         Of the series.
     only : str
-        Text.
+        How the path of the modules begins.
 
     Yields
     ------
@@ -84,8 +84,6 @@ def drawn(project: Path, seed: int, only: str) -> Iterator[Mutant]:
     """
     places: list[tuple[Path, str, list[Mutation]]] = []
     for module in sources(project):
-        if not module.as_posix().startswith(only):
-            continue
         source = (project / module).read_text(encoding="utf-8")
         for _, changes in groupby(mutations(source), key=lambda one: (one.start, one.end)):
             places.append((module, source, list(changes)))
@@ -93,6 +91,8 @@ def drawn(project: Path, seed: int, only: str) -> Iterator[Mutant]:
     dice.shuffle(places)
     for module, source, choices in places:
         change = dice.choice(choices)
+        if not module.as_posix().startswith(only):
+            continue
         old = source.encode()[change.start : change.end].decode()
         code = source.splitlines()[change.line - 1].strip()
         yield Mutant(module, change, old, code)

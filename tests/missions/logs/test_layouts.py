@@ -161,6 +161,13 @@ def test_row_of_units(tmp_path: Path) -> None:
         ({"load_w": {"name": "a", "value": 1.0}}, "give a name or a value, not both"),
         ({"load_w": "a * b * c"}, "a product is that of a voltage and a current"),
         ({"time": "solar_power_w * load"}, "columns.time: no such column"),
+        *(
+            (
+                {"load_w": {"name": f"solar_power_w {sign} mppt_voltage_v", "unit": "W"}},
+                "columns.load_w: in a sum or product the unit stands behind each column",
+            )
+            for sign in "+*"
+        ),
     ],
 )
 def test_wrong_maps_are_refused(tmp_path: Path, columns: dict[str, object], expected: str) -> None:
