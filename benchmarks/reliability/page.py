@@ -8,7 +8,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from benchmarks.reliability.record import Record
+from benchmarks.mutant_rows import kept, table
+from benchmarks.reliability.record import FOLDER, Record
 
 __all__ = ["Defect", "defects", "markdown"]
 
@@ -50,14 +51,19 @@ def markdown(records: Mapping[str, Record]) -> str:
     -------
     str
     """
-    parts = [(_HERE / "intro.md").read_text(encoding="utf-8").rstrip("\n")]
-    parts += [_cases(records[part]) for part in _TITLES if part in records]
+    parts = [_text("intro"), *(_cases(records[part]) for part in _TITLES if part in records)]
+    parts += [_text("mutants"), "\n".join(table(kept(FOLDER / "mutants.jsonl").values()))]
     parts.append(
         "## Defects found and mended\n\nEach is guarded by a test, which `pytest -k NAME` runs."
     )
     parts += [_mended(part) for part in _DEFECTS if defects(part)]
-    parts.append((_HERE / "remains.md").read_text(encoding="utf-8").rstrip("\n"))
+    parts.append(_text("remains"))
     return "\n\n".join(parts) + "\n"
+
+
+def _text(name: str) -> str:
+    """Part of the page that is written by hand."""
+    return (_HERE / f"{name}.md").read_text(encoding="utf-8").rstrip("\n")
 
 
 def _cases(record: Record) -> str:

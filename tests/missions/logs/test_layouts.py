@@ -14,6 +14,7 @@ from missions.logs.clock import parse_zone
 from missions.logs.columns import ColumnMap, parse_column, read_column_map, recipes_for
 from missions.logs.csv import read_csv
 from missions.logs.table import FlightLog, log_from_table
+from missions.logs.units import UNITS, Dimension
 
 COUNT = 200
 MINUTE = "2015-06-30T09:{:02d}:{:06.3f}Z"
@@ -160,6 +161,13 @@ def test_row_of_units(tmp_path: Path) -> None:
         ({"load_w": {"name": "a", "value": 1.0}}, "give a name or a value, not both"),
         ({"load_w": "a * b * c"}, "a product is that of a voltage and a current"),
         ({"time": "solar_power_w * load"}, "columns.time: no such column"),
+        *(
+            (
+                {"load_w": {"name": f"solar_power_w {sign} mppt_voltage_v", "unit": "W"}},
+                "columns.load_w: in a sum or product the unit stands behind each column",
+            )
+            for sign in "+*"
+        ),
     ],
 )
 def test_wrong_maps_are_refused(tmp_path: Path, columns: dict[str, object], expected: str) -> None:
@@ -197,3 +205,71 @@ def test_a_course_alone_is_no_attitude(tmp_path: Path) -> None:
     log = read(tmp_path, text.to_csv(index=False))
     assert log.attitude is None
     assert "columns not used: heading" in log.notes
+
+
+@pytest.mark.parametrize(
+    ("name", "inside", "outside"),
+    [
+        ("latitude_deg", 89.9, 90.2),
+        ("latitude_deg", -89.9, -90.2),
+        ("longitude_deg", 179.9, 180.2),
+        ("longitude_deg", -179.9, -180.2),
+        ("pitch_deg", 89.9, 90.2),
+        ("pitch_deg", -89.9, -90.2),
+        ("roll_deg", 179.9, 180.2),
+        ("roll_deg", -179.9, -180.2),
+        ("state_of_charge", 1.0, 1.2),
+        ("state_of_charge", 0.0, -0.2),
+        # A load of less than nothing is what an offset of the sensor makes of none.
+        ("load_w", -5.0, -2e6),
+        ("battery_power_w", -300.0, -2e6),
+    ],
+)
+def test_values_end_where_their_quantities_do(name: str, inside: float, outside: float) -> None:
+    flight = table().assign(load_w=20.0, battery_power_w=50.0)
+    log_from_table(flight.assign(**{name: inside}), "x")
+    with pytest.raises(InputError, match=name):
+        log_from_table(flight.assign(**{name: outside}), "x")
+
+
+# What one of each unit is, from the definitions of its name.
+ONE_OF_EACH: dict[Dimension, dict[float, str]] = {
+    "time": {1.0: "s sec seconds", 1e-3: "ms", 1e-6: "us µs", 1e-9: "ns", 60.0: "min", 3600.0: "h"},
+    "angle": {
+        1.0: "deg degree degrees °",
+        360.0 / (2.0 * np.pi): "rad radian radians",
+        0.36 / (2.0 * np.pi): "mrad",
+        0.01: "cdeg",
+        1e-7: "dege7 e7 1e-7deg",
+    },
+    "length": {
+        1.0: "m metre metres meter meters",
+        1000.0: "km",
+        0.01: "cm",
+        0.001: "mm",
+        12.0 * 0.0254: "ft feet",
+    },
+    "power": {1.0: "w watt watts", 1000.0: "kw", 0.001: "mw"},
+    "voltage": {1.0: "v volt volts", 0.001: "mv", 1000.0: "kv"},
+    "current": {1.0: "a amp amps ampere", 0.001: "ma", 0.01: "ca"},
+    "temperature": {1.0: "c degc °c celsius k kelvin", 1.0 / 1.8: "f degf"},
+    "share": {1.0: "- 1 share", 0.01: "% percent pct"},
+    "speed": {
+        1.0: "m/s mps m_per_s m_s",
+        1000.0 / 3600.0: "km/h kmh kph",
+        1852.0 / 3600.0: "kt kts kn knots",
+    },
+}
+# Freezing water and absolute zero.
+ZEROS = {"k": -273.15, "kelvin": -273.15, "f": -32.0 / 1.8, "degf": -32.0 / 1.8}
+
+
+@pytest.mark.parametrize("dimension", ONE_OF_EACH)
+def test_units_are_those_of_their_definitions(dimension: Dimension) -> None:
+    expected = {
+        name: factor for factor, names in ONE_OF_EACH[dimension].items() for name in names.split()
+    }
+    assert UNITS[dimension].keys() == expected.keys()
+    for name, unit in UNITS[dimension].items():
+        assert unit.factor == pytest.approx(expected[name], rel=1e-12), name
+        assert unit.offset == pytest.approx(ZEROS.get(name, 0.0), rel=1e-12), name

@@ -2,11 +2,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from weather_files import clear_record, write_plain
+from weather_files import SITE, clear_record, write_plain
 
 from missions.files.errors import InputError
 from missions.weather.files import load_weather
 from missions.weather.record import day_of_year
+from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
 
 
 def load(tmp_path, record, **changes):
@@ -51,6 +52,16 @@ def test_long_gaps_take_the_nearest_day_and_longer_ones_are_errors(tmp_path):
     assert found.ghi.sum() == pytest.approx(record.ghi.sum(), rel=0.01)  # the days are alike
     with pytest.raises(InputError, match=r"a gap of 6.\d days from 2001-06-2.* at most 5 days"):
         load(tmp_path, record, rows=lambda rows: [*rows[:60], *rows[210:]])
+
+
+def test_a_gap_too_long_is_refused_between_short_ones(tmp_path):
+    record = clear_record(70)
+
+    def holed(rows):  # two rows at noon, six days and six hours, two rows at noon again
+        return [*rows[:34], *rows[36:231], *rows[381:418], *rows[420:]]
+
+    with pytest.raises(InputError, match=r"a gap of 6.\d days from 2001-06-29"):
+        load(tmp_path, record, rows=holed)
 
 
 def test_nights_without_rows_are_no_gaps(tmp_path):
@@ -201,3 +212,45 @@ def test_what_is_left_out_of_the_air_is_told(tmp_path, monkeypatch):
     found = loaded_beside(tmp_path, [15.0] * 72, [999] * 20 + [3.0] * 52)
     assert found.repairs == ("wind speed not used: it lacks in 20 rows",)
     assert found.wind_m_per_s is None
+
+
+def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_path):
+    record = clear_record(59, first="2001-01-01", site=replace(SITE, utc_offset_h=0.0))
+
+    def february_of(year):
+        return lambda rows: [row.replace("2001-02", f"{year}-02") for row in rows]
+
+    found = load(tmp_path, record, rows=february_of(1993))
+    assert found.typical
+    # A year without 29 February: the rows follow each other as those of 2001 do.
+    assert np.diff(found.start_s) == pytest.approx(3600.0)
+    with pytest.raises(InputError, match="goes back in time"):
+        load(
+            tmp_path,
+            clear_record(8, first="2001-01-10"),
+            rows=lambda rows: [*rows[:96], *(row.replace("2001", "1993") for row in rows[96:])],
+        )
+
+
+def test_a_beam_is_told_of_the_sun_from_one_degree_on(tmp_path):
+    record = clear_record(2, interval_s=60.0)
+    found = load(tmp_path, record, rows=lambda rows: [with_fields(row, dni="") for row in rows])
+    day = day_of_year(found.start_s + 30.0)
+    hour = solar_time_h((day % 1.0) * 24.0, day, SITE.longitude_deg)
+    height = np.degrees(
+        np.arcsin(cos_zenith(SITE.latitude_deg, declination(day), hour_angle(hour)))
+    )
+    low, higher = (height > 0.2) & (height < 0.95), (height > 1.1) & (height < 3.0)
+    assert min(np.count_nonzero(low), np.count_nonzero(higher)) > 10
+    # Below, what the light lacks of the diffuse is divided by next to nothing.
+    assert not found.dni[low].any()
+    # Light is written to 0.001 W/m2, over a sine of 0.02.
+    assert found.dni[higher] == pytest.approx(record.dni[higher], rel=0.02, abs=0.1)
+
+
+@pytest.mark.parametrize(("years", "told"), [(59.9, "a gap of"), (60.2, "more than 60 years")])
+def test_a_record_spans_no_more_than_sixty_years(tmp_path, years, told):
+    later = np.datetime64("1950-06-20T00:00:00") + np.timedelta64(round(years * 365.25 * 24), "h")
+    record = clear_record(3, first="1950-06-20")
+    with pytest.raises(InputError, match=told):
+        load(tmp_path, record, rows=lambda rows: [*rows, f"{later}Z,0,0,0"])

@@ -18,6 +18,7 @@ from sizing.energy.battery import (
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,
+    Store,
     TableChargeLimit,
     charge_rate_per_h,
 )
@@ -249,3 +250,16 @@ def test_clock_takes_arrays_and_keeps_their_shape() -> None:
     assert together.shape == (3, 4)
     one_by_one = [float(clock.after(np.asarray(s), 0.4)) for s in soc.ravel()]
     assert together.ravel().tolist() == one_by_one
+
+
+def test_charging_adds_the_constant_power_of_the_limit() -> None:
+    # 0.2 of 800 Wh an hour is 160 W, whatever the sun leaves over; an hour and a half of it 240 Wh.
+    limit = RuleChargeLimit(c_rate_per_h=0.2, taper_start=0.9, relative_rate_at_full=0.05)
+    battery = Battery(
+        mass_kg=4.0, specific_energy_wh_per_kg=200.0, charge_efficiency=0.9, charge_limit=limit
+    )
+    store = Store.of(battery)
+    found = store.charged(np.array([0.0, 100.0]), np.array([600.0, 500.0]), 1.5)
+    assert found == pytest.approx([240.0, 340.0], rel=1e-12)
+    # Less than that is stored as it comes, at the charge efficiency.
+    assert store.charged(np.array([100.0]), np.array([50.0]), 1.5) == pytest.approx([145.0])

@@ -206,3 +206,27 @@ def test_only_requirements_that_limit_are_named() -> None:
         "module_coverage",
         "battery_mass_kg at its minimum",
     )
+
+
+def test_later_cell_of_two_midnight_suns_has_the_design_of_a_single_sizing() -> None:
+    known = KNOWN["thermals at noon, one day"]
+    days = mission(dates={"from": "07-05", "to": "07-15", "count": 2})
+    polar = days.scenarios()
+    ordinary = np.full(len(polar), 45.0)
+    cells = size_cells(
+        known.plane,
+        days,
+        Scenarios(
+            np.concatenate([ordinary, polar.latitude_deg]),
+            np.concatenate([polar.day_of_year, polar.day_of_year]),
+        ),
+        MIN_MASS,
+        required_excess_time_h=12.0,
+        scenarios_per_cell=len(polar),
+    )
+    alone = size_aircraft(known.plane, days, MIN_MASS, required_excess_time_h=12.0)
+    assert alone.simulated is not None
+    assert (alone.simulated.cycle.status == Status.always_lit).all()
+    assert np.isinf(cells.excess_time_h[1])
+    # Both stop within 0.012 h of the requirement.
+    assert cells.objective_value[1] == pytest.approx(alone.objective_value, rel=1e-3)

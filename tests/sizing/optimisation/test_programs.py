@@ -17,6 +17,7 @@ from sizing.limits import design_requirements
 from sizing.optimisation.energy_constraints import cycle_function, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import (
+    SOLAR_TECHNOLOGY,
     WIND,
     WORST_EXCESS,
     Role,
@@ -28,7 +29,7 @@ from sizing.optimisation.problem import (
     programs_built,
 )
 from sizing.optimisation.search import size_aircraft
-from sizing.parameters import all_replaced
+from sizing.parameters import all_replaced, parameter_value
 from sizing.sunlight import solar_day
 from tests.support.builders import mission
 
@@ -59,8 +60,10 @@ def numbers(node: BaseModel, prefix: str = "") -> Iterator[tuple[str, float]]:
             yield prefix + name, value
 
 
-def at_a_point(problem: SizingProblem, aircraft: Aircraft, place: Mission) -> dict[str, float]:
-    """Rows of a program with one block, at one decision vector."""
+def at_a_point(
+    problem: SizingProblem, aircraft: Aircraft, place: Mission, **factors: float
+) -> dict[str, float]:
+    """Rows of a program with one block, at one decision vector; ``factors`` ease limits."""
     day = solar_day(aircraft, place, step_h=STEP_H)
     values = {
         "wingspan_m": 5.0,
@@ -73,7 +76,7 @@ def at_a_point(problem: SizingProblem, aircraft: Aircraft, place: Mission) -> di
         WORST_EXCESS: WORST_H,
         WIND: place.wind_m_per_s,
     }
-    values |= {v.name: 1.0 for v in problem.of_role(Role.technology, Role.limit)}
+    values |= {v.name: 1.0 for v in problem.of_role(Role.technology, Role.limit)} | factors
     x = np.array([v.to_program(values.get(v.name, 0.0)) for v in problem.variables])
     given = problem.parameters(
         problem.weights({"wingspan_m": 1.0}),
@@ -207,3 +210,37 @@ def test_problems_of_one_aircraft_keep_its_program() -> None:
     problems = SizingProblems(design())
     assert problems.of(2) is problems.of(2)
     assert problems.of(2, eased=True).program is not problems.of(2).program
+
+
+@pytest.mark.parametrize("factor", [0.5, 3.0])
+def test_an_eased_limit_is_the_limit_times_a_factor(factor: float) -> None:
+    place, names = mission(latitude_deg=47.0), ("chord_m_minimum", "wing_area_m2_maximum")
+
+    def limited(times: float) -> Aircraft:
+        ends = f"chord_m: {{minimum: {0.2 * times}}}, wing_area_m2: {{maximum: {4.0 * times}}}"
+        return design(f"design_space.limits={{{ends}}}")
+
+    aircraft = limited(1.0)
+    rows = at_a_point(
+        build_problem(aircraft, 1, eased=True), aircraft, place, **dict.fromkeys(names, factor)
+    )
+    assert rows == pytest.approx(by_the_formulas(limited(factor), place), rel=1e-9, abs=1e-12)
+    # By hand: b/AR = 5 m/18.5 over 0.2 m, and b^2/AR over 4 m2.
+    aspect = aircraft.airframe.aspect_ratio
+    assert rows[names[0]] == pytest.approx(5.0 / aspect / (0.2 * factor) - 1.0, rel=1e-9)
+    assert rows[names[1]] == pytest.approx(1.0 - 25.0 / aspect / (4.0 * factor), rel=1e-9)
+
+
+def test_technology_that_is_eased_is_the_technology_times_a_factor() -> None:
+    aircraft, place = design(), mission(latitude_deg=47.0)
+    problem = build_problem(aircraft, 1, eased=True)
+    own = at_a_point(problem, aircraft, place)
+    for one in problem.of_role(Role.technology):
+        value = parameter_value(aircraft, None, one.name)
+        assert value is not None
+        if one.name == SOLAR_TECHNOLOGY:  # the sun's power per area holds it already
+            continue
+        rows = at_a_point(problem, aircraft, place, **{one.name: 1.1})
+        changed = all_replaced(aircraft, {one.name: 1.1 * value})
+        assert rows == pytest.approx(by_the_formulas(changed, place), rel=1e-9, abs=1e-12)
+        assert rows != own, one.name

@@ -27,7 +27,7 @@ from sizing.optimisation.coverage import DAYS, WidestRange, widest_range
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import relaxations
+from sizing.optimisation.relaxations import Relaxation, relaxations, rounded
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
@@ -690,3 +690,70 @@ def test_unexplained_failure_is_quick_and_says_so() -> None:
     assert result.violations == ()
     assert dataclasses.asdict(result.solver)["solves"] >= 1
     assert variables_of(plane).wingspan_m == 5.65
+
+
+def relaxed(plane: Aircraft, flight: Mission, key: str) -> Relaxation:
+    """The relaxation of one parameter, of a sizing that has no design without one."""
+    result = size_aircraft(plane, flight, Objective.max_excess_time)
+    assert result.status is SizingStatus.infeasible
+    (found,) = (r for r in relaxations(plane, flight, result) if r.parameter == key)
+    return found
+
+
+def test_a_largest_value_in_the_way_is_told() -> None:
+    # The upper ends of limits are eased upwards; as for the lower ones above.
+    key = "design_space.limits.wing_area_m2.maximum"
+
+    def limited(value: float) -> Aircraft:
+        return aircraft(f"{key}={value}")
+
+    found = relaxed(limited(0.6), mission(), key)
+    assert (found.direction, found.unit, found.present) == ("at least", "m2", 0.6)
+    assert size_aircraft(limited(found.value), mission(), Objective.max_excess_time).feasible
+    # It is found to within 0.3 % and rounded to three digits.
+    short = size_aircraft(limited(found.value / 1.015), mission(), Objective.max_excess_time)
+    assert not short.feasible
+
+
+def test_the_nearest_latitude_that_helps_is_told() -> None:
+    def at(place: float) -> Mission:
+        return mission(latitude_deg=place, dates={"on": "10-01"})
+
+    def sized(place: float) -> SizingResult:
+        return size_aircraft(aircraft(*SMALL), at(place), Objective.max_excess_time)
+
+    found = relaxed(aircraft(*SMALL), at(64.0), "mission.latitude_deg")
+    assert (found.direction, found.present) == ("at most", 64.0)
+    assert sized(found.value).feasible
+    # One step back towards the mission's latitude there is no design.
+    assert not sized(found.value + 0.25).feasible
+
+
+def test_the_end_of_a_band_that_holds_back_is_moved() -> None:
+    # In northern summer the nights are longest at the southern end.
+    def over(from_deg: float) -> Mission:
+        band = {"from_deg": from_deg, "to_deg": 50.0, "count": 3}
+        return mission(latitude_deg=band, dates={"on": "06-21"})
+
+    def sized(from_deg: float) -> SizingResult:
+        return size_aircraft(aircraft(*SMALL), over(from_deg), Objective.max_excess_time)
+
+    found = relaxed(aircraft(*SMALL), over(-20.0), "mission.latitude_deg.from_deg")
+    assert (found.direction, found.present) == ("at least", -20.0)
+    assert sized(found.value).feasible
+    assert not sized(found.value - 0.25).feasible
+
+
+def test_a_relaxed_value_has_three_digits_on_the_safe_side() -> None:
+    assert [rounded(v, "at least") for v in (286.4, 0.012341, 99999.0)] == [287.0, 0.0124, 1e5]
+    assert [rounded(v, "at most") for v in (286.6, 0.012349, 1.0)] == [286.0, 0.0123, 1.0]
+    assert rounded(-3.0, "at most") == rounded(0.0, "at least") == 0.0
+
+
+def test_relaxations_in_words_and_by_their_size() -> None:
+    found = Relaxation("battery.specific_energy_wh_per_kg", "Wh/kg", 250.0, "at least", 287.0, 1.0)
+    assert found.text == "battery.specific_energy_wh_per_kg >= 287 Wh/kg (now 250)"
+    assert found.relative_change == pytest.approx(37.0 / 250.0, rel=1e-12)
+    less = Relaxation("airframe.structure.calibration", "1", 1.0, "at most", 0.8, 1.0)
+    assert less.text == "airframe.structure.calibration <= 0.8 (now 1)"
+    assert less.relative_change == pytest.approx(0.2, rel=1e-12)

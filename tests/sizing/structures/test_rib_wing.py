@@ -714,3 +714,38 @@ def test_ratio_and_climb_rate_are_alternatives() -> None:
         Propulsion(climb_power_ratio=5.0, climb_rate_m_per_s=2.0)
     with pytest.raises(ValidationError):
         Propulsion(climb_rate_m_per_s=0.0)
+
+
+# ---- buckling of the caps' plates against closed forms
+
+
+def test_cap_of_isotropic_material_buckles_at_four_of_the_plate_formula() -> None:
+    # Timoshenko & Gere, section 9.2: a long isotropic plate, simply supported, buckles at
+    # 4 pi^2 E/(12 (1 - nu^2)) (t/w)^2; its shear modulus is E/(2 (1 + nu)).
+    modulus, poisson = 70e9, 0.33
+    cap = RibWingStructure(
+        model="rib_wing",
+        modulus_pa=modulus,
+        transverse_modulus_pa=modulus,
+        shear_modulus_pa=modulus / (2.0 * (1.0 + poisson)),
+        poisson_ratio=poisson,
+    )
+    wanted = 4.0 * np.pi**2 * modulus / (12.0 * (1.0 - poisson**2))
+    # Only rounding separates the two.
+    assert cap.cap_buckling_pa == pytest.approx(wanted, rel=1e-12)
+
+
+def test_cap_of_orthotropic_material_buckles_by_the_inverse_of_its_compliance() -> None:
+    along, across, shear, poisson = 120e9, 9e9, 5e9, 0.28
+    compliance = [[1.0 / along, -poisson / along], [-poisson / along, 1.0 / across]]
+    stiffness = np.linalg.inv(compliance) / 12.0  # of a plate of thickness one
+    bending = np.sqrt(stiffness[0, 0] * stiffness[1, 1]) + stiffness[0, 1] + 2.0 * shear / 12.0
+    cap = RibWingStructure(
+        model="rib_wing",
+        modulus_pa=along,
+        transverse_modulus_pa=across,
+        shear_modulus_pa=shear,
+        poisson_ratio=poisson,
+    )
+    # The inverse of a matrix with entries that differ by 13 loses a digit.
+    assert cap.cap_buckling_pa == pytest.approx(2.0 * np.pi**2 * bending, rel=1e-11)

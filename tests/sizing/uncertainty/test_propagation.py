@@ -15,6 +15,7 @@ DESIGN = {
     "battery.specific_energy_wh_per_kg": 0.04,
     "battery.charge_efficiency": 0.02,
     "modules.efficiency_stc": 0.05,
+    "modules.mppt_efficiency": 0.005,
     "modules.camber_efficiency": 0.01,
     "modules.diffuse_efficiency": 0.05,
     "modules.temperature_coefficient_per_k": 0.2,
