@@ -125,6 +125,11 @@ def test_python_of_the_page_runs(
             runpy.run_path(name)
 
 
+def test_commands_stand_in_blocks_that_are_run() -> None:
+    for block in blocks_that(lambda block: block.language not in ("sh", "text", "python")):
+        assert not re.search(r"^(\$ )?(solar-uav|python) ", block.text, re.M), f"{block}"
+
+
 def test_claims_leave_out_what_varies_from_run_to_run() -> None:
     for block in blocks_that(is_run):
         for claimed in (*block.printed, *(command.claimed or "" for command in block.commands())):
