@@ -126,12 +126,16 @@ def likely(text: str, printed: str) -> list[str]:
 
 
 def rewrite(page: Path, edits: list[tuple[int, str, str]]) -> None:
-    """Replace claims by what is printed, each the first one below its line."""
+    """Replace claims by what is printed, each the first one below its line and the last edit."""
     text = page.read_text(encoding="utf-8")
-    for line, claimed, new in reversed(edits):
-        start = len("".join(text.splitlines(keepends=True)[:line]))
-        at = text.index(f"\n{claimed}", start - 1) + 1
-        text = text[:at] + new + text[at + len(claimed) :]
+    lines = text.splitlines(keepends=True)
+    places: list[tuple[int, int, str]] = []
+    for line, claimed, new in edits:
+        below = max(len("".join(lines[:line])) - 1, places[-1][1] if places else 0)
+        at = text.index(f"\n{claimed}\n", below) + 1
+        places.append((at, at + len(claimed), new))
+    for start, end, new in reversed(places):
+        text = text[:start] + new + text[end:]
     page.write_text(text, encoding="utf-8")
 
 

@@ -94,10 +94,10 @@ def _steps() -> str:
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
     rows = []
     for name, step_s in steps_s.items():
-        metrics = performance(aircraft, mission, step_h=step_s / 3600.0).cycle.metrics
-        numbers = (metrics.excess_time_h, metrics.charge_margin_h)
-        charge = float(metrics.minimum_state_of_charge[0])
-        rows.append((name, *(f"{float(number[0]):.4f}" for number in numbers), f"{charge:.5f}"))
+        cycle = performance(aircraft, mission, step_h=step_s / 3600.0).cycle
+        hours = (cycle.excess_time_h, cycle.charge_margin_h)
+        charge = float(cycle.minimum_state_of_charge[0])
+        rows.append((name, *(f"{float(one[0]):.4f}" for one in hours), f"{charge:.5f}"))
     return _markdown(Table("", columns, tuple(rows)))
 
 
