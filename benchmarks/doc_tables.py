@@ -17,10 +17,14 @@ from benchmarks.validation.slender_wings import aspect_ratio_table, structure_ta
 from benchmarks.validation.structure_comparison import gust_table, structure_tables
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
+from missions.weather.files import load_weather
 from sizing.catalogues.files import KINDS, Kind
 from sizing.energy.battery_condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
+from sizing.performance import performance
+from sizing.results.sizing import SizingStudy, size
 from sizing.results.tables import Column, Table
+from sizing.results.weather_sizing import size_in_weather
 from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.transfer import transfer_table, transferred_errors
@@ -78,6 +82,81 @@ def _battery_life() -> str:
     return _markdown(Table("", columns, tuple(rows)))
 
 
+def _steps() -> str:
+    """Metrics of AtlantikSolar's day by the step of the simulator."""
+    columns = (
+        Column("step"),
+        Column("excess", "excess time [h]"),
+        Column("margin", "charge margin [h]"),
+        Column("charge", "minimum state of charge"),
+    )
+    steps_s = {"60 min": 3600, "30 min": 1800, "15 min": 900, "5 min": 300, "1 min": 60, "10 s": 10}
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
+    rows = []
+    for name, step_s in steps_s.items():
+        cycle = performance(aircraft, mission, step_h=step_s / 3600.0).cycle
+        hours = (cycle.excess_time_h, cycle.charge_margin_h)
+        charge = float(cycle.minimum_state_of_charge[0])
+        rows.append((name, *(f"{float(one[0]):.4f}" for one in hours), f"{charge:.5f}"))
+    return _markdown(Table("", columns, tuple(rows)))
+
+
+def _reliabilities() -> str:
+    """Wingspans that a probability of three hours of excess time takes."""
+    columns = (
+        Column("asked", "reliability asked for"),
+        Column("wingspan", "wingspan [m]"),
+        Column("mass", "total mass [kg]"),
+        Column("found", "found in 10,000 independent draws"),
+    )
+    aircraft = load_aircraft("atlantiksolar-design")
+    mission = load_mission("rafz-july", {"required_excess_time_h": 3.0})
+    nominal = size(aircraft, mission, "min_wingspan")
+    rows: list[tuple[str, ...]] = []
+    for asked in (0.9, 0.95, 0.99):
+        found = size(aircraft, mission, "min_wingspan", reliability=asked)
+        assert found.reliability is not None
+        if not rows:
+            rows.append(("none", *_size_of(nominal), found.reliability.nominal.text()))
+        rows.append((f"{100 * asked:.0f} %", *_size_of(found), found.reliability.achieved.text()))
+    return _markdown(Table("", columns, tuple(rows)))
+
+
+def _season_shares() -> str:
+    """Wingspans that a share of the days of a real season takes."""
+    columns = (
+        Column("asked", "share asked for"),
+        Column("wingspan", "wingspan [m]"),
+        Column("mass", "total mass [kg]"),
+        Column("days", "days that close"),
+        Column("gap", "longest gap [d]"),
+    )
+    place = {"latitude_deg": 40.5, "altitude_m": 2300.0}
+    mission = load_mission("central-europe-summer", place)
+    rows = []
+    for asked in (0.5, 0.9, 0.99):
+        found = size_in_weather(
+            load_aircraft("atlantiksolar-design"),
+            mission,
+            load_weather("colorado-2023"),
+            "min_wingspan",
+            survive=asked,
+        )
+        assert found.survival is not None
+        days = found.survival.days
+        closed = f"{days.that_close} of {len(days)}"
+        gap = str(days.longest_gap_days)
+        rows.append((f"{100 * asked:.0f} %", *_size_of(found), closed, gap))
+    return _markdown(Table("", columns, tuple(rows)))
+
+
+def _size_of(found: SizingStudy) -> tuple[str, str]:
+    """Wingspan [m] and total mass [kg] of a sized aircraft."""
+    assert found.variables is not None
+    assert found.design is not None
+    return f"{found.variables.wingspan_m:.2f}", f"{found.design.total_mass_kg:.2f}"
+
+
 def _catalogue(kind: Kind) -> str:
     table = catalogue_table(kind)
     rows = tuple((f"`{name}`", *others) for name, *others in table.rows)
@@ -106,6 +185,9 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     ),
     "light": ("altitude.md", _light),
     "battery-life": ("battery.md", _battery_life),
+    "steps": ("energy-balance.md", _steps),
+    "reliabilities": ("uncertainty.md", _reliabilities),
+    "season-shares": ("season.md", _season_shares),
     "catalogue-cells": ("catalogues.md", partial(_catalogue, "cells")),
     "catalogue-batteries": ("catalogues.md", partial(_catalogue, "batteries")),
     "catalogue-motors": ("catalogues.md", partial(_catalogue, "motors")),

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 import re
 import runpy
-import shutil
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -15,25 +11,19 @@ from typing import Any
 
 import click
 import pytest
-from command_line import Run
+from command_line import Outcome, Run
 from documented import (
     PAGES,
     ROOT,
+    VARIES,
     Block,
-    Command,
     blocks,
     disagreement,
     inline_commands,
     inline_options,
-    replaced,
+    not_printed,
 )
-
-# Far above what a command takes, so that a busy machine does not fail the test.
-TIMEOUT_S = 300
-
-
-def blocks_that(holds: Callable[[Block], bool], pages: list[Path] = PAGES) -> list[Block]:
-    return [block for page in pages for block in blocks(page) if holds(block)]
+from played import Played, blocks_that, in_subprocess, is_run, played
 
 
 def pages_with(holds: Callable[[Block], bool]) -> list[Any]:
@@ -44,132 +34,55 @@ def pages_with(holds: Callable[[Block], bool]) -> list[Any]:
     return [pytest.param(page, id=page.stem, marks=slow.get(page, ())) for page in pages]
 
 
-def is_run(block: Block) -> bool:
-    return block.not_run is None and bool(block.commands())
-
-
 def is_python(block: Block) -> bool:
     """Whether the block is Python that is run for its own sake, not for the file it makes."""
     return block.not_run is None and block.language == "python" and not block.makes
 
 
-def in_subprocess(words: list[str], folder: Path | None = None) -> tuple[int, str, str]:
-    done = subprocess.run(
-        words,
-        cwd=folder,
-        env=dict(os.environ, MPLBACKEND="Agg"),
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        timeout=TIMEOUT_S,
-        check=False,
-    )
-    return done.returncode, done.stdout, done.stderr
-
-
-# As it is installed.
-SOLAR_UAV = [str(Path(sys.executable).with_name("solar-uav"))]
-
-
-def make_wrong_aircraft(folder: Path) -> None:
-    """The file of ``solar-uav init`` with two mistakes."""
-    code, _, err = in_subprocess([*SOLAR_UAV, "init", "bad"], folder)
-    assert code == 0, err
-    path = folder / "bad.yaml"
-    text = path.read_text(encoding="utf-8")
-    for old, new in (
-        ("wingspan_m: 4.0 ", "wingspann_m: 4.0 "),
-        ("discharge_efficiency: 0.97", "discharge_efficiency: 1.2"),
-    ):
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    path.write_text(text, encoding="utf-8")
-
-
 @pytest.fixture(scope="session")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Files that commands need, each made once by the Python of a page."""
-    folder = tmp_path_factory.mktemp("made")
-
-    def file(name: str) -> Path:
-        path = folder / name
-        if path.exists():
-            return path
-        if name == "bad.yaml":
-            make_wrong_aircraft(folder)
-            return path
-        (block,) = blocks_that(lambda block: name in block.makes)
-        script = folder / "make.py"
-        script.write_text(block.text, encoding="utf-8")
-        with contextlib.chdir(folder):
-            runpy.run_path(str(script))
-        return path
-
-    return file
+def made_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the files that commands need, each made once by the Python of a page."""
+    return tmp_path_factory.mktemp("made")
 
 
-class Player:
-    """Runs the commands of a page in the current folder and collects what is wrong."""
-
-    def __init__(
-        self, run: Run, monkeypatch: pytest.MonkeyPatch, made: Callable[[str], Path]
-    ) -> None:
-        self.run = run
-        self.monkeypatch = monkeypatch
-        self.made = made
-        self.wrong: list[str] = []
-
-    def play(self, block: Block) -> None:
-        for name in block.needs:
-            if not Path(name).exists():
-                shutil.copy(self.made(name), name)
-        printed = "".join(self._play_command(block, command) for command in block.commands())
-        for text in block.printed:
-            if disagreement(f"...\n{text}\n...", printed) is not None:
-                self.wrong.append(f"{block}: not printed: {text}")
-
-    def _play_command(self, block: Block, command: Command) -> str:
-        variables, words, target = command.words()
-        with self.monkeypatch.context() as patch:
-            patch.setenv("COLUMNS", variables.get("COLUMNS", "80"))
-            if words[0] != "solar-uav":
-                code, out, err = in_subprocess([sys.executable, *words[1:]])
-            else:
-                code, out, err = self.run(*replaced(words, self._coarser(block, words))[1:])
-        if target is not None:
-            Path(target).write_text(out, encoding="utf-8")
-        at = f"{block}: {command.text.strip()}"
-        if code != block.exit_code:
-            self.wrong.append(f"{at}\n  exit code {code}, not {block.exit_code}: {err[-400:]}")
-        if "Traceback" in out + err:
-            self.wrong.append(f"{at}\n  {(out + err)[-400:]}")
-        if "cells failed" in err or "points failed" in err:
-            self.wrong.append(f"{at}\n  {err[-400:]}")
-        if command.claimed is not None:
-            found = [disagreement(command.claimed, text) for text in (out, out + err)]
-            if None not in found:
-                self.wrong.append(f"{at}\n  {found[0]}")
-        return out + err
-
-    @staticmethod
-    def _coarser(block: Block, words: list[str]) -> dict[str, str]:
-        return {option: value for option, value in block.tested_with.items() if option in words}
+def mistakes(block: Block, done: Played) -> list[str]:
+    """What is wrong with a command of a page and what it printed."""
+    at = f"{block}: {done.command.text.strip()}"
+    both = done.out + done.err
+    wrong = []
+    if done.code != block.exit_code:
+        wrong.append(f"{at}\n  exit code {done.code}, not {block.exit_code}: {done.err[-400:]}")
+    if "Traceback" in both:
+        wrong.append(f"{at}\n  {both[-400:]}")
+    if "cells failed" in done.err or "points failed" in done.err:
+        wrong.append(f"{at}\n  {done.err[-400:]}")
+    if done.command.claimed is not None:
+        found = [disagreement(done.command.claimed, text) for text in (done.out, both)]
+        if None not in found:
+            wrong.append(f"{at}\n  {found[0]}")
+    return wrong
 
 
 @pytest.mark.parametrize("page", pages_with(is_run))
 def test_commands_of_the_page_print_what_it_says(
-    page: Path,
-    run: Run,
-    made: Callable[[str], Path],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    page: Path, run: Run, made_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "docs" / "images").mkdir(parents=True)
-    player = Player(run, monkeypatch, made)
-    for block in blocks(page):
-        if is_run(block):
-            player.play(block)
-    assert not player.wrong, "\n".join(["", *player.wrong])
+
+    def call(words: list[str], variables: dict[str, str]) -> Outcome:
+        with monkeypatch.context() as patch:
+            for name, value in variables.items():
+                patch.setenv(name, value)
+            return run(*words)
+
+    monkeypatch.chdir(tmp_path)
+    wrong: list[str] = []
+    for block in blocks_that(is_run, [page]):
+        done = list(played(block, call, made_in))
+        wrong += [mistake for one in done for mistake in mistakes(block, one)]
+        printed = "".join(one.out + one.err for one in done)
+        wrong += [f"{block}: not printed: {text}" for text in not_printed(block, printed)]
+    assert not wrong, "\n".join(["", *wrong])
 
 
 @pytest.mark.parametrize("block", blocks_that(lambda block: block.not_run is not None), ids=str)
@@ -210,6 +123,17 @@ def test_python_of_the_page_runs(
             assert code == 0, err
         else:
             runpy.run_path(name)
+
+
+def test_commands_stand_in_blocks_that_are_run() -> None:
+    for block in blocks_that(lambda block: block.language not in ("sh", "text", "python")):
+        assert not re.search(r"^(\$ )?(solar-uav|python) ", block.text, re.M), f"{block}"
+
+
+def test_claims_leave_out_what_varies_from_run_to_run() -> None:
+    for block in blocks_that(is_run):
+        for claimed in (*block.printed, *(command.claimed or "" for command in block.commands())):
+            assert VARIES.search(claimed) is None, f"{block}: put ... for {claimed}"
 
 
 def command_tree() -> dict[str, click.Command]:
@@ -294,8 +218,7 @@ def test_numbers_of_the_readme_are_those_of_the_validation() -> None:
 @pytest.mark.parametrize(
     ("claimed", "actual"),
     [
-        ("mass 4.14 kg", "mass │ 4.15 kg"),
-        ("22 iterations, 3 ms", "25 iterations, 17 ms"),
+        ("├───┤ mass │ 4.14 kg", "├──────┤ mass │ 4.15 kg"),
         ("...\nb 2\n...", "a 1\nb 2\nc 3"),
         ("a\n...\nc", "a b b c"),
     ],
@@ -309,6 +232,8 @@ def test_claims_that_agree(claimed: str, actual: str) -> None:
     [
         ("mass 4.14 kg", "mass 4.16 kg"),
         ("mass 4.14 kg", "mass 4.140 kg"),
+        ("mass 4.14 kg", "mass │ 4.14 kg"),
+        ("┌───┐", "┏━━━┓"),
         ("12 cells", "13 cells"),
         ("a", "a b"),
         ("b", "a b"),

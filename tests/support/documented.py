@@ -36,10 +36,12 @@ PAGES = [
 ]
 
 BOX_DRAWING = re.compile("[\u2500-\u257f]+")
+# A rule of a table, as wide as what is in its column.
+RULE = re.compile("([\u2500\u2501\u2550])\\1+")
 TOKEN = re.compile(r"[-+−]?\d+(?:\.\d+)?|[^\W\d_]+|[^\s\w]|_")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
-# What varies from run to run, or with the version of the solver, stands before one of these.
-NOT_COMPARED = {"ms", "iterations", "iteration"}
+# What varies from run to run, or with the version of the solver: no page claims it.
+VARIES = re.compile(r"\d ?(?:ms|iterations?)\b")
 ELLIPSIS_LINE = "..."
 
 
@@ -174,8 +176,8 @@ def replaced(words: list[str], options: dict[str, str]) -> list[str]:
 
 
 def tokens(text: str) -> list[str]:
-    """Words, numbers and signs of a text, without the lines of tables."""
-    return TOKEN.findall(BOX_DRAWING.sub(" ", text))
+    """Words, numbers and signs of a text; rules of tables are equal, however wide."""
+    return TOKEN.findall(RULE.sub(r"\1", text))
 
 
 def _same(claimed: str, actual: str) -> bool:
@@ -192,8 +194,7 @@ def _same(claimed: str, actual: str) -> bool:
 def _matching(claimed: list[str], actual: list[str]) -> int:
     """Number of tokens at the start of a claim that agree with the start of the output."""
     for i, token in enumerate(claimed):
-        varies = i + 1 < len(claimed) and claimed[i + 1] in NOT_COMPARED
-        if i >= len(actual) or not (varies or _same(token, actual[i])):
+        if i >= len(actual) or not _same(token, actual[i]):
             return i
     return len(claimed)
 
@@ -219,6 +220,12 @@ def disagreement(claimed: str, actual: str) -> str | None:
     if parts[-1].strip() and rest:
         return f"printed but not claimed: {' '.join(rest[:14])} ..."
     return None
+
+
+def not_printed(block: Block, printed: str) -> list[str]:
+    """Texts of the comments below a block that its commands do not print."""
+    cells = BOX_DRAWING.sub(" ", printed)
+    return [text for text in block.printed if disagreement(f"...\n{text}\n...", cells)]
 
 
 def inline_commands(page: Path) -> list[str]:
