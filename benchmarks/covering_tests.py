@@ -23,7 +23,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from py_compile import PycInvalidationMode
-from typing import Any
 
 import coverage
 import pytest
@@ -239,10 +238,9 @@ class _Contexts:
         """Around set-up, call and teardown of a test."""
         self._cover.switch_context(item.nodeid)
         begun = time.monotonic()
-        outcome: Any = yield
+        yield
         self.seconds[item.nodeid] = round(time.monotonic() - begun, 4)
         self._cover.switch_context("")
-        return outcome
 
 
 def _in_child(tree: Path, call: Callable[[], int], seconds: float) -> int | None:

@@ -55,15 +55,7 @@ def date_code(day: int) -> str:
 def days_in_range(first: int, last: int) -> list[int]:
     """All days from the first to the last, both included, across the year's end if need be.
 
-    Parameters
-    ----------
-    first, last : int
-        Days of year, 1 to 365.
-
-    Returns
-    -------
-    list of int
-        Days of year in the order of the calendar.
+    Returns days of year in the order of the calendar.
     """
     span = (last - first) % DAYS_PER_YEAR
     return [(first - 1 + i) % DAYS_PER_YEAR + 1 for i in range(span + 1)]

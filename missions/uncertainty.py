@@ -41,17 +41,7 @@ class Normal(Record):
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
         """Values below which shares of all draws lie.
 
-        Parameters
-        ----------
-        share : ndarray
-            Shares, above 0 and below 1 [-].
-        nominal : float
-            Value of the file, in its unit.
-
-        Returns
-        -------
-        ndarray
-            Of the shape of ``share``, in the unit of ``nominal``.
+        Returns of the shape of ``share``, in the unit of ``nominal``.
         """
         from scipy.special import ndtri
 
@@ -66,18 +56,7 @@ class LogNormal(Record):
     relative_sigma: PositiveReal
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie.
-
-        Parameters
-        ----------
-        share, nominal
-            As for :meth:`Normal.values`.
-
-        Returns
-        -------
-        ndarray
-            As there.
-        """
+        """Values below which shares of all draws lie."""
         from scipy.special import ndtri
 
         return np.asarray(nominal * np.exp(np.log1p(self.relative_sigma) * ndtri(share)))
@@ -97,18 +76,7 @@ class Uniform(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie.
-
-        Parameters
-        ----------
-        share, nominal
-            As for :meth:`Normal.values`.
-
-        Returns
-        -------
-        ndarray
-            As there.
-        """
+        """Values below which shares of all draws lie."""
         return np.asarray(self.low + (self.high - self.low) * share)
 
 
@@ -129,18 +97,7 @@ class Triangular(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie.
-
-        Parameters
-        ----------
-        share, nominal
-            As for :meth:`Normal.values`.
-
-        Returns
-        -------
-        ndarray
-            As there.
-        """
+        """Values below which shares of all draws lie."""
         peak = min(max(nominal if self.mode is None else self.mode, self.low), self.high)
         width, rise, fall = self.high - self.low, peak - self.low, self.high - peak
         return np.where(
@@ -157,18 +114,7 @@ class Data(Record):
     data: tuple[Real, ...] = Field(min_length=3)
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie.
-
-        Parameters
-        ----------
-        share, nominal
-            As for :meth:`Normal.values`.
-
-        Returns
-        -------
-        ndarray
-            As there.
-        """
+        """Values below which shares of all draws lie."""
         ordered = np.sort(np.asarray(self.data, float))
         places = (np.arange(len(ordered)) + 0.5) / len(ordered)
         return np.asarray(np.interp(share, places, ordered))

@@ -116,18 +116,8 @@ class Propulsion(Record):
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
         """Rated electric power [W].
 
-        Parameters
-        ----------
-        level_w
-            Electric power of level flight [W].
-        weight_n
-            Weight of the aircraft [N].
-
-        Returns
-        -------
-        Value
-            ``level_w + weight_n v_climb / efficiency`` where a climb rate is given, else the climb
-            power ratio times ``level_w`` [W].
+        Returns ``level_w + weight_n v_climb / efficiency`` where a climb rate is given, else the
+        climb power ratio times ``level_w`` [W].
         """
         if self.climb_rate_m_per_s is not None:
             return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency

@@ -122,17 +122,7 @@ class FlightConditions(NamedTuple):
     def of(cls, mission: Mission, aircraft: Aircraft) -> FlightConditions:
         """Conditions of a mission, and what its air and age leave of an aircraft's battery.
 
-        Parameters
-        ----------
-        mission : Mission
-            Air, payload, turbulence, wind and margins.
-        aircraft : Aircraft
-            Whose battery it is.
-
-        Returns
-        -------
-        FlightConditions
-            Numbers, or arrays where inputs are.
+        Returns numbers, or arrays where inputs are.
         """
         air = mission.air_state()
         battery, air_c = aircraft.battery, _number(air.temperature_c)
@@ -167,17 +157,8 @@ def _number(value: Value) -> Value:
 def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
     """Electric power of avionics and payload, drawn from the battery [W].
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Its avionics, and the efficiency of their power supply.
-    payload_power_w
-        Power of the payload [W].
-
-    Returns
-    -------
-    Value
-        ``(P_avionics + P_payload) / eta_supply`` [W].
+    ``aircraft``: its avionics, and the efficiency of their power supply. Returns ``(P_avionics +
+    P_payload) / eta_supply`` [W].
     """
     return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
 
@@ -202,26 +183,7 @@ def parametric_design(
 
     The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Technology.
-    mission : Mission or FlightConditions
-        Air, payload and turbulence; conditions may be symbols.
-    variables : DesignVariables
-        Numbers, arrays or symbols.
-    total_mass_kg
-        Assumed take-off mass [kg].
-
-    Returns
-    -------
-    Design
-        Of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
-
-    Raises
-    ------
-    TypeError
-        For a measured aircraft, whose mass does not follow from its geometry.
+    Returns of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
     """
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
@@ -269,17 +231,8 @@ def parametric_design(
 def flown_at(aerodynamics: DragPolar | WingPolar, lift_coefficient: Value | None) -> Polar:
     """Polar in level flight at a chosen lift coefficient.
 
-    Parameters
-    ----------
-    aerodynamics : DragPolar or WingPolar
-        Polar as the aircraft's file describes it.
-    lift_coefficient
-        Lift coefficient of level flight [-]; None leaves the polar's own.
-
-    Returns
-    -------
-    Polar
-        Same polar with ``lift_coefficient`` replaced, not validated.
+    ``lift_coefficient``: lift coefficient of level flight [-]; None leaves the polar's own. Returns
+    same polar with ``lift_coefficient`` replaced, not validated.
     """
     if lift_coefficient is None:
         return aerodynamics
@@ -341,17 +294,7 @@ def _structure_inputs(
 def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
     """Masses of the structure's parts.
 
-    Parameters
-    ----------
-    aircraft, mission
-        Technology and air of the design.
-    design : Design
-        Closed design.
-
-    Returns
-    -------
-    StructureParts or None
-        Masses [kg]; None where the model of the structure knows no parts.
+    Returns masses [kg]; None where the model of the structure knows no parts.
     """
     sized = _sized_rib_wing(aircraft, mission, design)
     return None if sized is None else sized[0].breakdown(sized[1])
@@ -362,17 +305,7 @@ def structure_assessment(
 ) -> StructureAssessment | None:
     """What sizes the structure, and how far it bends and twists.
 
-    Parameters
-    ----------
-    aircraft, mission
-        Technology and air of the design.
-    design : Design
-        Closed design, of floats.
-
-    Returns
-    -------
-    StructureAssessment or None
-        None where the model of the structure does not say.
+    None where the model of the structure does not say.
     """
     sized = _sized_rib_wing(aircraft, mission, design)
     if sized is None:
@@ -418,18 +351,9 @@ def _sized_rib_wing(
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
     """Masses and power of a measured aircraft, scaled to the mission's mass and air.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Aircraft with a measured airframe.
-    mission : Mission
-        Payload and air. Power scales with mass^1.5 and density^-0.5
-        (:func:`sizing.aerodynamics.parabolic.scaled_power_w`), airspeed with their square roots.
-
-    Returns
-    -------
-    Design
-        Of floats; all but the masses of battery, modules and payload is ``other``.
+    ``mission``: payload and air. Power scales with mass^1.5 and density^-0.5
+    (:func:`sizing.aerodynamics.parabolic.scaled_power_w`), airspeed with their square roots.
+    Returns of floats; all but the masses of battery, modules and payload is ``other``.
     """
     airframe = aircraft.airframe
     assert isinstance(airframe, MeasuredAirframe)
@@ -535,19 +459,10 @@ def lightest_mass_kg(
     passes that solution either, and is longer. Where it is not, or is steep, steps are plain ones.
     Only designs that have not settled are iterated on.
 
-    Parameters
-    ----------
-    budget_kg : callable
-        Budget [kg] for assumed masses [kg] of some designs, given by their indices.
-    start_kg : ndarray, shape (design,)
-        Masses below all solutions, such as that of a part [kg].
-    relative_tolerance : float
-        Largest change of the mass in the last iteration, relative to it [-].
-
-    Returns
-    -------
-    ndarray, shape (design,)
-        Infinite where there is none [kg].
+    ``budget_kg``: budget [kg] for assumed masses [kg] of some designs, given by their indices.
+    ``start_kg``: masses below all solutions, such as that of a part [kg]. ``relative_tolerance``:
+    largest change of the mass in the last iteration, relative to it [-]. Infinite where there is
+    none [kg].
     """
     mass = np.array(start_kg, float)
     before, budget_before, slope_before = np.full((3, mass.size), np.nan)
@@ -615,21 +530,8 @@ def load_profile(
 ) -> Value:
     """Load over the day: level flight, turbulence and thermals.
 
-    Parameters
-    ----------
-    time_h : array_like, shape (time,)
-        Local solar time [h].
-    design : Design
-        Powers of the batch ``...``.
-    mission : Mission
-        With its turbulence; draws of it are arrays of the batch.
-    sunrise_h, sunset_h : array_like, shape (...)
-        Between these there are thermals [solar h].
-
-    Returns
-    -------
-    ndarray, shape (..., time)
-        Power that the aircraft draws [W].
+    ``mission``: with its turbulence; draws of it are arrays of the batch. Returns power that the
+    aircraft draws [W].
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
@@ -649,15 +551,7 @@ def load_profile(
 def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) -> Value:
     """Triangle over the lit day: 0 at sunrise and sunset, 1 half-way between.
 
-    Parameters
-    ----------
-    time_h, sunrise_h, sunset_h : array_like
-        As for :func:`load_profile`.
-
-    Returns
-    -------
-    ndarray, shape (..., time)
-        Share of the thermals' extra power [-].
+    Returns share of the thermals' extra power [-].
     """
     rise = np.asarray(sunrise_h, float)[..., np.newaxis]
     half = (np.asarray(sunset_h, float)[..., np.newaxis] - rise) / 2.0

@@ -125,19 +125,6 @@ def design_requirements(
     """Requirements on the design itself; the mass budget, an equation, comes first.
 
     Texts say what is wrong when the requirement is missed; ``{missed}`` stands for by how much.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Its technology, coverage and limits.
-    design : Design
-        Of floats, arrays or symbols.
-    conditions : FlightConditions
-        Air, payload, turbulence and wind.
-
-    Returns
-    -------
-    list of Requirement
     """
     it = DesignInFlight(aircraft, design, conditions)
     covered = it.airframe.maximum_module_coverage * design.wing_area_m2
@@ -176,21 +163,9 @@ def meets_requirements(
 ) -> NDArray[np.bool_]:
     """Whether closed designs keep every requirement on the design itself.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Its technology, coverage and limits.
-    design : Design
-        Of floats, or of arrays of one shape.
-    conditions : FlightConditions
-        Air, payload, turbulence and wind; a payload that the design chooses replaces this one.
-    tolerance : float
-        By how much a requirement may be missed, relative to its limit.
-
-    Returns
-    -------
-    ndarray of bool
-        Of the designs' shape.
+    ``conditions``: air, payload, turbulence and wind; a payload that the design chooses replaces
+    this one. ``tolerance``: by how much a requirement may be missed, relative to its limit. Returns
+    of the designs' shape.
     """
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
     carried = conditions.with_payload_of(design.variables)

@@ -45,27 +45,13 @@ Kind = Literal["design", "quantity", "technology", "mission", "bound"]
 class Parameter:
     """A row of the catalogue.
 
-    Attributes
-    ----------
-    key : str
-        In the aircraft's file, behind ``mission.`` in the mission's, or the name of a quantity.
-    name : str
-        In results.
-    kind : str
-        ``design`` variable, ``quantity`` of a design, ``technology`` of the aircraft, ``mission``
-        or ``bound`` of the design space.
-    unit : str
-        For instance ``Wh/kg``; ``1`` for none.
-    symbol : str
-        In LaTeX, as in the literature; may be empty.
-    label : str
-        For people: axes and tables.
-    minimum, maximum : float
-        Sensible range, about what has been built or is in sight.
-    relaxable : str
-        ``up`` or ``down`` where a relaxation may move it that way, else empty.
-    sensitive : bool
-        Whether its sensitivity is worth a row.
+    ``key``: in the aircraft's file, behind ``mission.`` in the mission's, or the name of a
+    quantity. ``kind``: ``design`` variable, ``quantity`` of a design, ``technology`` of the
+    aircraft, ``mission`` or ``bound`` of the design space. ``unit``: for instance ``Wh/kg``; ``1``
+    for none. ``symbol``: in LaTeX, as in the literature; may be empty. ``label``: for people: axes
+    and tables. ``minimum``, ``maximum``: sensible range, about what has been built or is in sight.
+    ``relaxable``: ``up`` or ``down`` where a relaxation may move it that way, else empty.
+    ``sensitive``: whether its sensitivity is worth a row.
     """
 
     key: str
@@ -100,13 +86,7 @@ def _from_row(row: dict[str, Any]) -> Parameter:
 
 @cache
 def parameter(key: str) -> Parameter:
-    """Parameter by its key or its name in results.
-
-    Raises
-    ------
-    KeyError
-        If the catalogue has none.
-    """
+    """Parameter by its key or its name in results."""
     found = catalogue().get(key) or next((p for p in catalogue().values() if p.name == key), None)
     if found is None:
         raise KeyError(f"the catalogue of parameters has no {key}")
@@ -126,19 +106,7 @@ def unit(key: str) -> str:
 def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> float | None:
     """Value of a parameter.
 
-    Parameters
-    ----------
-    owner : BaseModel
-        Aircraft.
-    mission : Mission or None
-        Where keys of the mission are read.
-    key : str
-        Parameter.
-
-    Returns
-    -------
-    float or None
-        In the parameter's unit; None where neither has one.
+    Returns in the parameter's unit; None where neither has one.
     """
     on_mission = key.startswith(MISSION_PREFIX)
     node: Any = mission if on_mission else owner
@@ -148,23 +116,7 @@ def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> floa
 
 
 def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[M, Mission]:
-    """Aircraft and mission with one parameter replaced, unchecked; see :func:`replaced`.
-
-    Parameters
-    ----------
-    owner : BaseModel
-        Aircraft.
-    mission : Mission
-        Where keys of the mission are replaced.
-    key : str
-        Parameter.
-    value : float, array or symbol
-        In the parameter's unit.
-
-    Returns
-    -------
-    (BaseModel, Mission)
-    """
+    """Aircraft and mission with one parameter replaced, unchecked; see :func:`replaced`."""
     parts = key.removeprefix(MISSION_PREFIX).split(".")
     if key.startswith(MISSION_PREFIX):
         return owner, replaced(mission, parts, value)
@@ -176,18 +128,8 @@ def replaced(node: M, parts: Sequence[str], value: Value) -> M:
 
     The copy is built anew, because a plain copy would take over what the original has cached.
 
-    Parameters
-    ----------
-    node : BaseModel
-        Description, for instance an aircraft.
-    parts : sequence of str
-        Names of the fields that lead to the value.
-    value : float, array or symbol
-        The formulas use arithmetic only, so that any of them will do.
-
-    Returns
-    -------
-    BaseModel
+    ``parts``: names of the fields that lead to the value. ``value``: the formulas use arithmetic
+    only, so that any of them will do.
     """
     head, *rest = parts
     new = value if not rest else replaced(getattr(node, head), rest, value)
@@ -198,16 +140,7 @@ def replaced(node: M, parts: Sequence[str], value: Value) -> M:
 def all_replaced(node: M, values: Mapping[str, Value]) -> M:
     """Copy of a description with some values replaced, without validation; see :func:`replaced`.
 
-    Parameters
-    ----------
-    node : BaseModel
-        Description, for instance an aircraft.
-    values : mapping
-        By their keys, with a dot between the names of fields; numbers, texts or symbols.
-
-    Returns
-    -------
-    BaseModel
+    ``values``: by their keys, with a dot between the names of fields; numbers, texts or symbols.
     """
     inner: dict[str, dict[str, Value]] = {}
     fields = {name: getattr(node, name) for name in type(node).model_fields}

@@ -121,32 +121,9 @@ def performance(
 ) -> Performance:
     """Simulate an aircraft, as its file describes it, in every scenario of a mission.
 
-    Parameters
-    ----------
-    aircraft, mission
-        What flies, and where.
-    solar : SolarModel
-        Solar power model and its correction.
-    day : SolarDay, optional
-        Sunlight in other scenarios, or known already; ``solar`` is then a label alone.
-    step_h : float
-        Largest step of the time axis [h]; that of ``day`` if it is given.
-    keep_trajectory : bool
-        Keep the stored energy over time.
-    design : Design, optional
-        That of :func:`sizing.design.design_of`, where it is known already.
-
-    Returns
-    -------
-    Performance
-        Arrays of the scenarios.
-
-    Raises
-    ------
-    ImpossibleDesignError
-        If a parametric aircraft cannot carry its own mass.
-    ValueError
-        As :func:`sizing.sunlight.solar_day`.
+    ``day``: sunlight in other scenarios, or known already; ``solar`` is then a label alone.
+    ``step_h``: largest step of the time axis [h]; that of ``day`` if it is given. Returns arrays of
+    the scenarios.
     """
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     flown = design_of(aircraft, mission) if design is None else design
@@ -162,24 +139,9 @@ def performance_after_days(
 ) -> Performance:
     """Simulate an aircraft on consecutive dates, from a battery empty at equal power.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`performance`; ``solar`` is a label.
-    dates : sequence of SolarDay
-        Those of :func:`sizing.sunlight.consecutive_days`; the flight begins in the morning of the
-        first.
-
-    Returns
-    -------
-    Performance
-        Of the last date, labelled with the scenarios of the first: see
-        :func:`sizing.energy.settling.simulate_days`.
-
-    Raises
-    ------
-    ImpossibleDesignError
-        If a parametric aircraft cannot carry its own mass.
+    ``dates``: those of :func:`sizing.sunlight.consecutive_days`; the flight begins in the morning
+    of the first. Returns of the last date, labelled with the scenarios of the first: see
+    :func:`sizing.energy.settling.simulate_days`.
     """
     design = design_of(aircraft, mission)
     powers = [_powers(mission, design, date) for date in dates]
@@ -237,19 +199,8 @@ def performance_of_pairs(
 ) -> Performance:
     """Simulate one design of a parametric aircraft in every scenario of a day.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`performance_of_designs`.
-    variables : DesignVariables
-        Arrays of the scenarios: the design that flies in each.
-    day : SolarDay
-        Sunlight in the scenarios.
-
-    Returns
-    -------
-    Performance
-        Arrays of the scenarios.
+    ``variables``: arrays of the scenarios: the design that flies in each. Returns arrays of the
+    scenarios.
     """
     design = closed_design(aircraft, mission, variables)
     return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)

@@ -80,19 +80,10 @@ _CHOSEN = {
 class Reliability:
     """How reliable a sized design is.
 
-    Attributes
-    ----------
-    required : float
-        Probability that was asked for [-].
-    achieved : Proportion
-        Share of independent draws that have the required excess time in every scenario; of the
-        most reliable design that was found where none is reliable enough.
-    samples : int
-        Number of those draws.
-    nominal : Proportion
-        The same of the optimum without any uncertainty.
-    nominal_objective : float
-        Objective of that optimum, in its unit.
+    ``required``: probability that was asked for [-]. ``achieved``: share of independent draws that
+    have the required excess time in every scenario; of the most reliable design that was found
+    where none is reliable enough. ``samples``: number of those draws. ``nominal``: the same of the
+    optimum without any uncertainty. ``nominal_objective``: objective of that optimum, in its unit.
     """
 
     required: float
@@ -129,23 +120,7 @@ class _Trial:
 def check_reliability(
     aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, required: float
 ) -> None:
-    """Refuse what no design can be sized for.
-
-    Parameters
-    ----------
-    aircraft, mission, objective, solar
-        What is sized, and for what.
-    required : float
-        Probability [-].
-
-    Raises
-    ------
-    InputError
-        For uncertain inputs that contradict the files' rules.
-    ValueError
-        For a probability that is none, objectives that are a range, or inputs that are missing,
-        cannot be varied, or do not follow the design.
-    """
+    """Refuse what no design can be sized for."""
     if not 0.0 < required < 1.0:
         raise ValueError(f"the reliability must be above 0 and below 1 (got {required:g})")
     if objective.of_range:
@@ -180,20 +155,10 @@ def size_reliably(
 ) -> tuple[SizingResult, Reliability | None]:
     """Find the best design that has the required excess time with a given probability.
 
-    Parameters
-    ----------
-    aircraft, mission, objective, solar
-        As for :func:`sizing.optimisation.search.size_aircraft`, with uncertain inputs; the mission
-        has the required excess time.
-    reliability : float
-        Least probability of the required excess time in every scenario [-].
-    problems : SizingProblems
-        Programs of this very aircraft.
-
-    Returns
-    -------
-    (SizingResult, Reliability)
-        Reliability is None where there is no design even without uncertainty.
+    ``aircraft``, ``mission``, ``objective``, ``solar``: as for
+    :func:`sizing.optimisation.search.size_aircraft`, with uncertain inputs; the mission has the
+    required excess time. ``reliability``: least probability of the required excess time in every
+    scenario [-]. Returns reliability is None where there is no design even without uncertainty.
     """
     search = _ReliableSizing(aircraft, mission, objective, solar, reliability, problems)
     return search.run()

@@ -22,17 +22,7 @@ def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
     above it by at most ``blend`` times it, where both are equal; rises with either value; scales
     with both, so that it needs no absolute width.
 
-    Parameters
-    ----------
-    first, second
-        Values of one unit.
-    blend : float
-        Width relative to the values [-].
-
-    Returns
-    -------
-    Value
-        In the unit of the values.
+    Returns in the unit of the values.
     """
     total = first + second
     gap = first - second
@@ -44,15 +34,7 @@ def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
 
     Never above the smaller value, below it by at most ``blend`` times it, where both are equal.
 
-    Parameters
-    ----------
-    first, second, blend
-        As for :func:`smooth_maximum`.
-
-    Returns
-    -------
-    Value
-        In the unit of the values.
+    Returns in the unit of the values.
     """
     return first * second / smooth_maximum(first, second, blend)
 
@@ -60,18 +42,7 @@ def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
 def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:
     """Absolute value with its kink rounded, ``sqrt(value^2 + (blend scale)^2)``.
 
-    Parameters
-    ----------
-    value
-        Any value.
-    scale
-        Positive value of the same unit.
-    blend : float
-        Width of the rounded kink relative to the scale [-].
-
-    Returns
-    -------
-    Value
-        Above the absolute value by at most ``blend scale``, at zero.
+    ``blend``: width of the rounded kink relative to the scale [-]. Returns above the absolute value
+    by at most ``blend scale``, at zero.
     """
     return (value * value + (blend * scale) ** 2) ** 0.5

@@ -105,13 +105,7 @@ class SolarDay:
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
-    """Nodes from 0 to 24 h, at most ``step_h`` apart.
-
-    Raises
-    ------
-    ValueError
-        If the step is not between 1 s and 1 h.
-    """
+    """Nodes from 0 to 24 h, at most ``step_h`` apart."""
     if not 1.0 / 3600.0 <= step_h <= 1.0:
         raise ValueError(f"step_h must be from 1/3600 to 1 (got {step_h:g})")
     return np.linspace(0.0, 24.0, int(np.ceil(24.0 / step_h - 1e-9)) + 1)
@@ -122,16 +116,7 @@ class Sunlight:
 
     Each model is evaluated once, however many days are asked of it; corrections only scale.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Whose solar modules they are.
-    mission : Mission
-        Altitude, air, wind, flight path and uncertainty margins.
-    scenarios : Scenarios, optional
-        Latitudes and days of the year; those of the mission by default.
-    step_h : float
-        Largest step of the time axis [h].
+    ``scenarios``: latitudes and days of the year; those of the mission by default.
     """
 
     def __init__(
@@ -171,14 +156,7 @@ class Sunlight:
         return np.where(lit, full_wh / np.where(lit, modelled_wh, 1.0), 1.0)[:, np.newaxis]
 
     def day(self, solar: SolarModel) -> SolarDay:
-        """Specific power by a model, corrected and less the mission's margin.
-
-        Raises
-        ------
-        ValueError
-            If the model or its correction lacks the aircraft's module geometry or the mission's
-            flight path.
-        """
+        """Specific power by a model, corrected and less the mission's margin."""
         power = self.modelled_power(solar.model)
         if solar.correction == "loiter":
             power = power * self.loiter_ratio(solar.model)
@@ -229,22 +207,8 @@ def consecutive_days(
 ) -> tuple[SolarDay, ...]:
     """Sunlight on the mission's dates and on the days that follow each of them.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`solar_day`.
-    days : int
-        How many days follow; the last of the year is followed by the first.
-
-    Returns
-    -------
-    tuple of SolarDay
-        ``days + 1`` of them, each with all scenarios.
-
-    Raises
-    ------
-    ValueError
-        As :func:`solar_day`.
+    ``days``: how many days follow; the last of the year is followed by the first. Returns ``days +
+    1`` of them, each with all scenarios.
     """
     first = mission.scenarios()
     count = len(first)
@@ -264,26 +228,7 @@ def modelled_power(
     (:func:`solar.horizontal_models.horizontal_specific_power`); VM and
     FM are averaged over the mission's flight path (:mod:`missions.loiter_power`).
 
-    Parameters
-    ----------
-    aircraft, mission
-        Solar modules, and where they fly.
-    model : {"CDM", "CAM", "VM", "FM"}
-        Solar power model.
-    scenarios : Scenarios
-        Latitudes and days of the year.
-    time_h : ndarray, shape (time,)
-        Local solar time [h].
-
-    Returns
-    -------
-    ndarray, shape (scenario, time)
-        Electric power per area of module [W/m2].
-
-    Raises
-    ------
-    ValueError
-        If VM or FM lack the aircraft's module geometry or the mission's flight path.
+    Returns electric power per area of module [W/m2].
     """
     latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
     if model not in ATTITUDE_MODELS:
@@ -307,22 +252,8 @@ def power_on_calendar(
 ) -> FloatArray:
     """Specific power at a mission's single latitude while the date advances, corrected.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`solar_day`.
-    day_of_year, time_solar_h : ndarray, shape (time,)
-        Fractional day of year and local solar time [h] at each instant.
-
-    Returns
-    -------
-    ndarray, shape (time,)
-        Electric power per area of module [W/m2].
-
-    Raises
-    ------
-    ValueError
-        As :func:`solar_day`.
+    ``day_of_year``, ``time_solar_h``: fractional day of year and local solar time [h] at each
+    instant. Returns electric power per area of module [W/m2].
     """
     latitude = mission.latitudes()[0]
     power = _specific_power(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
@@ -334,16 +265,10 @@ def power_on_calendar(
 class Lit(NamedTuple):
     """Light and temperatures at instants along a record, all of shape ``(time,)``.
 
-    Attributes
-    ----------
-    day_of_year, time_solar_h : ndarray
-        Fractional day of year and local solar time [h].
-    cos_zenith : ndarray
-        Cosine of the sun's zenith angle [-].
-    irradiance : Irradiance
-        Direct normal and diffuse horizontal light at flight altitude [W/m2].
-    ambient_c, module_c : ndarray
-        Temperature of the air and, of the models with a constant one, of the modules [C].
+    ``day_of_year``, ``time_solar_h``: fractional day of year and local solar time [h].
+    ``cos_zenith``: cosine of the sun's zenith angle [-]. ``irradiance``: direct normal and diffuse
+    horizontal light at flight altitude [W/m2]. ``ambient_c``, ``module_c``: temperature of the air
+    and, of the models with a constant one, of the modules [C].
     """
 
     day_of_year: FloatArray
@@ -359,22 +284,8 @@ def power_in_light(aircraft: Aircraft, mission: Mission, solar: SolarModel, lit:
 
     The mission's own clearness plays no part; its margin of the model's error does.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`solar_day`; the mission has a single latitude.
-    lit : Lit
-        Light at each instant.
-
-    Returns
-    -------
-    ndarray, shape (time,)
-        Electric power per area of module [W/m2].
-
-    Raises
-    ------
-    ValueError
-        As :func:`solar_day`.
+    ``aircraft``, ``mission``, ``solar``: as for :func:`solar_day`; the mission has a single
+    latitude. Returns electric power per area of module [W/m2].
     """
     if solar.model in ATTITUDE_MODELS:
         geometry, path = _attitude_inputs(aircraft, mission, solar.model)

@@ -37,20 +37,11 @@ _NEAR_MIDNIGHT_H = 3.0
 class DayAxis:
     """Days of a record, from one local solar midnight to the next, and their nodes.
 
-    Attributes
-    ----------
-    nodes : ndarray of int, shape (day, node)
-        Places in the record; a day's last node is the next day's first.
-    time_h : ndarray, shape (node,)
-        Hours since the day's first node [h].
-    midnight_h : ndarray, shape (day,)
-        Solar time of each day's first node, about 0 [h].
-    date : ndarray of datetime64[D], shape (day,)
-        Date of each day in the calendar of the place.
-    day_of_year : ndarray of int, shape (day,)
-        That of the date, 1 to 365; 29 February counts as 28 February.
-    time_s : ndarray, shape (day,)
-        Universal time of each day's first node [s since 1970-01-01].
+    ``nodes``: places in the record; a day's last node is the next day's first. ``time_h``: hours
+    since the day's first node [h]. ``midnight_h``: solar time of each day's first node, about 0
+    [h]. ``date``: date of each day in the calendar of the place. ``day_of_year``: that of the date,
+    1 to 365; 29 February counts as 28 February. ``time_s``: universal time of each day's first node
+    [s since 1970-01-01].
     """
 
     nodes: IntArray
@@ -75,13 +66,7 @@ class DayAxis:
 
     @classmethod
     def of(cls, light: RecordedLight) -> DayAxis:
-        """Cut a record into days; hours before the first and after the last are left out.
-
-        Raises
-        ------
-        ValueError
-            If the record is shorter than a day.
-        """
+        """Cut a record into days; hours before the first and after the last are left out."""
         per_day = round(HOURS_PER_DAY / light.step_h)
         begin_h = float(light.time_solar_h[0])
         to_midnight_h = (HOURS_PER_DAY - begin_h) % HOURS_PER_DAY
@@ -112,22 +97,12 @@ class DayAxis:
 class WeatherDays:
     """What the days of a record are to every design of an aircraft.
 
-    Attributes
-    ----------
-    aircraft, mission, solar
-        Technology; altitude, air and turbulence at the record's site; solar power model.
-    light : RecordedLight
-        Along the record.
-    axis : DayAxis
-        Its days.
-    ambient_c, module_c : ndarray
-        Temperature of the air and of the modules along the record [C].
-    propulsion_ratio : ndarray, shape (day, node)
-        Propulsion power over that of level flight in the mission's air [-].
-    more_heater_w : ndarray, shape (day, 1)
-        Heater of the battery beyond that of the mission's air [W].
-    capacity_ratio : ndarray, shape (day,)
-        Capacity of the battery over that in the mission's air [-].
+    ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
+    site; solar power model. ``light``: along the record. ``ambient_c``, ``module_c``: temperature
+    of the air and of the modules along the record [C]. ``propulsion_ratio``: propulsion power over
+    that of level flight in the mission's air [-]. ``more_heater_w``: heater of the battery beyond
+    that of the mission's air [W]. ``capacity_ratio``: capacity of the battery over that in the
+    mission's air [-].
     """
 
     aircraft: Aircraft
@@ -151,22 +126,7 @@ class WeatherDays:
         *,
         step_s: float = NODE_STEP_S,
     ) -> WeatherDays:
-        """Cut a record into days for an aircraft on a mission at its site.
-
-        Parameters
-        ----------
-        aircraft, mission, weather, solar, step_s
-            As for :func:`weather_performance`.
-
-        Returns
-        -------
-        WeatherDays
-
-        Raises
-        ------
-        InputError
-            If the record is shorter than a day.
-        """
+        """Cut a record into days for an aircraft on a mission at its site."""
         light = light_at_altitude(weather, mission.altitude_m, step_s=step_s)
         try:
             axis = DayAxis.of(light)
@@ -205,27 +165,14 @@ class WeatherDays:
 class WeatherRun:
     """Run of an aircraft through one kind of light of a record.
 
-    Attributes
-    ----------
-    axis : DayAxis
-        Days of the record.
-    solar_power_w, load_w : ndarray, shape (day, node)
-        Power at the nodes [W].
-    carried : CarriedDays
-        Batteries of all days.
-    dawn_h : ndarray, shape (day,)
-        When, from midnight to noon, the charge is least, hours after the day's first node [h]
-        (:func:`~sizing.energy.carried_days.dawns_of`).
-    closes : ndarray of bool, shape (day,)
-        Whether a day, begun at dawn with the charge carried over, reaches the next dawn (of the
-        last day: the end of the record) without an empty battery.
-    dawn_state_of_charge : ndarray, shape (day,)
-        State of charge at dawn [-].
-    endurance_h : ndarray, shape (day,)
-        Flight time of a launch with a full battery at each dawn [h]; where ``outlasts``, up to the
-        end of the record.
-    outlasts : ndarray of bool, shape (day,)
-        Whether that flight outlasts the record.
+    ``axis``: days of the record. ``solar_power_w``, ``load_w``: power at the nodes [W].
+    ``carried``: batteries of all days. ``dawn_h``: when, from midnight to noon, the charge is
+    least, hours after the day's first node [h] (:func:`~sizing.energy.carried_days.dawns_of`).
+    ``closes``: whether a day, begun at dawn with the charge carried over, reaches the next dawn (of
+    the last day: the end of the record) without an empty battery. ``dawn_state_of_charge``: state
+    of charge at dawn [-]. ``endurance_h``: flight time of a launch with a full battery at each dawn
+    [h]; where ``outlasts``, up to the end of the record. ``outlasts``: whether that flight outlasts
+    the record.
     """
 
     axis: DayAxis
@@ -253,16 +200,8 @@ class WeatherRun:
 class WeatherPerformance:
     """An aircraft in a weather record and, beside it, under a clear sky in the same air.
 
-    Attributes
-    ----------
-    weather : Weather
-    mission : Mission
-        At the record's site and flight altitude.
-    design : Design
-    solar : SolarModel
-    light : RecordedLight
-    recorded, clear : WeatherRun
-        In the record's light, and under the clear sky.
+    ``mission``: at the record's site and flight altitude. ``recorded``, ``clear``: in the record's
+    light, and under the clear sky.
     """
 
     weather: Weather
@@ -296,32 +235,8 @@ def weather_performance(
 ) -> WeatherPerformance:
     """Fly an aircraft through a weather record, from a full battery at its beginning.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What flies.
-    mission : Mission
-        At the record's site (:func:`missions.weather.site.mission_at_site`): altitude, air,
-        turbulence, payload, margins. Its clearness plays no part: the clouds are the record's.
-    weather : Weather
-        Record.
-    solar : SolarModel
-        Solar power model and its correction.
-    step_s : float
-        Largest distance of the nodes [s].
-
-    Returns
-    -------
-    WeatherPerformance
-
-    Raises
-    ------
-    ImpossibleDesignError
-        If a parametric aircraft cannot carry its own mass.
-    InputError
-        If the record is shorter than a day.
-    ValueError
-        If the model lacks the aircraft's module geometry or the mission's flight path.
+    ``mission``: at the record's site (:func:`missions.weather.site.mission_at_site`): altitude,
+    air, turbulence, payload, margins. Its clearness plays no part: the clouds are the record's.
     """
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
@@ -400,22 +315,7 @@ def run_lengths(marks: BoolArray) -> IntArray:
 def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
     """Days to wait, from every day, until a window of consecutive days that close begins.
 
-    Parameters
-    ----------
-    closes : ndarray of bool, shape (day,)
-        Days that close.
-    days : int
-        Length of the window [d].
-
-    Returns
-    -------
-    ndarray, shape (day,)
-        Whole days, 0 where a window begins; infinite where none comes before the record's end.
-
-    Raises
-    ------
-    ValueError
-        If the window has no day.
+    Returns whole days, 0 where a window begins; infinite where none comes before the record's end.
     """
     if days < 1:
         raise ValueError(f"a window has at least one day (got {days})")

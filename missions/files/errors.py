@@ -30,16 +30,9 @@ _SPECIAL_FLOATS = {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}
 class Problem:
     """One mistake of the user and its place.
 
-    Parameters
-    ----------
-    source : str
-        File name, or ``--set KEY`` for a value given on the command line.
-    line, column : int or None
-        Place in the file, counted from 1; None when the problem has no line.
-    key : str
-        Dotted path of the key, empty when the problem concerns the whole file.
-    message : str
-        What is wrong and what is allowed.
+    ``source``: file name, or ``--set KEY`` for a value given on the command line. ``line``,
+    ``column``: place in the file, counted from 1; None when the problem has no line. ``key``:
+    dotted path of the key, empty when the problem concerns the whole file.
     """
 
     source: str
@@ -79,17 +72,7 @@ class InputError(ValueError):
 def file_error(source: str, message: str) -> InputError:
     """Return an error that concerns a whole file.
 
-    Parameters
-    ----------
-    source : str
-        File name.
-    message : str
-        What is wrong and what is allowed.
-
-    Returns
-    -------
-    InputError
-        To be raised by the caller.
+    Returns to be raised by the caller.
     """
     return InputError([Problem(source, None, None, "", message)])
 

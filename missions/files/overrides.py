@@ -54,26 +54,11 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     catalogue that an override names replaces what the file says itself of the keys that such an
     entry may give; what another override says of them stays.
 
-    Parameters
-    ----------
-    document : Document
-        The document; it is not changed.
-    overrides : mapping or sequence of str
-        Values by their dotted key, or texts ``dotted.key=value``, applied in order. The value in a
-        text follows the rules of the files (a scalar, or a list or mapping in brackets); items of
-        lists are named by their index from 0.
-    prefix : str
-        What the user wrote before each key, for the problems that name it.
-
-    Returns
-    -------
-    Document
-        With the data changed, and its places without those of what was replaced.
-
-    Raises
-    ------
-    InputError
-        If an override is not readable or leads through a value that has no keys.
+    ``overrides``: values by their dotted key, or texts ``dotted.key=value``, applied in order. The
+    value in a text follows the rules of the files (a scalar, or a list or mapping in brackets);
+    items of lists are named by their index from 0. ``prefix``: what the user wrote before each key,
+    for the problems that name it. Returns with the data changed, and its places without those of
+    what was replaced.
     """
     result = dataclasses.replace(document, data=copy.deepcopy(document.data))
     problems: list[Problem] = []

@@ -14,22 +14,6 @@ def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
     """Read a file whole, if it is one.
 
     A pipe would keep its reader waiting, and a device may never end.
-
-    Parameters
-    ----------
-    path : str or path
-        File.
-    most_bytes : int
-        Size that is allowed.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    InputError
-        If it is no plain file, is too large or cannot be read.
     """
     source = printable(os.fspath(path))
     if "\0" in os.fspath(path):

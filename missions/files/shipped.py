@@ -49,22 +49,8 @@ def record_description(name: str) -> str:
 def find_document(kind: Kind, name_or_path: str) -> Document:
     """Read an aircraft or mission by path, or by the name of a shipped one.
 
-    Parameters
-    ----------
-    kind : {"aircraft", "mission"}
-        What is looked for.
-    name_or_path : str
-        A file comes before a shipped one of the same name.
-
-    Returns
-    -------
-    Document
-        Data of the file and their places.
-
-    Raises
-    ------
-    InputError
-        If there is neither such a file nor a shipped one of that name.
+    ``name_or_path``: a file comes before a shipped one of the same name. Returns data of the file
+    and their places.
     """
     name = name_or_path
     if not name.strip() or not name.isprintable() or len(name) > 1000:
@@ -85,13 +71,7 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
 
 
 def shipped_text(name: str) -> str:
-    """Text of a shipped aircraft's or mission's file, or of a weather record.
-
-    Raises
-    ------
-    InputError
-        If none of that name is shipped.
-    """
+    """Text of a shipped aircraft's or mission's file, or of a weather record."""
     shipped: dict[str, Kind] = {name: kind for kind in _PACKAGES for name in shipped_names(kind)}
     records = shipped_records()
     if name in records:

@@ -26,11 +26,6 @@ def texts_as_read(texts: Mapping[str, str]) -> Iterator[None]:
 
     A record that is made anew from the data of another, perhaps by a process of another machine,
     shall describe the same aircraft even where the file has changed since, or is not there.
-
-    Parameters
-    ----------
-    texts : mapping
-        Contents of files, by path.
     """
     token = _READ.set({**(_READ.get() or {}), **texts})
     try:
@@ -40,15 +35,7 @@ def texts_as_read(texts: Mapping[str, str]) -> Iterator[None]:
 
 
 def read_text(path: str) -> str:
-    """Text of a file: what was read of it (:func:`texts_as_read`), else what the file holds.
-
-    Raises
-    ------
-    InputError
-        If it is no plain file of at most 5 MB of UTF-8 text.
-    OSError
-        If the file cannot be read.
-    """
+    """Text of a file: what was read of it (:func:`texts_as_read`), else what the file holds."""
     known = (_READ.get() or {}).get(path)
     return _decoded(_bytes(Path(path)), path) if known is None else known
 
@@ -58,24 +45,8 @@ def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
 
     Each begins with a line of its own, :data:`FILE_MARK` and its name.
 
-    Parameters
-    ----------
-    path : str
-        Folder.
-    suffixes : tuple of str
-        How the names of the files end, in lower case; others are passed over.
-
-    Returns
-    -------
-    str
-        What was read of it (:func:`texts_as_read`), else what the files hold.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or too much of them.
-    OSError
-        If the folder or a file cannot be read.
+    ``suffixes``: how the names of the files end, in lower case; others are passed over. Returns
+    what was read of it (:func:`texts_as_read`), else what the files hold.
     """
     known = (_READ.get() or {}).get(path)
     if known is not None:

@@ -42,25 +42,7 @@ _KIND_KEYS = ("kind", "model", "distribution")
 
 
 def validate(document: Document, model: type[M]) -> M:
-    """Return the content of a document as described by a model.
-
-    Parameters
-    ----------
-    document : Document
-        Data and places.
-    model : type
-        Class of the record.
-
-    Returns
-    -------
-    Record
-        Of that class.
-
-    Raises
-    ------
-    InputError
-        With every problem of the document, each at its place.
-    """
+    """Return the content of a document as described by a model."""
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
@@ -85,20 +67,8 @@ def _elsewhere(details: Sequence[ErrorDetails]) -> list[Problem]:
 def located_error(document: Document, path: Sequence[str | int], message: str) -> InputError:
     """Return an error, to be raised by the caller, that points at a key of a document.
 
-    Parameters
-    ----------
-    document : Document
-        Data and places.
-    path : sequence of str and int
-        Keys and list indices from the top level; what does not exist is located at the
-        nearest mapping around it.
-    message : str
-        What is wrong with the value.
-
-    Returns
-    -------
-    InputError
-        With one problem.
+    ``path``: keys and list indices from the top level; what does not exist is located at the
+    nearest mapping around it.
     """
     return InputError([_located(document, tuple(path), message)])
 
@@ -363,19 +333,7 @@ _UNIT = re.compile(
 def unknown_key(key: str, allowed: Sequence[str], renamed: Mapping[str, str] | None = None) -> str:
     """Say that a key does not exist, and which one may be meant.
 
-    Parameters
-    ----------
-    key : str
-        The key that was found.
-    allowed : sequence of str
-        Keys that there are.
-    renamed : mapping, optional
-        New names of keys that had another one in earlier versions.
-
-    Returns
-    -------
-    str
-        The message.
+    ``renamed``: new names of keys that had another one in earlier versions.
     """
     if renamed and key in renamed:
         return f"this key is called '{renamed[key]}' now"

@@ -93,22 +93,9 @@ add_resolvers(_Dumper)
 def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
     """Write plain data as block style YAML that `parse_yaml` reads back equal.
 
-    Parameters
-    ----------
-    data : mapping
-        Nested mappings with text keys, lists, tuples, text, numbers, booleans and None;
-        the order of keys is kept.
-    compact : bool
-        Short innermost mappings and lists on a line each, as people write them.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    yaml.YAMLError
-        If a value is of another type.
+    ``data``: nested mappings with text keys, lists, tuples, text, numbers, booleans and None; the
+    order of keys is kept. ``compact``: short innermost mappings and lists on a line each, as people
+    write them.
     """
     return yaml.dump(
         data,
@@ -122,23 +109,7 @@ def to_yaml(data: Mapping[str, Any], *, compact: bool = False) -> str:
 
 
 def to_json(record: Any, **layout: Any) -> str:
-    """Write a record as strict JSON: no NaN, no infinity, and zero without a sign.
-
-    Parameters
-    ----------
-    record : JSON-ready
-    **layout
-        What :func:`json.dumps` takes, such as ``indent``.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    ValueError
-        For numbers that are not finite.
-    """
+    """Write a record as strict JSON: no NaN, no infinity, and zero without a sign."""
     return json.dumps(_without_signed_zeros(record), allow_nan=False, **layout)
 
 
@@ -152,19 +123,7 @@ def _without_signed_zeros(record: Any) -> Any:
 
 
 def file_text(head: str, data: Mapping[str, Any]) -> str:
-    """Text of an aircraft or mission file: where it comes from, its format, and its data.
-
-    Parameters
-    ----------
-    head : str
-        Comment in the first line.
-    data : mapping
-        As for `to_yaml`; its format version comes first.
-
-    Returns
-    -------
-    str
-    """
+    """Text of an aircraft or mission file: where it comes from, its format, and its data."""
     first = {FORMAT_KEY: data.get(FORMAT_KEY, FORMAT_VERSION)}
     return f"# {head}\n{to_yaml(first | dict(data))}"
 
@@ -180,18 +139,8 @@ def names_a_device(name: str) -> bool:
 def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
     """Write a UTF-8 text file completely or not at all; line breaks are written as they are.
 
-    Parameters
-    ----------
-    path : str or path
-        File to write; a symbolic link is replaced, unless it leads to a device or pipe, as
-        ``/dev/stdout`` does.
-    text : str
-        What to write, as UTF-8.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written; an existing file is then unchanged.
+    ``path``: file to write; a symbolic link is replaced, unless it leads to a device or pipe, as
+    ``/dev/stdout`` does.
     """
     write_bytes_atomically(path, text.encode("utf-8"))
 
@@ -199,18 +148,8 @@ def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
 def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file completely or not at all.
 
-    Parameters
-    ----------
-    path : str or path
-        File to write; a symbolic link is replaced, unless it leads to a device or pipe, as
-        ``/dev/stdout`` does.
-    data : bytes
-        What to write.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written; an existing file is then unchanged.
+    ``path``: file to write; a symbolic link is replaced, unless it leads to a device or pipe, as
+    ``/dev/stdout`` does.
     """
     write_files_atomically({path: data})
 
@@ -220,11 +159,6 @@ def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> 
 
     Everything is written beside its target first; only then are the targets replaced. A symbolic
     link is a target itself: what it leads to stays as it is, unless that is a device or a pipe.
-
-    Raises
-    ------
-    OutputError
-        If one of the files cannot be written; existing files are then unchanged.
     """
     _write_all(contents, named=True)
 
@@ -251,18 +185,6 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
 
     The folder may have come from elsewhere: a symbolic link in it is replaced even where it leads
     to a device.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder to write into.
-    contents : mapping
-        What to write, by file name.
-
-    Raises
-    ------
-    OutputError
-        If the folder or one of the files cannot be written.
     """
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
@@ -283,11 +205,6 @@ def check_writable_folder(folder: Path) -> None:
     """Refuse a folder that files cannot be put into, before any work is done for them.
 
     A folder that does not exist is made later; then the one above it must take it.
-
-    Raises
-    ------
-    OutputError
-        If the path is no folder or may not be written to.
     """
     name = printable(os.fspath(folder))
     existing = next((p for p in (folder, *folder.parents) if p.exists()), None)

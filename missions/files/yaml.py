@@ -91,17 +91,9 @@ _Loader = _loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 class Document:
     """Plain data of one file and the places it came from.
 
-    Parameters
-    ----------
-    source : str
-        File name used in messages.
-    data : dict
-        Content of the file after overrides.
-    key_marks, value_marks : mapping
-        Line and column, counted from 1, of each key and each value, by its path; the empty path is
-        the whole document.
-    overridden : mapping
-        Paths set by an override and the dotted key the user wrote.
+    ``key_marks``, ``value_marks``: line and column, counted from 1, of each key and each value, by
+    its path; the empty path is the whole document. ``overridden``: paths set by an override and the
+    dotted key the user wrote.
     """
 
     source: str
@@ -116,11 +108,6 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
 
     Files that it names by a relative path are looked for in its own folder: the data hold their
     absolute paths.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is not a plain YAML mapping.
     """
     source = printable(os.fspath(path))
     try:
@@ -144,22 +131,7 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
 def parse_yaml(text: str, source: str) -> Document:
     """Parse YAML text, one mapping.
 
-    Parameters
-    ----------
-    text : str
-        The text.
-    source : str
-        File name used in messages.
-
-    Returns
-    -------
-    Document
-        Data and their places.
-
-    Raises
-    ------
-    InputError
-        If the text is not a plain YAML mapping.
+    Returns data and their places.
     """
     root, aliases = _composed(text, source)
     if root is None:
@@ -173,13 +145,7 @@ def parse_yaml(text: str, source: str) -> Document:
 
 
 def parse_value(text: str) -> Any:
-    """Parse one value on a line: a scalar, or a list or mapping in brackets.
-
-    Raises
-    ------
-    InputError
-        If the text is no such value.
-    """
+    """Parse one value on a line: a scalar, or a list or mapping in brackets."""
     try:
         root, aliases = _composed(text.strip(), "")
         value = None if root is None else _Reader(root, aliases, "").data
@@ -197,12 +163,8 @@ def parse_value(text: str) -> Any:
 def set_absolute_paths(data: Any, folder: Path) -> None:
     """Replace the relative paths of files in plain data, in place.
 
-    Parameters
-    ----------
-    data : dict, list or scalar
-        Plain data; text under one of `PATH_KEYS` that ends in one of `PATH_SUFFIXES` is a path.
-    folder : Path
-        Folder that the paths start from.
+    ``data``: plain data; text under one of `PATH_KEYS` that ends in one of `PATH_SUFFIXES` is a
+    path.
     """
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         if isinstance(value, dict | list):

@@ -29,13 +29,7 @@ class Times(NamedTuple):
 
 
 def parse_zone(text: str) -> datetime.tzinfo:
-    """Read a time zone: ``UTC``, an offset like ``+02:00``, or a name like ``Europe/Zurich``.
-
-    Raises
-    ------
-    ValueError
-        If there is no such zone.
-    """
+    """Read a time zone: ``UTC``, an offset like ``+02:00``, or a name like ``Europe/Zurich``."""
     name = text.strip()
     if name.upper() in ("UTC", "Z", "GMT"):
         return datetime.UTC
@@ -55,25 +49,13 @@ def parse_zone(text: str) -> datetime.tzinfo:
 
 
 def zone_name(text: str) -> str:
-    """Check that there is a time zone of a name.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """Check that there is a time zone of a name."""
     parse_zone(text)
     return text.strip()
 
 
 def parse_instant(text: str) -> float:
-    """Read an instant with its zone, ``2015-06-30T11:14:00+02:00``, as seconds since 1970.
-
-    Raises
-    ------
-    ValueError
-        If the text is none, or has no zone.
-    """
+    """Read an instant with its zone, ``2015-06-30T11:14:00+02:00``, as seconds since 1970."""
     try:
         instant = datetime.datetime.fromisoformat(text.strip())
     except ValueError:
@@ -93,18 +75,8 @@ def times_from_text(
 ) -> Times:
     """Read times that are written out.
 
-    Parameters
-    ----------
-    column : Series
-        Text; empty where there is no time.
-    zone : tzinfo, optional
-        Zone of times that have none; without, these are wrong.
-    form : str, optional
-        Form of the times for ``strptime``; ISO 8601 by default, or day.month.year.
-
-    Returns
-    -------
-    Times
+    ``zone``: zone of times that have none; without, these are wrong. ``form``: form of the times
+    for ``strptime``; ISO 8601 by default, or day.month.year.
     """
     import pandas as pd
 
@@ -167,28 +139,8 @@ def times_from_numbers(
 ) -> tuple[FloatArray, str | None]:
     """Read times that are numbers: from 1970, or from a start that is known.
 
-    Parameters
-    ----------
-    values : ndarray
-        As written.
-    unit : str, optional
-        Their unit, found by their size if not given.
-    start_s : float, optional
-        What they count from [s since 1970]; 1970 itself by default.
-    name : str
-        Column, for the note.
-
-    Returns
-    -------
-    time_s : ndarray
-        Seconds since 1970.
-    note : str or None
-        What was guessed.
-
-    Raises
-    ------
-    ValueError
-        If they count from elsewhere, and that is not known.
+    ``unit``: their unit, found by their size if not given. ``start_s``: what they count from [s
+    since 1970]; 1970 itself by default.
     """
     if start_s is not None:
         factor = UNITS["time"][unit or "s"].factor

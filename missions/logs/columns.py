@@ -142,13 +142,7 @@ def read_column_map(path: str) -> ColumnMap:
 
 
 def parse_column(text: str) -> tuple[str, str]:
-    """Read ``QUANTITY=COLUMN`` of the command line.
-
-    Raises
-    ------
-    ValueError
-        If the text is none, or there is no such quantity.
-    """
+    """Read ``QUANTITY=COLUMN`` of the command line."""
     quantity, sign, column = text.partition("=")
     quantity, column = quantity.strip(), column.strip()
     if not sign or not column:
@@ -208,16 +202,7 @@ class Recipe:
     def values(self, column: Callable[[str], FloatArray], unit: str | None = None) -> FloatArray:
         """Values in the unit of the log format.
 
-        Parameters
-        ----------
-        column : callable
-            Numbers of a column by its name.
-        unit : str, optional
-            Unit of the only column, where the values told it.
-
-        Returns
-        -------
-        ndarray
+        ``unit``: unit of the only column, where the values told it.
         """
         total: Any = 0.0
         for term in self.terms:
@@ -262,21 +247,7 @@ class Recipes(NamedTuple):
 def recipes_for(
     header: Sequence[str], given: ColumnMap | None = None, *, guess: bool = True
 ) -> Recipes:
-    """Find out how the quantities of the log format are made of the columns of a log.
-
-    Parameters
-    ----------
-    header : sequence of str
-        Names of the columns.
-    given : ColumnMap, optional
-        What is known of them.
-    guess : bool
-        Whether the rest is guessed from the names.
-
-    Returns
-    -------
-    Recipes
-    """
+    """Find out how the quantities of the log format are made of the columns of a log."""
     found: dict[str, Recipe] = {}
     problems: list[str] = []
     for quantity, source in (given.columns if given else {}).items():
@@ -438,19 +409,5 @@ def _leave_half_attitude(found: dict[str, Recipe]) -> None:
 
 
 def problems_of(found: Recipes, source: str, line: int | None) -> list[Problem]:
-    """Mistakes in the naming of columns, at the header.
-
-    Parameters
-    ----------
-    found : Recipes
-        As :func:`recipes_for` gives them.
-    source : str
-        The log.
-    line : int or None
-        Line of its header.
-
-    Returns
-    -------
-    list of Problem
-    """
+    """Mistakes in the naming of columns, at the header."""
     return [Problem(source, line, None, "", message) for message in found.problems]

@@ -72,21 +72,7 @@ def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = No
 def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
     """Read a log from a text table such as ``docs/verify.md`` describes.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    columns : ColumnMap, optional
-        Which column is what, and how the file is written.
-
-    Returns
-    -------
-    FlightLog
-
-    Raises
-    ------
-    InputError
-        With the line of every mistake.
+    ``columns``: which column is what, and how the file is written.
     """
     source = os.fspath(path)
     layout = columns or ColumnMap()

@@ -67,21 +67,7 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     ``BAT[1].Volt * BAT[1].Curr`` where the second battery monitor measures it; its times are the
     log's. Attitude, position and universal time are those of ATT and GPS.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    columns : ColumnMap, optional
-        Messages and fields of quantities that are elsewhere than expected.
-
-    Returns
-    -------
-    FlightLog
-
-    Raises
-    ------
-    InputError
-        If the file, a message or a field is missing, or a value is wrong.
+    ``columns``: messages and fields of quantities that are elsewhere than expected.
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     content = read_plain_file(source, most_bytes=_MOST_BYTES)

@@ -40,22 +40,7 @@ class Text:
     notes: tuple[str, ...]
 
     def frame(self, used: Sequence[str]) -> pd.DataFrame:
-        """Columns of the table, numbers where all fields are.
-
-        Parameters
-        ----------
-        used : sequence of str
-            Names of the columns that are read.
-
-        Returns
-        -------
-        DataFrame
-
-        Raises
-        ------
-        InputError
-            If there are no rows, or rows have another width than the header.
-        """
+        """Columns of the table, numbers where all fields are."""
         import pandas as pd
 
         if not self.rows:
@@ -80,21 +65,7 @@ class Text:
 def read_text(source: str, layout: ColumnMap) -> Text:
     """Read a table's text and find out how it is written.
 
-    Parameters
-    ----------
-    source : str
-        File.
-    layout : ColumnMap
-        Its separator and decimal sign if they are known.
-
-    Returns
-    -------
-    Text
-
-    Raises
-    ------
-    InputError
-        If it is no text.
+    ``layout``: its separator and decimal sign if they are known.
     """
     lines, numbers = _text_lines(source)
     while lines and lines[0].lstrip().startswith("#"):  # remarks above the table

@@ -47,21 +47,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     other topics the nearest sample is taken, none if that is too old. Boot time becomes universal
     time by the median difference to the time of the satellites.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    columns : ColumnMap, optional
-        Topics and fields of quantities that are elsewhere than expected.
-
-    Returns
-    -------
-    FlightLog
-
-    Raises
-    ------
-    InputError
-        If the package, the file, a topic or a field is missing, or a value is wrong.
+    ``columns``: topics and fields of quantities that are elsewhere than expected.
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damaged = _ulog_topics(source, kinds_named(layout))

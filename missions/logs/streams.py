@@ -56,21 +56,7 @@ def rising(stream: Stream) -> Stream:
 
 
 def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
-    """Nearest sample at other times, NaN if it is older or younger than allowed.
-
-    Parameters
-    ----------
-    series : Series
-        What is sampled.
-    time_s : ndarray
-        Times since boot [s].
-    age_s : float
-        Largest difference of times [s].
-
-    Returns
-    -------
-    ndarray
-    """
+    """Nearest sample at other times, NaN if it is older or younger than allowed."""
     own = series.time_s
     if not len(own):
         return np.full(len(time_s), np.nan)
@@ -85,27 +71,7 @@ def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
 def given_series(
     streams: Mapping[str, Stream], layout: ColumnMap, source: str
 ) -> dict[str, Series]:
-    """Quantities that a map of columns makes of ``STREAM.FIELD``.
-
-    Parameters
-    ----------
-    streams : mapping
-        Streams of the log by name.
-    layout : ColumnMap
-        What is known of the log.
-    source : str
-        File name for messages.
-
-    Returns
-    -------
-    dict
-        Series by quantity.
-
-    Raises
-    ------
-    InputError
-        If there is no such stream or field.
-    """
+    """Quantities that a map of columns makes of ``STREAM.FIELD``."""
     header = [f"{name}.{field}" for name, stream in streams.items() for field in stream.fields]
     recipes = recipes_for(header, layout, guess=False)
     if recipes.problems:
@@ -138,30 +104,7 @@ def log_from_series(
     notes: Sequence[str] = (),
     constants: Mapping[str, float] | None = None,
 ) -> FlightLog:
-    """Put quantities together at the times of the solar power.
-
-    Parameters
-    ----------
-    series : mapping
-        Series by quantity; ``solar_power_w`` must be among them.
-    boot_s : float
-        Universal time of the boot [s since 1970].
-    source : str
-        File name.
-    notes : sequence of str
-        What the reader of results should know.
-    constants : mapping, optional
-        Quantities of one value.
-
-    Returns
-    -------
-    FlightLog
-
-    Raises
-    ------
-    InputError
-        If a value is wrong.
-    """
+    """Put quantities together at the times of the solar power."""
     import pandas as pd
 
     time_s = series["solar_power_w"].time_s
@@ -183,21 +126,7 @@ def constants_of(layout: ColumnMap) -> dict[str, float]:
 
 
 def no_power(streams: Mapping[str, Stream], source: str, example: str) -> InputError:
-    """Error of a log that does not say which message holds the solar power.
-
-    Parameters
-    ----------
-    streams : mapping
-        Streams that were read.
-    source : str
-        File name.
-    example : str
-        Recipe that may be right.
-
-    Returns
-    -------
-    InputError
-    """
+    """Error of a log that does not say which message holds the solar power."""
     names = ", ".join(printable(name) for name in list(streams)[:12]) or "nothing"
     return file_error(
         source,

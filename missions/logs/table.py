@@ -162,30 +162,10 @@ def log_from_table(
 ) -> FlightLog:
     """Check a table with the columns of the CSV format and make it a log.
 
-    Parameters
-    ----------
-    table : DataFrame
-        Columns as in the CSV format.
-    source : str
-        File name for messages.
-    lines : ndarray of int, optional
-        Line of each row; without, rows are counted from 2 like those below a header.
-    notes : iterable of str
-        Notes to keep with the log.
-    zone : tzinfo, optional
-        Zone of times that are written without one; without, these are errors.
-    labels : mapping, optional
-        Names of columns in the file, for messages, where they are others.
-
-    Returns
-    -------
-    FlightLog
-        Samples in SI units, angles in radians.
-
-    Raises
-    ------
-    InputError
-        If anything is wrong.
+    ``lines``: line of each row; without, rows are counted from 2 like those below a header.
+    ``zone``: zone of times that are written without one; without, these are errors. ``labels``:
+    names of columns in the file, for messages, where they are others. Returns samples in SI units,
+    angles in radians.
     """
     at = np.arange(2, len(table) + 2) if lines is None else lines
     check = Check(source, at, dict(labels or {}), [])
@@ -220,17 +200,7 @@ class Check:
     problems: list[Problem]
 
     def complain(self, column: pd.Series, wrong: NDArray[Any], message: str) -> None:
-        """Note the first few rows in which a column is wrong.
-
-        Parameters
-        ----------
-        column : Series
-            As read.
-        wrong : ndarray of bool
-            Rows that are wrong.
-        message : str
-            What is allowed.
-        """
+        """Note the first few rows in which a column is wrong."""
         rows = np.flatnonzero(wrong).tolist()
         name = str(column.name)
         label = self.labels.get(name, name)
@@ -270,21 +240,7 @@ def _times(column: pd.Series, zone: datetime.tzinfo | None, check: Check) -> Flo
 def numbers(
     column: pd.Series, check: Check, limits: tuple[float, float] | None = None
 ) -> FloatArray:
-    """Column as numbers, NaN where a field is empty.
-
-    Parameters
-    ----------
-    column : Series
-        As read.
-    check : Check
-        Takes what is wrong.
-    limits : tuple of float, optional
-        What is allowed.
-
-    Returns
-    -------
-    ndarray
-    """
+    """Column as numbers, NaN where a field is empty."""
     import pandas as pd
 
     if pd.api.types.is_bool_dtype(column):

@@ -83,19 +83,7 @@ def spelled(unit: str) -> str:
 
 
 def known_unit(text: str, dimension: Dimension) -> str | None:
-    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimension.
-
-    Parameters
-    ----------
-    text : str
-        As written, with or without brackets.
-    dimension : str
-        What is measured.
-
-    Returns
-    -------
-    str or None
-    """
+    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimension."""
     plain = text.strip().strip("[]()").strip()
     if dimension == "power" and plain == "MW":  # else it would be read as mW
         return None
@@ -112,22 +100,7 @@ def split_unit(name: str) -> tuple[str, str | None]:
 
 
 def recognised(quantity: str, dimension: Dimension, values: FloatArray) -> str | None:
-    """Unit that values without one must have, None if they may be in that of the log format.
-
-    Parameters
-    ----------
-    quantity : str
-        Column of the log format.
-    dimension : str
-        What is measured.
-    values : ndarray
-        As written.
-
-    Returns
-    -------
-    str or None
-        Key of :data:`UNITS`.
-    """
+    """Unit that values without one must have, None if they may be in that of the log format."""
     known = values[np.isfinite(values)]
     if not len(known):
         return None
@@ -159,17 +132,7 @@ def epoch_unit(values: FloatArray) -> str | None:
 
 
 def in_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
-    """Whether three columns without a unit are an attitude in radians.
-
-    Parameters
-    ----------
-    roll, pitch, yaw : ndarray
-        As written.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether three columns without a unit are an attitude in radians."""
     angles = [a[np.isfinite(a)] for a in (roll, pitch, yaw)]
     if any(not len(a) for a in angles):
         return False
@@ -181,15 +144,6 @@ def surely_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool
     """Whether an attitude can be in nothing but radians, whatever its columns are called.
 
     The yaw then fills a turn of 2 pi, and jumps by that from sample to sample.
-
-    Parameters
-    ----------
-    roll, pitch, yaw : ndarray
-        As written.
-
-    Returns
-    -------
-    bool
     """
     if not in_radians(roll, pitch, yaw):
         return False

@@ -39,27 +39,9 @@ def checked_air(
 ) -> tuple[FloatArray | None, list[str]]:
     """Temperature or wind without gaps, and what was taken out of it.
 
-    Parameters
-    ----------
-    quantity : Quantity
-    columns : mapping
-        Columns of the record, NaN where a value is missing.
-    lines : ndarray of int
-        Line of each row in the file; 0 where there is none.
-    source : str
-        File name, for messages.
-
-    Returns
-    -------
-    values : ndarray or None
-        None where the record does not have it, or in too few rows.
-    told : list of str
-        What was taken out.
-
-    Raises
-    ------
-    InputError
-        If more than a few rows cannot be true.
+    ``columns``: columns of the record, NaN where a value is missing. ``lines``: line of each row in
+    the file; 0 where there is none. None where the record does not have it, or in too few rows.
+    Returns what was taken out.
     """
     values = columns.get(quantity.column)
     if values is None:

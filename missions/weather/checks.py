@@ -40,26 +40,7 @@ _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
 
 
 def checked_record(raw: RawTable, source: str) -> Weather:
-    """Make a table a record without gaps, with all three kinds of light.
-
-    Parameters
-    ----------
-    raw : RawTable
-        Table and site of a file.
-    source : str
-        File name, for messages.
-
-    Returns
-    -------
-    Weather
-        With its repairs.
-
-    Raises
-    ------
-    InputError
-        If rows are in the wrong order, values are missing or impossible beyond repair, or there is
-        no sun.
-    """
+    """Make a table a record without gaps, with all three kinds of light."""
     time_s, lines, typical = _times(raw, source)
     interval_s = _interval_s(time_s, source)
     start_s = time_s + raw.offset_s - raw.passed * interval_s

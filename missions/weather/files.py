@@ -41,23 +41,7 @@ def load_weather(path: str | os.PathLike[str]) -> Weather:
 
 @contextmanager
 def weather_file(path: str | os.PathLike[str]) -> Iterator[tuple[Path, str]]:
-    """File of a weather record while it is read, and its name for messages.
-
-    Parameters
-    ----------
-    path : str or path
-        Name of a shipped record, or a file.
-
-    Yields
-    ------
-    Path
-    str
-
-    Raises
-    ------
-    InputError
-        If there is no such file.
-    """
+    """File of a weather record while it is read, and its name for messages."""
     name = os.fspath(path)
     source = printable(name)
     if name in shipped_records() and not Path(name).exists():

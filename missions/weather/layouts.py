@@ -27,21 +27,7 @@ from missions.weather.record import Site
 def read_layout(path: Path, source: str) -> RawTable:
     """Read a weather file of any known layout.
 
-    Parameters
-    ----------
-    path : Path
-        File: EPW, TMY2, TMY3, PVGIS (typical year or hourly), NSRDB PSM, BSRN, or plain CSV.
-    source : str
-        Its name, for messages.
-
-    Returns
-    -------
-    RawTable
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or has none of these layouts.
+    ``path``: file: EPW, TMY2, TMY3, PVGIS (typical year or hourly), NSRDB PSM, BSRN, or plain CSV.
     """
     layout = layout_of(path, source)
     read: Callable[[Path, str, Any], RawTable] | None = {
@@ -81,22 +67,7 @@ def _iotools(source: str) -> Any:
 def layout_of(path: Path, source: str) -> str:
     """Layout of a weather file, by its first lines.
 
-    Parameters
-    ----------
-    path : Path
-        File.
-    source : str
-        Its name, for messages.
-
-    Returns
-    -------
-    str
-        For instance ``EPW``; ``CSV`` for any other table.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is no text.
+    Returns for instance ``EPW``; ``CSV`` for any other table.
     """
     head = head_of(path, source)
     first = head[0] if head else ""

@@ -27,24 +27,12 @@ _LEAST_MEAN = 1.0
 class RecordedLight:
     """Light, sun and air at even nodes along a record.
 
-    Attributes
-    ----------
-    site : Site
-        Where it was taken.
-    time_s : ndarray
-        Universal time of the nodes, the middles of equal steps [s since 1970-01-01].
-    step_h : float
-        Length of the steps [h].
-    day_of_year, time_solar_h : ndarray
-        Fractional day of year (UTC) and local solar time, 0 to 24 [h].
-    cos_zenith : ndarray
-        Cosine of the sun's zenith angle [-].
-    recorded, clear : Irradiance
-        As the record has it, and under a clear sky [W/m2], both at flight altitude.
-    temperature_c : ndarray or None
-        Air temperature at flight altitude [C].
-    wind_m_per_s : ndarray or None
-        Wind at flight altitude [m/s].
+    ``site``: where it was taken. ``time_s``: universal time of the nodes, the middles of equal
+    steps [s since 1970-01-01]. ``step_h``: length of the steps [h]. ``day_of_year``,
+    ``time_solar_h``: fractional day of year (UTC) and local solar time, 0 to 24 [h].
+    ``cos_zenith``: cosine of the sun's zenith angle [-]. ``recorded``, ``clear``: as the record has
+    it, and under a clear sky [W/m2], both at flight altitude. ``temperature_c``: air temperature at
+    flight altitude [C]. ``wind_m_per_s``: wind at flight altitude [m/s].
     """
 
     site: Site
@@ -64,25 +52,8 @@ def light_at_altitude(
 ) -> RecordedLight:
     """Light of a weather record at flight altitude.
 
-    Parameters
-    ----------
-    weather : Weather
-        Record at a site.
-    altitude_m : float
-        Flight altitude above mean sea level [m].
-    step_s : float
-        Largest distance of the nodes [s]. A record of shorter intervals is averaged over whole
-        numbers of them.
-
-    Returns
-    -------
-    RecordedLight
-        With a whole number of steps a day.
-
-    Raises
-    ------
-    ValueError
-        If the step is not between a second and the three hours of the longest interval.
+    ``step_s``: largest distance of the nodes [s]. A record of shorter intervals is averaged over
+    whole numbers of them. Returns with a whole number of steps a day.
     """
     if not 1.0 <= step_s <= 3.0 * SECONDS_PER_HOUR:
         raise ValueError(f"step_s must be from 1 to 10800 (got {step_s:g})")

@@ -43,24 +43,7 @@ CSV_HELP = (
 
 
 def read_plain(path: Path, source: str) -> RawTable:
-    """Read a plain CSV table with its site in comment lines.
-
-    Parameters
-    ----------
-    path : Path
-        File.
-    source : str
-        Its name, for messages.
-
-    Returns
-    -------
-    RawTable
-
-    Raises
-    ------
-    InputError
-        With the lines of all that is wrong with its head, or of its first time that is none.
-    """
+    """Read a plain CSV table with its site in comment lines."""
     import pandas as pd
 
     text = text_of(path)

@@ -30,21 +30,11 @@ _PACKED = {b"PK\x03\x04": "zip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xa
 class RawTable(NamedTuple):
     """Table of a file, as pvlib gives it.
 
-    Attributes
-    ----------
-    layout : str
-        Kind of the file.
-    site : Site
-        Where it was taken.
-    table : DataFrame
-        Columns ``ghi``, ``dni``, ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as
-        the file has them; its index is the time, with its zone.
-    passed : float
-        Share of the interval that has passed at a row's time: 0 start, 0.5 middle, 1 end.
-    offset_s : float
-        Seconds to be added to every row's time.
-    first_line : int
-        Line of the first row in the file, counted from 1; 0 where a row is no line.
+    ``layout``: kind of the file. ``site``: where it was taken. ``table``: columns ``ghi``, ``dni``,
+    ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as the file has them; its index
+    is the time, with its zone. ``passed``: share of the interval that has passed at a row's time: 0
+    start, 0.5 middle, 1 end. ``offset_s``: seconds to be added to every row's time. ``first_line``:
+    line of the first row in the file, counted from 1; 0 where a row is no line.
     """
 
     layout: str
@@ -56,24 +46,7 @@ class RawTable(NamedTuple):
 
 
 def head_of(path: Path, source: str) -> list[str]:
-    """First lines of a file, packed with gzip or not.
-
-    Parameters
-    ----------
-    path : Path
-        File.
-    source : str
-        Its name, for messages.
-
-    Returns
-    -------
-    list of str
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is no text.
-    """
+    """First lines of a file, packed with gzip or not."""
     import gzip
     import zlib
 
@@ -111,14 +84,7 @@ def _decoded(content: bytes) -> str:
 
 
 def text_of(path: Path) -> str:
-    """All of a file, packed with gzip or not, its lines ended by a line feed.
-
-    Raises
-    ------
-    InputError
-        If it is too large, as a small packed file may be, or a row of it is: a reader fills a table
-        as wide as the widest one.
-    """
+    """All of a file, packed with gzip or not, its lines ended by a line feed."""
     import gzip
 
     with path.open("rb") as file:

@@ -19,26 +19,9 @@ def mission_at_site(
 ) -> tuple[Mission, tuple[str, ...]]:
     """Move a mission to the site of a weather record.
 
-    Parameters
-    ----------
-    mission : Mission
-        With its latitude or latitudes, and its flight altitude.
-    weather : Weather
-        Record at a site.
-    chosen : bool
-        Whether somebody chose this mission; a default one follows the record anywhere.
-
-    Returns
-    -------
-    mission : Mission
-        At the site, without launch.
-    notes : tuple of str
-        What was changed.
-
-    Raises
-    ------
-    InputError
-        If a chosen mission is far from the site, or flies below its ground.
+    ``mission``: with its latitude or latitudes, and its flight altitude. ``chosen``: whether
+    somebody chose this mission; a default one follows the record anywhere. Returns at the site,
+    without launch.
     """
     site, notes = weather.site, []
     away_km = _distance_km(mission, weather)

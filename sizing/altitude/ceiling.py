@@ -140,18 +140,7 @@ def highest_perpetual_altitude(
 
 
 def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> list[float]:
-    """Altitudes to scan [m]: both ends, and the multiples of the step between them.
-
-    Parameters
-    ----------
-    lowest_m, highest_m, step_m : float
-        Ends and step of the scan [m].
-
-    Returns
-    -------
-    list of float
-        Rising altitudes [m].
-    """
+    """Altitudes to scan [m]: both ends, and the multiples of the step between them."""
     first, last = np.floor(lowest_m / step_m) + 1.0, np.ceil(highest_m / step_m) - 1.0
     between = step_m * np.arange(first, last + 1.0)
     return [float(lowest_m), *(float(h) for h in between), float(highest_m)]
@@ -162,17 +151,7 @@ def flight_at_altitude(
 ) -> AltitudeFlight:
     """Worst scenario of a mission flown at another altitude.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`highest_perpetual_altitude`.
-    altitude_m : float
-        Altitude above mean sea level [m].
-
-    Returns
-    -------
-    AltitudeFlight
-        With an excess time of -24 h for an aircraft that cannot carry its own mass there.
+    Returns with an excess time of -24 h for an aircraft that cannot carry its own mass there.
     """
     there = mission.at_altitude(altitude_m)
     density_kg_per_m3 = float(there.air_state().density_kg_per_m3)

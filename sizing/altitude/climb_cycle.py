@@ -130,24 +130,8 @@ def climb_performance(
 ) -> ClimbPerformance:
     """Simulate an aircraft on a mission with ``climb`` in every scenario.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`sizing.performance.performance`.
-    solar_factor : float
-        Factor on all solar power, for what an error of the model does.
-
-    Returns
-    -------
-    ClimbPerformance
-        Flight with climbs, and the flight at the mission's altitude to compare it with.
-
-    Raises
-    ------
-    ValueError
-        If the mission has no climb.
-    ClimbLimitError
-        If the aircraft has no power to climb with.
+    ``solar_factor``: factor on all solar power, for what an error of the model does. Returns flight
+    with climbs, and the flight at the mission's altitude to compare it with.
     """
     if mission.climb is None:
         raise ValueError(f"mission {mission.name} has no climb")
@@ -171,21 +155,8 @@ def simulate_climb(
 ) -> ClimbCycle:
     """Converge the cycle with potential-energy storage and measure it.
 
-    Parameters
-    ----------
-    time_h : ndarray, shape (time,)
-        Nodes over one day, 0 to 24 [h], both ends included.
-    levels : FlightLevels
-        Solar power, propulsion power and potential energy over altitude.
-    store : Store
-        Batteries; their energy broadcasts with the scenarios.
-    strategy : {"battery_full", "surplus"}
-        When surplus power may be spent on climbing.
-
-    Returns
-    -------
-    ClimbCycle
-        Arrays of the scenarios.
+    ``time_h``: nodes over one day, 0 to 24 [h], both ends included. ``levels``: solar power,
+    propulsion power and potential energy over altitude. Returns arrays of the scenarios.
     """
     march = March(time_h, levels, store.flat((levels.solar_power_w.shape[1],)), strategy)
     return _Day(march).result()

@@ -40,19 +40,12 @@ class ClimbLimits(NamedTuple):
 class FlightLevels:
     """One aircraft, of one mass, between the lowest altitude and the ceiling.
 
-    Attributes
-    ----------
-    altitude_m, potential_energy_wh, propulsion_power_w : ndarray, shape (level,)
-        Altitude [m], energy of altitude and speed above that of the lowest level [Wh], and electric
-        propulsion power of level flight in calm air [W].
-    solar_power_w : ndarray, shape (level, scenario, time)
-        Power of the solar modules [W].
-    turbulence_factor : ndarray, shape (scenario, time)
-        Factor on the propulsion power [-]; ``nominal_factor`` is that without thermals.
-    constant_power_w : float
-        Power of avionics and payload [W].
-    limits : ClimbLimits
-        What the propulsion can do.
+    ``altitude_m``, ``potential_energy_wh``, ``propulsion_power_w``: altitude [m], energy of
+    altitude and speed above that of the lowest level [Wh], and electric propulsion power of level
+    flight in calm air [W]. ``solar_power_w``: power of the solar modules [W].
+    ``turbulence_factor``: factor on the propulsion power [-]; ``nominal_factor`` is that without
+    thermals. ``constant_power_w``: power of avionics and payload [W]. ``limits``: what the
+    propulsion can do.
     """
 
     altitude_m: FloatArray
@@ -90,22 +83,8 @@ def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
     Parametric: the rated power of the propulsion, sized at the mission's altitude. Measured: as
     the file says.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        With its propulsion.
-    design : Design
-        Its mass and the power of its level flight at the mission's altitude.
-
-    Returns
-    -------
-    ClimbLimits
-        Efficiency [-] and largest electric power [W], which is above that of level flight.
-
-    Raises
-    ------
-    ClimbLimitError
-        If the aircraft's file does not say how it climbs, or leaves no power for it.
+    ``design``: its mass and the power of its level flight at the mission's altitude. Returns
+    efficiency [-] and largest electric power [W], which is above that of level flight.
     """
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
@@ -143,24 +122,7 @@ def flight_levels(
 ) -> FlightLevels:
     """Power and sunlight between a mission's altitude and its ceiling, for the mass built.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`sizing.performance.performance`; the mission has ``climb``.
-    constant : Performance
-        Flight at the mission's altitude.
-    solar_factor : float
-        Factor on all solar power [-].
-
-    Returns
-    -------
-    FlightLevels
-        At least two, evenly spaced from the mission's altitude to the ceiling.
-
-    Raises
-    ------
-    ClimbLimitError
-        If the aircraft has no power to climb with.
+    Returns at least two, evenly spaced from the mission's altitude to the ceiling.
     """
     assert mission.climb is not None
     design, day = constant.design, constant.day

@@ -73,16 +73,7 @@ class ClimbStep(NamedTuple):
 class March:
     """Steps through the day of some scenarios with both storages.
 
-    Parameters
-    ----------
-    time_h : ndarray, shape (time,)
-        Nodes over one day [h].
-    levels : FlightLevels
-        The aircraft between the lowest altitude and the ceiling.
-    store : Store
-        Battery of every scenario.
-    strategy : {"battery_full", "surplus"}
-        When surplus power may be spent on climbing.
+    ``levels``: the aircraft between the lowest altitude and the ceiling.
     """
 
     def __init__(

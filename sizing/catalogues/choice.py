@@ -26,16 +26,9 @@ R = TypeVar("R", bound=Record)
 class Taken:
     """A value that a catalogue gave.
 
-    Attributes
-    ----------
-    key : str
-        In the aircraft's file.
-    value : Any
-        In the key's unit; the kind and the numbers of a charge limit.
-    entry, label : str
-        Name of the entry, or path of its file, and the product in words.
-    source : str
-        Data sheet, paper or report.
+    ``key``: in the aircraft's file. ``value``: in the key's unit; the kind and the numbers of a
+    charge limit. ``entry``, ``label``: name of the entry, or path of its file, and the product in
+    words. ``source``: data sheet, paper or report.
     """
 
     key: str
@@ -75,25 +68,7 @@ def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
     What the data have wins. What the entry gave does not count as given: a copy of the record with
     another entry takes the values of that one.
 
-    Parameters
-    ----------
-    data : Any
-        As a validator of the mode ``wrap`` receives them.
-    handler : callable
-        Validation of the record itself.
-    key : str
-        Key that names the entry.
-    kind : {"cells", "batteries", "motors"}
-        Catalogue.
-
-    Returns
-    -------
-    Record
-
-    Raises
-    ------
-    PydanticCustomError
-        If there is no such entry, or it does not give what is needed.
+    ``data``: as a validator of the mode ``wrap`` receives them.
     """
     name = data.get(key) if isinstance(data, Mapping) else None
     if not isinstance(name, str):
@@ -131,21 +106,8 @@ def _entry(key: str, kind: Kind, name: str) -> Entry:
 def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
     """Values of a record that are those of the entry it names.
 
-    Parameters
-    ----------
-    record : Record
-        Part of an aircraft.
-    key : str
-        Key that names the entry.
-    kind : {"cells", "batteries", "motors"}
-        Catalogue.
-    prefix : str
-        What stands before the record's keys in the aircraft's file, with the dot.
-
-    Returns
-    -------
-    list of Taken
-        Without those that something else has replaced since.
+    ``prefix``: what stands before the record's keys in the aircraft's file, with the dot. Returns
+    without those that something else has replaced since.
     """
     name = getattr(record, key)
     if name is None:
@@ -167,17 +129,7 @@ def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
 def own_entries(record: Record, key: str) -> dict[str, str]:
     """Text of a user's own entry by its path, if the record names one.
 
-    Parameters
-    ----------
-    record : Record
-        Part of an aircraft.
-    key : str
-        Key that names the entry.
-
-    Returns
-    -------
-    dict
-        Empty for an entry of the shipped catalogue.
+    Empty for an entry of the shipped catalogue.
     """
     name = getattr(record, key)
     if name is None:

@@ -58,18 +58,7 @@ class Entry(Record):
         return self.sources.get(key, self.source)
 
     def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Keys of an aircraft's file, below the one that names the entry, and their values.
-
-        Parameters
-        ----------
-        given : mapping
-            What the file says beside the name.
-
-        Raises
-        ------
-        PydanticCustomError
-            If a parameter follows neither from the entry nor from the file.
-        """
+        """Keys of an aircraft's file, below the one that names the entry, and their values."""
         raise NotImplementedError
 
 
@@ -277,16 +266,6 @@ class MotorEntry(Entry):
         ``(1 - sqrt(I_0 R / U))^2``, at the current ``sqrt(U I_0 / R)``: Drela, M. (2007),
         First-Order DC Electric Motor Model, MIT Aero & Astro, from its equations for the torque and
         the speed. At any other current it is less, in level flight as well.
-
-        Parameters
-        ----------
-        voltage_v
-            Voltage at the motor [V].
-
-        Raises
-        ------
-        PydanticCustomError
-            If the motor would not turn at that voltage.
         """
         least = self.no_load_current_a * self.resistance_ohm
         if voltage_v <= least:

@@ -60,23 +60,7 @@ def entry_names(kind: Kind) -> list[str]:
 def entry(kind: Kind, name: str) -> Entry:
     """Entry of the shipped catalogue, or a user's own by the path of its file.
 
-    Parameters
-    ----------
-    kind : {"cells", "batteries", "motors"}
-        Catalogue.
-    name : str
-        Name of an entry, or path of a YAML file.
-
-    Returns
-    -------
-    Entry
-
-    Raises
-    ------
-    InputError
-        If there is none, or the file is not an entry of that kind.
-    OSError
-        If the file cannot be read.
+    ``name``: name of an entry, or path of a YAML file.
     """
     if is_entry_path(name):
         return validate(parse_yaml(read_text(name), printable(name)), KINDS[kind])

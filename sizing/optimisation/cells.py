@@ -60,23 +60,13 @@ _SPREADS = (0.03, 0.004)
 class CellSizings:
     """Designs of all cells; arrays over the cells, NaN where there is no design.
 
-    Attributes
-    ----------
-    status : ndarray of int
-        See :class:`sizing.optimisation.result.SizingStatus`; ``cross_checked`` where none of
-        the random neighbours of an optimum is better by more than 0.5 %.
-    objective_value : ndarray
-        Objective as the simulator finds it.
-    variables : DesignVariables
-        Of arrays.
-    total_mass_kg, excess_time_h, charge_margin_h, minimum_state_of_charge : ndarray
-        Of the design, as the simulator finds them.
-    airspeed_m_per_s, load_w : ndarray
-        Of level flight, and nominal load.
-    requirement : ndarray of str
-        Requirement that is missed most where the cell is infeasible, empty elsewhere.
-    shortfall : ndarray
-        By how much, relative to its limit; excess time in hours.
+    ``status``: see :class:`sizing.optimisation.result.SizingStatus`; ``cross_checked`` where none
+    of the random neighbours of an optimum is better by more than 0.5 %. ``objective_value``:
+    objective as the simulator finds it. ``total_mass_kg``, ``excess_time_h``, ``charge_margin_h``,
+    ``minimum_state_of_charge``: of the design, as the simulator finds them. ``airspeed_m_per_s``,
+    ``load_w``: of level flight, and nominal load. ``requirement``: requirement that is missed most
+    where the cell is infeasible, empty elsewhere. ``shortfall``: by how much, relative to its
+    limit; excess time in hours.
     """
 
     status: NDArray[np.int_]

@@ -47,16 +47,10 @@ _VALLEY_H = 0.002  # lower by less than that it parts no peaks: what time steps 
 class WidestRange:
     """Outcome of the search for the widest range.
 
-    Attributes
-    ----------
-    sizing : SizingResult
-        Design with the largest worst excess time in that range; infeasible where no design flies
-        perpetually on the easiest day or at the easiest latitude.
-    first, last : float or None
-        Ends of the range: days of year (``last`` before ``first`` across the year's end) or
-        latitudes [deg].
-    members : ndarray
-        Every day, or latitude in steps of 1 degree, in the range.
+    ``sizing``: design with the largest worst excess time in that range; infeasible where no design
+    flies perpetually on the easiest day or at the easiest latitude. ``first``, ``last``: ends of
+    the range: days of year (``last`` before ``first`` across the year's end) or latitudes [deg].
+    ``members``: every day, or latitude in steps of 1 degree, in the range.
     """
 
     sizing: SizingResult
@@ -85,27 +79,9 @@ def widest_range(
 ) -> WidestRange:
     """Find the design that covers the longest season or the widest band of latitudes.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As for :func:`sizing.optimisation.search.size_aircraft`. For ``longest_season`` every day
-        of the year is tried at the latitudes of the mission, for ``widest_latitude_band`` every
-        full degree on its dates.
-    objective : Objective
-        ``longest_season`` or ``widest_latitude_band``.
-    required_excess_time_h : float, optional
-        Overrides the mission's own [h].
-    problems : SizingProblems, optional
-        Programs of this very aircraft.
-
-    Returns
-    -------
-    WidestRange
-
-    Raises
-    ------
-    ValueError
-        For another objective.
+    ``aircraft``, ``mission``, ``solar``: as for :func:`sizing.optimisation.search.size_aircraft`.
+    For ``longest_season`` every day of the year is tried at the latitudes of the mission, for
+    ``widest_latitude_band`` every full degree on its dates.
     """
     if not objective.of_range:
         raise ValueError(f"{objective.value} is no range: use size_aircraft")

@@ -46,22 +46,12 @@ _STARTS = ((0.2, 0.2, 0.3), (0.8, 0.6, 0.6), (0.5, 0.8, 0.8))
 class CrossCheck:
     """Outcome of the cross-check.
 
-    Attributes
-    ----------
-    cross_checked : bool
-        Nothing found is better by more than the tolerance, and the fine step agrees.
-    objective_value : float
-        Of the optimum, by the simulator.
-    fine_step_value : float
-        The same with a time step of one minute.
-    best_found : float
-        Best objective of all searches and the optimum.
-    advantage : float
-        By how much that is better, in the objective's unit; zero where nothing is.
-    found_by : str
-        ``optimum``, ``grid``, ``neighbours``, ``other starts`` or ``other branches``.
-    designs_tried : int
-        Designs that the simulator judged.
+    ``cross_checked``: nothing found is better by more than the tolerance, and the fine step agrees.
+    ``objective_value``: of the optimum, by the simulator. ``fine_step_value``: the same with a time
+    step of one minute. ``best_found``: best objective of all searches and the optimum.
+    ``advantage``: by how much that is better, in the objective's unit; zero where nothing is.
+    ``found_by``: ``optimum``, ``grid``, ``neighbours``, ``other starts`` or ``other branches``.
+    ``designs_tried``: designs that the simulator judged.
     """
 
     cross_checked: bool
@@ -81,26 +71,7 @@ def cross_check(
     *,
     seed: int = 0,
 ) -> CrossCheck:
-    """Look for a design that is better than an optimum.
-
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As they were given to :func:`sizing.optimisation.search.size_aircraft`.
-    result : SizingResult
-        An optimum.
-    seed : int
-        Of the random neighbours.
-
-    Returns
-    -------
-    CrossCheck
-
-    Raises
-    ------
-    ValueError
-        If the result is no optimum.
-    """
+    """Look for a design that is better than an optimum."""
     if result.design is None or result.simulated is None:
         raise ValueError(
             f"the sizing is {result.status.name}: only an optimum can be cross-checked"
@@ -256,19 +227,7 @@ def design_grid(
 ) -> DesignVariables:
     """Designs on a grid over all variables that are free, evenly spaced in their logarithm.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Its design space has the bounds.
-    objective : Objective
-        A payload that is maximised is free, around its optimum.
-    optimum : DesignVariables
-        Values of the variables that are not free.
-
-    Returns
-    -------
-    DesignVariables
-        Of arrays.
+    ``objective``: a payload that is maximised is free, around its optimum.
     """
     bounds = _free_axes(aircraft, objective, optimum)
     points = _GRID_POINTS[len(bounds)]

@@ -43,21 +43,10 @@ Charger = Callable[[Any, Any], _Taken]
 def sun_parameters(day: SolarDay, mission: Mission, lit: Collection[int] = ()) -> FloatArray:
     """Sun, thermals, step and darkness of every scenario.
 
-    Parameters
-    ----------
-    day : SolarDay
-        Specific power of the scenarios over the day.
-    mission : Mission
-        Its thermals.
-    lit : collection of int
-        Scenarios in which the sun must carry the nominal load at all times.
-
-    Returns
-    -------
-    ndarray, shape (scenario, SUN_PARAMETERS)
-        Specific power [W/m2] and extra propulsion power [-] at the nodes, step between them [h],
-        hours without light, and the specific power that must carry the nominal load: the lowest one
-        of the day in the scenarios of ``lit``, else 0 [W/m2].
+    ``lit``: scenarios in which the sun must carry the nominal load at all times. Returns specific
+    power [W/m2] and extra propulsion power [-] at the nodes, step between them [h], hours without
+    light, and the specific power that must carry the nominal load: the lowest one of the day in the
+    scenarios of ``lit``, else 0 [W/m2].
     """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
     thermal = np.broadcast_to(thermal, day.specific_power_w_per_m2.shape)
@@ -84,15 +73,8 @@ def growing_lit_sets(lowest_w_per_m2: FloatArray) -> list[list[int]]:
     The load in calm air is the same in all scenarios. Whatever design is always lit in one of them
     therefore is so in those with a higher lowest power: no other sets need be looked at.
 
-    Parameters
-    ----------
-    lowest_w_per_m2 : ndarray, shape (scenario,)
-        Lowest specific power of the day, 0 where there is a night [W/m2].
-
-    Returns
-    -------
-    list of list of int
-        Indices of the scenarios, that with the most power first; empty where all have a night.
+    ``lowest_w_per_m2``: lowest specific power of the day, 0 where there is a night [W/m2]. Returns
+    indices of the scenarios, that with the most power first; empty where all have a night.
     """
     order = [int(i) for i in np.argsort(-lowest_w_per_m2, kind="stable")]
     power = lowest_w_per_m2[order]

@@ -44,19 +44,7 @@ class Verdict(NamedTuple):
 
 
 def least_mission(mission: Mission, objective: Objective) -> Mission:
-    """Mission without the payload that is to be as large as possible: the easiest one.
-
-    Parameters
-    ----------
-    mission : Mission
-        With a payload of its own.
-    objective : Objective
-        Of the sizing.
-
-    Returns
-    -------
-    Mission
-    """
+    """Mission without the payload that is to be as large as possible: the easiest one."""
     keys = {
         Objective.max_payload_mass: "mission.payload.mass_kg",
         Objective.max_payload_power: "mission.payload.power_w",
@@ -69,21 +57,7 @@ def least_mission(mission: Mission, objective: Objective) -> Mission:
 def short_of_largest_excess(
     aircraft: Aircraft, largest: SizingResult, required_h: float
 ) -> Verdict | None:
-    """Verdict where even the largest excess time is too short; None where it is enough.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        That is sized.
-    largest : SizingResult
-        Sizing for the largest excess time.
-    required_h : float
-        Required excess time [h].
-
-    Returns
-    -------
-    Verdict or None
-    """
+    """Verdict where even the largest excess time is too short; None where it is enough."""
     nearest = largest.nearest if largest.simulated is None else largest.simulated
     # Where no design flies perpetually, what else is missing comes first.
     missed = [v for v in largest.violations if v.requirement != "excess_time"]
@@ -104,20 +78,7 @@ def violations(
 ) -> list[Violation]:
     """Missed requirements in words.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        That is sized.
-    missed : mapping
-        Shortfall by name of the requirement: relative, or in hours of excess time.
-    nearest : Performance
-        Simulated design that comes closest.
-    required_h : float
-        Required excess time [h].
-
-    Returns
-    -------
-    list of Violation
+    ``missed``: shortfall by name of the requirement: relative, or in hours of excess time.
     """
     worst = nearest.worst_scenario()
     where = nearest.day.scenarios.label(worst)
@@ -162,19 +123,9 @@ def promising_designs(
 ) -> list[Promising]:
     """Designs of a coarse grid over the design space that come nearest to a feasible one.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        What is sized, for what, and the model of the sun.
-    day : SolarDay
-        Its scenarios are those that count.
-
-    Returns
-    -------
-    list of Promising
-        Those that fly perpetually and miss least, of equals those of the largest excess time; after
-        them the others by their excess time. Empty where no design of the grid has room for its
-        modules.
+    ``aircraft``, ``mission``, ``solar``: what is sized, for what, and the model of the sun. Those
+    that fly perpetually and miss least, of equals those of the largest excess time; after them the
+    others by their excess time. Empty where no design of the grid has room for its modules.
     """
     variables = _grid(aircraft)
     airframe = aircraft.airframe

@@ -203,20 +203,11 @@ class Program:
     A program has a number of *scenario blocks*, each filled with one scenario by its parameters, so
     that the scenarios in it can be exchanged without building it anew.
 
-    Attributes
-    ----------
-    blocks : int
-        Scenarios in the program.
-    names : tuple of str
-        Of the variables, in the order of the decision vector.
-    constraints : tuple of Constraint
-        In the order of the constraint vector.
-    technology : tuple of str
-        Keys of the technology parameters.
-    symbols : dict
-        Decision vector ``x``, parameters ``p``, cost ``f`` and constraints ``g``.
-    lock : RLock
-        Held from a solver's call until its statistics are read: threads share a program.
+    ``blocks``: scenarios in the program. ``names``: of the variables, in the order of the decision
+    vector. ``constraints``: in the order of the constraint vector. ``technology``: keys of the
+    technology parameters. ``symbols``: decision vector ``x``, parameters ``p``, cost ``f`` and
+    constraints ``g``. ``lock``: held from a solver's call until its statistics are read: threads
+    share a program.
     """
 
     blocks: int
@@ -264,14 +255,8 @@ class Program:
 class SizingProblem:
     """The program of an aircraft: expressions of its kind, its own bounds and technology.
 
-    Attributes
-    ----------
-    aircraft : Aircraft
-        Whose technology is in the parameters.
-    variables : tuple of Variable
-        In the order of the decision vector.
-    program : Program
-        Expressions and solvers.
+    ``aircraft``: whose technology is in the parameters. ``variables``: in the order of the decision
+    vector. ``program``: expressions and solvers.
     """
 
     aircraft: Aircraft
@@ -306,19 +291,7 @@ class SizingProblem:
         return tuple(v for v in self.variables if v.role in roles)
 
     def value(self, x: FloatArray, name: str) -> float:
-        """Value of a variable in its unit.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variable,)
-            Decision vector.
-        name : str
-            Name of the variable.
-
-        Returns
-        -------
-        float
-        """
+        """Value of a variable in its unit."""
         place = self.index[name]
         return float(self.variables[place].from_program(x[place]))
 
@@ -339,20 +312,7 @@ class SizingProblem:
     ) -> FloatArray:
         """Parameter vector of the program.
 
-        Parameters
-        ----------
-        weights : ndarray, shape (variable,)
-            Cost per unit of the decision vector.
-        conditions : FlightConditions
-            Air, payload, turbulence and wind.
-        suns : ndarray, shape (block, SUN_PARAMETERS)
-            Sun of the scenario in every block.
-        margin : float
-            By how much more charge the day must return than the night takes, relative.
-
-        Returns
-        -------
-        ndarray
+        ``margin``: by how much more charge the day must return than the night takes, relative.
         """
         parts = {
             "weights": weights,
@@ -370,16 +330,7 @@ class SizingProblem:
 
         What the solver leaves of a value at zero, below its tolerance, is zero.
 
-        Parameters
-        ----------
-        x : ndarray, shape (variable,)
-            Decision vector.
-        ends : mapping
-            Bounds by name of a variable, in its unit; the same where it is held.
-
-        Returns
-        -------
-        DesignVariables
+        ``ends``: bounds by name of a variable, in its unit; the same where it is held.
         """
         values = {"aspect_ratio": self.aircraft.airframe.aspect_ratio}
         for v in self.variables:
@@ -397,23 +348,7 @@ _PARAMETERS = ("weights", "margin", "conditions", "technology", "suns")
 def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> SizingProblem:
     """Build the program of an aircraft, unless one of its kind has been built before.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        With a parametric airframe.
-    blocks : int
-        Number of scenario blocks.
-    eased : bool
-        Whether technology, limits and wind are variables, which may be freed.
-
-    Returns
-    -------
-    SizingProblem
-
-    Raises
-    ------
-    TypeError
-        For a measured aircraft.
+    ``eased``: whether technology, limits and wind are variables, which may be freed.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
@@ -429,15 +364,7 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     A program is built from this alone: two aircraft share one exactly if they are of one kind, and
     a number that is not a parameter makes another kind.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        With a parametric airframe.
-
-    Returns
-    -------
-    Aircraft
-        With 1 for each of these numbers that is not zero; not validated.
+    Returns with 1 for each of these numbers that is not zero; not validated.
     """
     values: dict[str, Any] = {
         key: 1.0 if parameter_value(aircraft, None, key) else 0.0
@@ -684,16 +611,7 @@ class SizingProblems:
     def of(self, blocks: int, *, eased: bool = False) -> SizingProblem:
         """Program with this number of scenario blocks.
 
-        Parameters
-        ----------
-        blocks : int
-            Number of scenario blocks.
-        eased : bool
-            Whether technology, limits and wind are variables, which may be freed.
-
-        Returns
-        -------
-        SizingProblem
+        ``eased``: whether technology, limits and wind are variables, which may be freed.
         """
         key = (blocks, eased)
         if key not in self._known:

@@ -70,20 +70,10 @@ _LATITUDE_REACH_DEG = 60.0
 class Relaxation:
     """A parameter, and the value from which on the mission is feasible, all else unchanged.
 
-    Attributes
-    ----------
-    parameter : str
-        Key of the aircraft's or, behind ``mission.``, of the mission's file.
-    unit : str
-        Of the values.
-    present : float
-        Value now.
-    direction : str
-        ``at least`` or ``at most``.
-    value : float
-        Value that suffices, rounded to three digits away from the edge.
-    excess_time_h : float
-        Worst excess time that the simulator finds there.
+    ``parameter``: key of the aircraft's or, behind ``mission.``, of the mission's file. ``unit``:
+    of the values. ``direction``: ``at least`` or ``at most``. ``value``: value that suffices,
+    rounded to three digits away from the edge. ``excess_time_h``: worst excess time that the
+    simulator finds there.
     """
 
     parameter: str
@@ -116,24 +106,7 @@ def relaxations(
 ) -> list[Relaxation]:
     """Find what would make an infeasible mission feasible, one parameter at a time.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As they were given to :func:`sizing.optimisation.search.size_aircraft`.
-    result : SizingResult
-        Infeasible.
-    problems : SizingProblems, optional
-        Programs of this very aircraft.
-
-    Returns
-    -------
-    list of Relaxation
-        Smallest relative change first; empty where no single parameter suffices.
-
-    Raises
-    ------
-    ValueError
-        If the result is not infeasible.
+    Returns smallest relative change first; empty where no single parameter suffices.
     """
     if result.status is not SizingStatus.infeasible or result.nearest is None:
         raise ValueError(
@@ -514,19 +487,7 @@ def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:
 
 
 def rounded(value: float, direction: Direction) -> float:
-    """Value with three digits, on the safe side.
-
-    Parameters
-    ----------
-    value : float
-        Zero for values below it.
-    direction : {"at least", "at most"}
-        Which side is safe.
-
-    Returns
-    -------
-    float
-    """
+    """Value with three digits, on the safe side."""
     if value <= 0.0:
         return 0.0
     digits = 10.0 ** (math.floor(math.log10(value)) - 2)

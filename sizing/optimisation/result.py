@@ -71,22 +71,8 @@ class SizingResult:
 def objective_value(objective: Objective, perf: Performance) -> FloatArray:
     """Objective of simulated designs.
 
-    Parameters
-    ----------
-    objective : Objective
-        Quantity of a single simulation.
-    perf : Performance
-        Of one design, or of a batch; the scenarios are the last axis.
-
-    Returns
-    -------
-    ndarray
-        Of the shape of the batch, in the objective's unit.
-
-    Raises
-    ------
-    ValueError
-        For an objective that is a range of days or latitudes.
+    ``perf``: of one design, or of a batch; the scenarios are the last axis. Returns of the shape of
+    the batch, in the objective's unit.
     """
     worst = np.min(perf.cycle.excess_time_h, axis=-1)
     design = perf.design
@@ -125,17 +111,6 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
     """Names of the requirements and bounds that hold a solution back.
 
     Those come first whose easing gains most: by one per cent, or by an hour of excess time.
-
-    Parameters
-    ----------
-    solution : Solution
-        Of the program.
-    day : SolarDay
-        Its scenarios name the blocks.
-
-    Returns
-    -------
-    tuple of str
     """
     active: dict[str, float] = {}
     least = _least_multiplier(solution)

@@ -98,19 +98,10 @@ class Accepted(NamedTuple):
 class Search:
     """One search for a design that the simulator accepts.
 
-    Parameters
-    ----------
-    instance : ProblemInstance
-        What the program is to be solved for; its goal carries a cushion for all but the largest
-        excess time.
-    required_h : float
-        Excess time that the simulator must find in every scenario [h].
-    scenarios : sequence of int
-        Scenarios that are in the program from the beginning.
-    solve : callable
-        Solution of the search's instance; None where there is none.
-    count : int
-        Number of all scenarios that may join.
+    ``instance``: what the program is to be solved for; its goal carries a cushion for all but the
+    largest excess time. ``required_h``: excess time that the simulator must find in every scenario
+    [h]. ``scenarios``: scenarios that are in the program from the beginning. ``solve``: solution of
+    the search's instance; None where there is none.
     """
 
     def __init__(
@@ -221,14 +212,8 @@ def run(
 ) -> None:
     """Solve, simulate, shift and keep the best, until the simulator accepts each design.
 
-    Parameters
-    ----------
-    searches : sequence of Search
-        They are solved one after the other and simulated together.
-    simulate : callable
-        What the simulator finds for the solutions of some searches.
-    rounds : int
-        How often at most.
+    ``searches``: they are solved one after the other and simulated together. ``simulate``: what the
+    simulator finds for the solutions of some searches.
     """
     for _ in range(rounds):
         searches = [search for search in searches if search.solved()]
@@ -241,17 +226,7 @@ def run(
 def telling_scenarios(perf: Performance, count: int) -> list[int]:
     """Scenarios likely to drive the sizing: least excess time, and least sun for their load.
 
-    Parameters
-    ----------
-    perf : Performance
-        Of one design.
-    count : int
-        How many at most.
-
-    Returns
-    -------
-    list of int
-        Indices, the most telling one first.
+    Returns indices, the most telling one first.
     """
     cycle = perf.cycle
     short_of_sun = int(np.argmin(cycle.energy_budget.solar_wh / cycle.energy_budget.load_wh))
@@ -261,21 +236,7 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
 
 
 def simulated(solver: ProgramSolver, perf: Performance, merit: float) -> Simulated:
-    """What the simulator finds for one design.
-
-    Parameters
-    ----------
-    solver : ProgramSolver
-        Of the aircraft and its mission.
-    perf : Performance
-        Of the design in all scenarios.
-    merit : float
-        The larger the better.
-
-    Returns
-    -------
-    Simulated
-    """
+    """What the simulator finds for one design."""
     worst = perf.worst_scenario()
     met = meets_requirements(
         solver.aircraft, perf.design, solver.conditions, tolerance=_ROW_TOLERANCE
@@ -302,42 +263,15 @@ def size_aircraft(
 ) -> SizingResult:
     """Find the best design of a parametric aircraft for a mission.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Technology, bounds of the design variables, and a first guess (its own design point).
-    mission : Mission
-        Latitudes, dates, air, payload and wind.
-    objective : Objective
-        ``max_excess_time`` of the worst scenario, or another one with a required excess time in
-        every scenario. For the objectives that are a range of days or latitudes see
-        :func:`sizing.optimisation.coverage.widest_range`.
-    solar : SolarModel
-        Solar power model and its correction.
-    required_excess_time_h : float, optional
-        Overrides the mission's own [h]. For ``max_excess_time`` it is a bound from below.
-    day : SolarDay, optional
-        Specific power of the scenarios where it is known already.
-    step_h : float
-        Time step of the simulator [h].
-    problems : SizingProblems, optional
-        Programs of this very aircraft, from an earlier sizing: nothing is built again.
-    start : DesignVariables, optional
-        First guess, for instance the optimum of a similar mission.
-    explain : bool
-        Whether to find out why a search fails. If not, it ends as ``not_converged``: faster, for
-        searches in which failures are many and their reasons idle.
-
-    Returns
-    -------
-    SizingResult
-
-    Raises
-    ------
-    TypeError
-        For a measured aircraft.
-    ValueError
-        For an objective that is a range, or programs of another aircraft.
+    ``aircraft``: technology, bounds of the design variables, and a first guess (its own design
+    point). ``objective``: ``max_excess_time`` of the worst scenario, or another one with a required
+    excess time in every scenario. For the objectives that are a range of days or latitudes see
+    :func:`sizing.optimisation.coverage.widest_range`. ``required_excess_time_h``: overrides the
+    mission's own [h]. For ``max_excess_time`` it is a bound from below. ``day``: specific power of
+    the scenarios where it is known already. ``problems``: programs of this very aircraft, from an
+    earlier sizing: nothing is built again. ``start``: first guess, for instance the optimum of a
+    similar mission. ``explain``: whether to find out why a search fails. If not, it ends as
+    ``not_converged``: faster, for searches in which failures are many and their reasons idle.
     """
     problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h
@@ -359,15 +293,7 @@ def size_branches(
 ) -> list[Performance]:
     """Simulate the best design of every branch under a midnight sun: no shortcuts, one by one.
 
-    Parameters
-    ----------
-    aircraft, mission, objective, solar, required_excess_time_h, day, start
-        As for :func:`size_aircraft`.
-
-    Returns
-    -------
-    list of Performance
-        Of the branches that have a design; empty where every scenario has a night.
+    Returns of the branches that have a design; empty where every scenario has a night.
     """
     solver = ProgramSolver(SizingProblems(aircraft), mission, solar, day)
     sets = growing_lit_sets(lowest_power(day))
@@ -382,28 +308,7 @@ def size_branches(
 def checked_problems(
     aircraft: Aircraft, objective: Objective, problems: SizingProblems | None
 ) -> SizingProblems:
-    """Programs of an aircraft that can be sized for an objective, built anew if none are given.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        To be sized.
-    objective : Objective
-        For single designs.
-    problems : SizingProblems or None
-        From an earlier sizing.
-
-    Returns
-    -------
-    SizingProblems
-
-    Raises
-    ------
-    TypeError
-        For a measured aircraft.
-    ValueError
-        For an objective that is a range, or programs of another aircraft.
-    """
+    """Programs of an aircraft that can be sized for an objective, built anew if none are given."""
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
     if objective.of_range:

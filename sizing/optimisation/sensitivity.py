@@ -65,23 +65,8 @@ def sensitivities(
 ) -> list[Sensitivity]:
     """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        As they were given to :func:`sizing.optimisation.search.size_aircraft`.
-    result : SizingResult
-        An optimum.
-
-    Returns
-    -------
-    list of Sensitivity
-        Largest change of the objective per per cent first; empty where the excess time is infinite,
-        which no small change makes any longer.
-
-    Raises
-    ------
-    ValueError
-        If the result is no optimum.
+    Returns largest change of the objective per per cent first; empty where the excess time is
+    infinite, which no small change makes any longer.
     """
     optimum, perf, objective_value = _checked(result, "sensitivities")
     if not np.isfinite(objective_value):
@@ -129,11 +114,6 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
 
     They are those of the program, in the units of the objective. Like sensitivities they hold for
     small changes.
-
-    Raises
-    ------
-    ValueError
-        If the result is no optimum.
     """
     optimum, perf, objective_value = _checked(result, "multipliers")
     if not np.isfinite(objective_value):

@@ -59,28 +59,15 @@ _COSTS: dict[Objective, dict[str, float]] = {
 class ProblemInstance:
     """What a program is to be solved for.
 
-    Attributes
-    ----------
-    cost : mapping
-        Weights of the decision vector by name of its variables.
-    goal_h : float
-        Excess time that every scenario must have [h].
-    best_excess : bool
-        Whether the worst excess time may exceed the goal: where it is what is maximised.
-    freed : tuple of str
-        Payload or technology variables that may move; all others are held.
-    bounds : mapping
-        Bounds of variables, in their unit, that replace their own.
-    held : mapping
-        Variables held at other values than the aircraft's and the mission's.
-    penalty : float or None
-        Cost of a missed requirement on top of the other one; infinite where the least miss is all
-        that counts; None where every requirement must be met.
-    margin : float
-        By how much more charge the day must return than the night takes, relative.
-    lit : frozenset of int
-        Scenarios in which the sun must carry the nominal load at all times. Their excess time is
-        unlimited and meets any requirement.
+    ``cost``: weights of the decision vector by name of its variables. ``goal_h``: excess time that
+    every scenario must have [h]. ``best_excess``: whether the worst excess time may exceed the
+    goal: where it is what is maximised. ``freed``: payload or technology variables that may move;
+    all others are held. ``bounds``: bounds of variables, in their unit, that replace their own.
+    ``held``: variables held at other values than the aircraft's and the mission's. ``penalty``:
+    cost of a missed requirement on top of the other one; infinite where the least miss is all that
+    counts; None where every requirement must be met. ``margin``: by how much more charge the day
+    must return than the night takes, relative. ``lit``: scenarios in which the sun must carry the
+    nominal load at all times. Their excess time is unlimited and meets any requirement.
     """
 
     cost: Mapping[str, float]
@@ -95,19 +82,7 @@ class ProblemInstance:
 
     @classmethod
     def of(cls, objective: Objective, required_h: float) -> ProblemInstance:
-        """Instance of an objective, with a cushion on the required excess time where that costs.
-
-        Parameters
-        ----------
-        objective : Objective
-            Of single designs.
-        required_h : float
-            Required excess time [h].
-
-        Returns
-        -------
-        ProblemInstance
-        """
+        """Instance of an objective, with a cushion on the required excess time where that costs."""
         payload = (Objective.max_payload_mass, Objective.max_payload_power)
         best_excess = objective is Objective.max_excess_time
         return cls(
@@ -120,17 +95,8 @@ class ProblemInstance:
     def always_lit(self, scenarios: Iterable[int], *, all_of_them: bool) -> ProblemInstance:
         """The same with some scenarios whose sun must carry the load at all times.
 
-        Parameters
-        ----------
-        scenarios : iterable of int
-            Their indices.
-        all_of_them : bool
-            Whether the mission has no others: no excess time is then required, and that of the
-            lightest of the designs is as unlimited as that of any other.
-
-        Returns
-        -------
-        ProblemInstance
+        ``all_of_them``: whether the mission has no others: no excess time is then required, and
+        that of the lightest of the designs is as unlimited as that of any other.
         """
         lit = replace(self, lit=frozenset(scenarios))
         if not all_of_them:
@@ -229,16 +195,7 @@ class _Posed(NamedTuple):
 class ProgramSolver:
     """Solves the programs of an aircraft for one mission, and counts the work.
 
-    Parameters
-    ----------
-    problems : SizingProblems
-        Programs of the aircraft.
-    mission : Mission
-        Conditions of flight.
-    solar : SolarModel
-        Solar power model and its correction.
-    day : SolarDay
-        Sun in every scenario that may fill a block.
+    ``day``: sun in every scenario that may fill a block.
     """
 
     def __init__(
@@ -266,22 +223,9 @@ class ProgramSolver:
     ) -> Solution | None:
         """First solution that is found; None where the solver fails.
 
-        Parameters
-        ----------
-        instance : ProblemInstance
-            What the program is to be solved for.
-        scenarios : sequence of int
-            Indices of the scenarios, one for each block.
-        starts : sequence of DesignVariables
-            Designs that the interior-point method starts from, one after the other.
-        efforts : sequence of Effort
-            What is tried from each of them.
-        previous : Solution, optional
-            Of a similar instance: sequential quadratic programming from there is tried first.
-
-        Returns
-        -------
-        Solution or None
+        ``starts``: designs that the interior-point method starts from, one after the other.
+        ``previous``: of a similar instance: sequential quadratic programming from there is tried
+        first.
         """
         posed = self._posed(instance, scenarios)
         if previous is not None:

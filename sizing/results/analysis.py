@@ -296,21 +296,7 @@ def analyse(
 
 
 def check_days(mission: Mission, days: int | None) -> None:
-    """Refuse a number of days that cannot be flown.
-
-    Parameters
-    ----------
-    mission : Mission
-    days : int or None
-        As for :func:`analyse`.
-
-    Raises
-    ------
-    TypeError
-        For what is no whole number.
-    ValueError
-        Outside 1 to 365, or for a mission with climbs.
-    """
+    """Refuse a number of days that cannot be flown."""
     if days is None:
         return
     if isinstance(days, bool) or not isinstance(days, int | np.integer):
@@ -324,18 +310,7 @@ def check_days(mission: Mission, days: int | None) -> None:
 
 
 def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
-    """Metrics of one scenario, JSON-ready.
-
-    Parameters
-    ----------
-    analysis : Analysis
-    index : int
-        Number of the scenario.
-
-    Returns
-    -------
-    dict
-    """
+    """Metrics of one scenario, JSON-ready."""
     perf, endurance = analysis.performance, analysis.endurances[index]
     cycle, account = perf.cycle, perf.cycle.energy_budget
     lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
@@ -372,16 +347,7 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
 def uncertainty_record(low: Performance, high: Performance, index: int) -> dict[str, Any]:
     """Excess time of a scenario under the RMS error of the solar power model, JSON-ready.
 
-    Parameters
-    ----------
-    low, high : Performance
-        With the solar power one RMS error lower and higher.
-    index : int
-        Number of the scenario.
-
-    Returns
-    -------
-    dict
+    ``low``, ``high``: with the solar power one RMS error lower and higher.
     """
     return {
         "solar_power_rms_relative": low.solar.rms_relative,
@@ -391,20 +357,7 @@ def uncertainty_record(low: Performance, high: Performance, index: int) -> dict[
 
 
 def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
-    """What climbing does in one scenario, JSON-ready.
-
-    Parameters
-    ----------
-    climbs : ClimbPerformance
-    mission : Mission
-        A mission with climbs.
-    index : int
-        Number of the scenario.
-
-    Returns
-    -------
-    dict
-    """
+    """What climbing does in one scenario, JSON-ready."""
     assert mission.climb is not None
     flown, account = climbs.climb, climbs.climb.energy_budget
     return {

@@ -91,17 +91,7 @@ def _days(count: int) -> str:
 def uncertainty_line(record: dict[str, Any], mission: Mission) -> str:
     """What the RMS error of the solar power model means for the excess time.
 
-    Parameters
-    ----------
-    record : dict
-        With ``model``, ``correction`` and ``uncertainty``.
-    mission : Mission
-        With its uncertainty margins, which are taken off before that error.
-
-    Returns
-    -------
-    str
-        One sentence.
+    ``mission``: with its uncertainty margins, which are taken off before that error.
     """
     spread = record["uncertainty"]
     low, high = spread["excess_time_low_h"], spread["excess_time_high_h"]

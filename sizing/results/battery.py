@@ -14,16 +14,8 @@ from solar.types import FloatArray
 def battery_record(aircraft: Aircraft, mission: Mission) -> dict[str, Any] | None:
     """Battery as it is flown on a mission, JSON-ready.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-    mission : Mission
-        Its air; the margin of its capacity is not counted.
-
-    Returns
-    -------
-    dict or None
-        None for a battery without temperature, resistance and ageing.
+    ``mission``: its air; the margin of its capacity is not counted. None for a battery without
+    temperature, resistance and ageing.
     """
     if not _has_condition(aircraft):
         return None
@@ -41,17 +33,8 @@ def battery_record(aircraft: Aircraft, mission: Mission) -> dict[str, Any] | Non
 def battery_record_of_days(aircraft: Aircraft, air_c: FloatArray) -> dict[str, Any] | None:
     """Battery as it is on the days of a weather record, JSON-ready.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-    air_c : ndarray, shape (day,)
-        Mean temperature of the air of each day [C].
-
-    Returns
-    -------
-    dict or None
-        As :func:`battery_record`, with ``lowest``, ``mean`` and ``highest`` of what changes with
-        the days.
+    ``air_c``: mean temperature of the air of each day [C]. Returns as :func:`battery_record`, with
+    ``lowest``, ``mean`` and ``highest`` of what changes with the days.
     """
     if not _has_condition(aircraft):
         return None
@@ -98,15 +81,7 @@ def _spread(values: Any) -> dict[str, float]:
 def battery_line(aircraft: Aircraft, mission: Mission) -> str | None:
     """State of the battery in a line, such as ``battery at 12 C: 90 % of its capacity``.
 
-    Parameters
-    ----------
-    aircraft, mission
-        As for :func:`battery_record`.
-
-    Returns
-    -------
-    str or None
-        None where there is no record.
+    None where there is no record.
     """
     return _line(aircraft, battery_record(aircraft, mission))
 
@@ -114,15 +89,7 @@ def battery_line(aircraft: Aircraft, mission: Mission) -> str | None:
 def battery_line_of_days(aircraft: Aircraft, air_c: FloatArray) -> str | None:
     """State of the battery on the days of a weather record in a line.
 
-    Parameters
-    ----------
-    aircraft, air_c
-        As for :func:`battery_record_of_days`.
-
-    Returns
-    -------
-    str or None
-        None where there is no record.
+    None where there is no record.
     """
     return _line(aircraft, battery_record_of_days(aircraft, air_c))
 

@@ -44,18 +44,10 @@ class Words(NamedTuple):
 def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
     """Words for a requirement or bound as results name it.
 
-    Parameters
-    ----------
-    name : str
-        Such as ``excess_time (45 N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
-        maximum`` or ``wingspan_m at its bound``.
-    aircraft : Aircraft, optional
-        Whose design space has the keys of limits; without it they are those under ``limits``.
-
-    Returns
-    -------
-    Words
-        The name itself where nothing is known of it.
+    ``name``: such as ``excess_time (45 N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
+    maximum`` or ``wingspan_m at its bound``. ``aircraft``: whose design space has the keys of
+    limits; without it they are those under ``limits``. Returns the name itself where nothing is
+    known of it.
     """
     bounded, at_its, end = name.partition(" at its ")
     if at_its:
@@ -81,15 +73,8 @@ def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
 def parameter_words(key: str) -> str:
     """Label of a parameter by its key, limits of the design space included.
 
-    Parameters
-    ----------
-    key : str
-        Of the aircraft's or, behind ``mission.``, of the mission's file.
-
-    Returns
-    -------
-    str
-        The key itself where the catalogue has no label.
+    ``key``: of the aircraft's or, behind ``mission.``, of the mission's file. Returns the key
+    itself where the catalogue has no label.
     """
     if key in catalogue():
         return label(key)

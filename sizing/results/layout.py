@@ -28,16 +28,7 @@ _GLUE = "\0"
 def paragraph(text: str, width: int) -> list[str]:
     """Text as lines; those after the first of an indented or itemised one are indented further.
 
-    Parameters
-    ----------
-    text : str
-        One paragraph.
-    width : int
-        Characters of a line; only a longer word is longer.
-
-    Returns
-    -------
-    list of str
+    ``width``: characters of a line; only a longer word is longer.
     """
     indent = text[: len(text) - len(text.lstrip())]
     further = indent + ("  " if indent or text.startswith("- ") else "")
@@ -48,15 +39,7 @@ def paragraph(text: str, width: int) -> list[str]:
 class Grid:
     """Cells under headings, all as text.
 
-    Parameters
-    ----------
-    headings : sequence of str or None
-        None for facts: labels with values beside them.
-    rows : sequence of sequences of str
-    to_right : sequence of bool
-        Whether a column is aligned to the right; its cells, numbers, are never broken.
-    sections : sequence of int
-        Rows above which an empty line stands.
+    ``to_right``: whether a column is aligned to the right; its cells, numbers, are never broken.
     """
 
     headings: Sequence[str] | None
@@ -65,17 +48,7 @@ class Grid:
     sections: Sequence[int] = ()
 
     def lines(self, width: int) -> list[str]:
-        """Grid as lines of at most that width, wider only where a word is.
-
-        Parameters
-        ----------
-        width : int
-            Characters of a line.
-
-        Returns
-        -------
-        list of str
-        """
+        """Grid as lines of at most that width, wider only where a word is."""
         every = list(range(len(self.to_right)))
         if not every:
             return []
@@ -169,18 +142,7 @@ class Grid:
 
 
 def side_by_side(left: Sequence[str], right: Sequence[str], width: int) -> list[str]:
-    """Two blocks of lines beside each other where there is room, else below each other.
-
-    Parameters
-    ----------
-    left, right : sequence of str
-    width : int
-        Characters of a line.
-
-    Returns
-    -------
-    list of str
-    """
+    """Two blocks of lines beside each other where there is room, else below each other."""
     widest = max(map(len, left), default=0) + _BESIDE
     if widest + max(map(len, right), default=0) > width:
         return [*left, "", *right]

@@ -13,18 +13,7 @@ from sizing.results.tables import MISSING, UNLIMITED
 
 
 def check_subjects(aircraft: object, mission: object) -> None:
-    """Refuse what is no aircraft and no mission, such as the names of some.
-
-    Parameters
-    ----------
-    aircraft : object
-    mission : object
-
-    Raises
-    ------
-    TypeError
-        That says how to load one.
-    """
+    """Refuse what is no aircraft and no mission, such as the names of some."""
     for thing, kind, load in (
         (aircraft, Aircraft, "sizing.load_aircraft"),
         (mission, Mission, "missions.load_mission"),
@@ -50,19 +39,7 @@ def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def hours(value: float | None, missing: str = MISSING) -> str:
-    """Hours with two decimals; ``missing`` stands for what does not exist.
-
-    Parameters
-    ----------
-    value : float or None
-        Duration [h].
-    missing : str
-        Text for None; see :data:`sizing.results.tables.UNLIMITED`.
-
-    Returns
-    -------
-    str
-    """
+    """Hours with two decimals; ``missing`` stands for what does not exist."""
     if value is not None and math.isinf(value):
         return UNLIMITED
     return missing if value is None else f"{value:.2f} h"
@@ -71,17 +48,8 @@ def hours(value: float | None, missing: str = MISSING) -> str:
 def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:
     """Hours as a clock reading.
 
-    Parameters
-    ----------
-    clock_h : float or None
-        Hours since midnight [h].
-    first_day : int, optional
-        Day of year of that midnight; with it, hours beyond 24 carry their date.
-
-    Returns
-    -------
-    str
-        ``-`` where there is no such time.
+    ``first_day``: day of year of that midnight; with it, hours beyond 24 carry their date. Returns
+    ``-`` where there is no such time.
     """
     if clock_h is None or not math.isfinite(clock_h):
         return MISSING

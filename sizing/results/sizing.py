@@ -399,13 +399,7 @@ def _reliable(
 
 
 def checked_objective(objective: Objective | str) -> Objective:
-    """Objective of a name.
-
-    Raises
-    ------
-    ValueError
-        For another name, with those that exist.
-    """
+    """Objective of a name."""
     try:
         return Objective(objective)
     except ValueError:
@@ -416,18 +410,7 @@ def checked_objective(objective: Objective | str) -> Objective:
 def under_model_error(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> tuple[Performance | None, Performance | None]:
-    """Optimum with the solar power one RMS error of the model lower and higher.
-
-    Parameters
-    ----------
-    aircraft, mission, solar
-        That were sized, as they were given.
-    result : SizingResult
-
-    Returns
-    -------
-    low, high : Performance or None
-    """
+    """Optimum with the solar power one RMS error of the model lower and higher."""
     if result.design is None or result.simulated is None:
         return None, None
     low, high = (
@@ -446,18 +429,7 @@ def under_model_error(
 def without_margins_of(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
-    """Optimum without the mission's uncertainty margins; None where the mission has none.
-
-    Parameters
-    ----------
-    aircraft, mission, solar
-        That were sized, as they were given.
-    result : SizingResult
-
-    Returns
-    -------
-    Performance or None
-    """
+    """Optimum without the mission's uncertainty margins; None where the mission has none."""
     if result.design is None or result.simulated is None or not mission.uncertainty_margins.given:
         return None
     plain = mission.without_margins()

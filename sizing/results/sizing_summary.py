@@ -131,16 +131,7 @@ def _limits(head: str, study: SizingStudy, told: Sequence[str] = ()) -> list[Any
 
 
 def relaxation_table(found: Sequence[Relaxation]) -> Table:
-    """Values of single parameters with which a mission becomes feasible, smallest change first.
-
-    Parameters
-    ----------
-    found : sequence of Relaxation
-
-    Returns
-    -------
-    Table
-    """
+    """Values of single parameters with which a mission becomes feasible, smallest change first."""
     columns = (
         Column("parameter"),
         Column("now", form=".4g"),
@@ -201,17 +192,7 @@ def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
 
 
 def reliability_text(found: Reliability, study: SizingStudy) -> str:
-    """How reliable the design is, and what the optimum without uncertainty is.
-
-    Parameters
-    ----------
-    found : Reliability
-    study : SizingStudy
-
-    Returns
-    -------
-    str
-    """
+    """How reliable the design is, and what the optimum without uncertainty is."""
     hours_h = study.result.required_excess_time_h
     what = f"{hours_h:g} h of excess time" if hours_h > 0.0 else "perpetual flight"
     objective = study.objective
@@ -229,15 +210,7 @@ def reliability_text(found: Reliability, study: SizingStudy) -> str:
 def survival_blocks(found: Survival, study: SizingStudy) -> list[Any]:
     """Days of the season that close, year by year, beside the design for a clear sky.
 
-    Parameters
-    ----------
-    found : Survival
-    study : SizingStudy
-
-    Returns
-    -------
-    list
-        Blocks of a summary.
+    Returns blocks of a summary.
     """
     days, season = found.days, found.mission.dates.range()
     ends = " to ".join(date_label(day) for day in dict.fromkeys((season[0], season[-1])))
@@ -288,36 +261,14 @@ def _range_text(found: dict[str, Any]) -> str:
 
 
 def with_unit(value: float | None, digits: str, objective: Objective) -> str:
-    """Value of an objective with its unit; an excess time may be unlimited.
-
-    Parameters
-    ----------
-    value : float or None
-    digits : str
-        Format, such as ``.4g``.
-    objective : Objective
-
-    Returns
-    -------
-    str
-    """
+    """Value of an objective with its unit; an excess time may be unlimited."""
     if value is None or math.isnan(value):
         return MISSING
     return UNLIMITED if math.isinf(value) else f"{value:{digits}} {objective.unit}"
 
 
 def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
-    """What each technology parameter is worth, most important first.
-
-    Parameters
-    ----------
-    found : list of Sensitivity
-    objective : Objective
-
-    Returns
-    -------
-    Table
-    """
+    """What each technology parameter is worth, most important first."""
     unit = objective.unit
     columns = (
         Column("parameter"),
@@ -345,17 +296,7 @@ def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
 
 
 def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) -> Table:
-    """What relaxing each constraint gains, by its multiplier, next to nothing left out.
-
-    Parameters
-    ----------
-    found : list of ConstraintMultiplier
-    objective : Objective
-
-    Returns
-    -------
-    Table
-    """
+    """What relaxing each constraint gains, by its multiplier, next to nothing left out."""
     columns = (
         Column("constraint"),
         Column("gain", f"gain in {objective.unit}", form=".3g"),
@@ -371,17 +312,7 @@ def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) ->
 
 
 def cross_check_line(check: CrossCheck, objective: Objective) -> str:
-    """Whether a search by simulation found a better design; a search is no proof.
-
-    Parameters
-    ----------
-    check : CrossCheck
-    objective : Objective
-
-    Returns
-    -------
-    str
-    """
+    """Whether a search by simulation found a better design; a search is no proof."""
     better = check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
     found = (
         f"the best of them has {with_unit(check.best_found, '.5g', objective)} "

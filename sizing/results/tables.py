@@ -36,20 +36,11 @@ StyledLine: TypeAlias = tuple[str, Emphasis]
 class Column:
     """A column of a table.
 
-    Parameters
-    ----------
-    name : str
-        Name in frames and CSV, with its unit: ``excess_time_h``.
-    label : str
-        Heading for people; the name without underscores if left out.
-    unit : str
-        Unit that the heading shows in brackets.
-    form : str
-        Format of numbers, such as ``.2f``; ``{:+.1f} %`` where text surrounds them.
-    missing : str
-        What stands for a value that does not exist.
-    to_right : bool, optional
-        Whether its cells are aligned to the right; by default numbers and the values of facts are.
+    ``name``: name in frames and CSV, with its unit: ``excess_time_h``. ``label``: heading for
+    people; the name without underscores if left out. ``form``: format of numbers, such as ``.2f``;
+    ``{:+.1f} %`` where text surrounds them. ``missing``: what stands for a value that does not
+    exist. ``to_right``: whether its cells are aligned to the right; by default numbers and the
+    values of facts are.
     """
 
     name: str
@@ -288,20 +279,7 @@ class Result:
 
 
 def facts(title: str, rows: Iterable[tuple[str, str]], notes: Sequence[str] = ()) -> Table:
-    """Table of labels and their values, already as text.
-
-    Parameters
-    ----------
-    title : str
-        Heading; may be empty.
-    rows : iterable of (label, text)
-    notes : sequence of str
-        Lines below.
-
-    Returns
-    -------
-    Table
-    """
+    """Table of labels and their values, already as text."""
     columns = (Column("quantity"), Column("value"))
     return Table(title, columns, tuple(tuple(row) for row in rows), tuple(notes), headings=False)
 

@@ -22,17 +22,10 @@ _DAYS = 365
 class YearInWeather:
     """A calendar year of a record, or what of it is in the record.
 
-    Attributes
-    ----------
-    year : int
-    whole : bool
-        Whether at most a week of it is missing.
-    days, days_that_close, clear_sky_days_that_close : int
-        Days of the year in the record, those that close, and those that close under a clear sky.
-    longest_run_days : int
-        Most consecutive days of the year that close.
-    endurance_h : dict of float
-        Of the launches at its dawns: ``p10``, ``p50``, ``p90`` [h].
+    ``whole``: whether at most a week of it is missing. ``days``, ``days_that_close``,
+    ``clear_sky_days_that_close``: days of the year in the record, those that close, and those that
+    close under a clear sky. ``longest_run_days``: most consecutive days of the year that close.
+    ``endurance_h``: of the launches at its dawns: ``p10``, ``p50``, ``p90`` [h].
     """
 
     year: int
@@ -61,14 +54,7 @@ class YearInWeather:
 def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ...]:
     """Years of a record in their order.
 
-    Parameters
-    ----------
-    recorded, clear : WeatherRun
-        In the record's light, and under the clear sky.
-
-    Returns
-    -------
-    tuple of YearInWeather
+    ``recorded``, ``clear``: in the record's light, and under the clear sky.
     """
     found = []
     for year in np.unique(recorded.axis.year).tolist():
@@ -91,14 +77,7 @@ def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ..
 def year_to_year(years: tuple[YearInWeather, ...]) -> dict[str, Any] | None:
     """Spread of the whole years, JSON-ready; None where there are not two of them.
 
-    Parameters
-    ----------
-    years : tuple of YearInWeather
-
-    Returns
-    -------
-    dict or None
-        Percentiles are values of years that occurred.
+    Returns percentiles are values of years that occurred.
     """
     whole = [one for one in years if one.whole]
     if len(whole) < 2:

@@ -23,24 +23,9 @@ def least_income(
 
     More of either never closes fewer days, but for a day or two whose dawns move.
 
-    Parameters
-    ----------
-    count : callable
-        Days that close, of logarithms of income and storage.
-    storage : ndarray, shape (storage,)
-        Logarithms of the storages.
-    ends : tuple of float
-        Logarithms of the incomes to search between.
-    needed : int
-        Days that must close.
-    at_once : int
-        Incomes of a storage that are tried at the same time, at least 1.
-
-    Returns
-    -------
-    ndarray, shape (storage,)
-        Logarithms of the incomes, to a five-hundredth of the distance of the ends; NaN where even
-        the largest is not enough.
+    ``count``: days that close, of logarithms of income and storage. ``at_once``: incomes of a
+    storage that are tried at the same time, at least 1. Returns logarithms of the incomes, to a
+    five-hundredth of the distance of the ends; NaN where even the largest is not enough.
     """
     low, high = (np.full(len(storage), float(end)) for end in ends)
     enough = count(high, storage) >= needed
@@ -63,23 +48,8 @@ def least_step(
 ) -> float:
     """Least step in income and storage with which enough days close.
 
-    Parameters
-    ----------
-    count : callable
-        Days that close, of logarithms of income and storage.
-    direction : ndarray, shape (2,)
-        Of a step of one.
-    ends : tuple of float
-        Steps to search between.
-    needed : int
-        Days that must close.
-    rounds : int
-        How often the distance of the ends is cut into eight.
-
-    Returns
-    -------
-    float
-        NaN where even the largest is not enough.
+    ``count``: days that close, of logarithms of income and storage. ``rounds``: how often the
+    distance of the ends is cut into eight. NaN where even the largest is not enough.
     """
     low, high = ends
     if count(*np.atleast_2d(direction * high).T)[0] < needed:
@@ -95,19 +65,7 @@ def least_step(
 def fitted(places: FloatArray, costs: FloatArray, here: int) -> Callable[[FloatArray], FloatArray]:
     """Cost as a quadratic function of the place, through one point and near to the others.
 
-    Parameters
-    ----------
-    places : ndarray, shape (point, 2)
-        Logarithms of income and storage of designs.
-    costs : ndarray, shape (point,)
-        Their costs.
-    here : int
-        Point that the function passes.
-
-    Returns
-    -------
-    callable
-        Costs of places of shape ``(..., 2)``.
+    Returns costs of places of shape ``(..., 2)``.
     """
     steps = places - places[here]
     weight = 1.0 / (0.02 + np.hypot(*steps.T))

@@ -32,14 +32,9 @@ _NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself
 class Powers(NamedTuple):
     """What a design is to a record, arrays of shape ``(design,)``.
 
-    Attributes
-    ----------
-    area_m2 : ndarray
-        Module area [m2].
-    level_w, constant_w : ndarray
-        Propulsion power of level flight, and what draws power at all times [W].
-    battery_wh : ndarray
-        Energy at full charge in the mission's air [Wh].
+    ``area_m2``: module area [m2]. ``level_w``, ``constant_w``: propulsion power of level flight,
+    and what draws power at all times [W]. ``battery_wh``: energy at full charge in the mission's
+    air [Wh].
     """
 
     area_m2: FloatArray
@@ -62,15 +57,7 @@ class Powers(NamedTuple):
     def scaled(self, income: FloatArray, storage: FloatArray) -> Powers:
         """Designs with that many times the income and the storage of this single one.
 
-        Parameters
-        ----------
-        income, storage : ndarray, shape (design,)
-            Factors [-].
-
-        Returns
-        -------
-        Powers
-            At the same load.
+        Returns at the same load.
         """
         one = np.ones(len(income))
         return Powers(
@@ -94,16 +81,7 @@ class Powers(NamedTuple):
 def days_of_season(axis_days: IntArray, mission: Mission) -> BoolArray:
     """Days of year that are within a mission's dates.
 
-    Parameters
-    ----------
-    axis_days : ndarray of int, shape (day,)
-        Days of year, 1 to 365.
-    mission : Mission
-        One date, or a range that may cross the year's end.
-
-    Returns
-    -------
-    ndarray of bool, shape (day,)
+    ``mission``: one date, or a range that may cross the year's end.
     """
     return np.isin(axis_days, mission.dates.range())
 
@@ -112,16 +90,8 @@ def days_of_season(axis_days: IntArray, mission: Mission) -> BoolArray:
 class SeasonFlights:
     """Days of a record, and which of them are the season's.
 
-    Attributes
-    ----------
-    days : WeatherDays
-        Of the whole record.
-    kept : ndarray of int
-        Days that are flown, in their order.
-    counted : ndarray of bool
-        Which of these are in the season.
-    specific_w_per_m2 : ndarray, shape (kept, node)
-        Solar power per module area [W/m2].
+    ``days``: of the whole record. ``kept``: days that are flown, in their order. ``counted``: which
+    of these are in the season. ``specific_w_per_m2``: solar power per module area [W/m2].
     """
 
     days: WeatherDays
@@ -142,25 +112,10 @@ class SeasonFlights:
     ) -> SeasonFlights:
         """Days of a record for an aircraft.
 
-        Parameters
-        ----------
-        aircraft, mission, weather, solar
-            As for :func:`sizing.weather_run.weather_performance`; the mission's dates are the
-            season.
-        step_s : float
-            Largest distance of the nodes [s].
-        lead_days : int, optional
-            Leave out days that are further before the season than this, from a full battery again
-            after each gap; all days are flown by default.
-
-        Returns
-        -------
-        SeasonFlights
-
-        Raises
-        ------
-        InputError
-            If the record has no day of the season, or is shorter than a day.
+        ``aircraft``, ``mission``, ``weather``, ``solar``: as for
+        :func:`sizing.weather_run.weather_performance`; the mission's dates are the season.
+        ``lead_days``: leave out days that are further before the season than this, from a full
+        battery again after each gap; all days are flown by default.
         """
         days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
         season = days_of_season(days.axis.day_of_year, mission)

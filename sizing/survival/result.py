@@ -20,14 +20,8 @@ from solar.types import BoolArray, IntArray
 class SeasonDays:
     """Days of a record's season, and which of them close.
 
-    Attributes
-    ----------
-    year, day_of_year : ndarray of int, shape (day,)
-        Of each day of the season, by local date.
-    closes : ndarray of bool, shape (day,)
-        Whether it closes.
-    longest_gap_days : int
-        Most consecutive days of the season that do not close.
+    ``year``, ``day_of_year``: of each day of the season, by local date. ``closes``: whether it
+    closes. ``longest_gap_days``: most consecutive days of the season that do not close.
     """
 
     year: IntArray
@@ -37,19 +31,7 @@ class SeasonDays:
 
     @classmethod
     def of(cls, flights: SeasonFlights, designs: Powers) -> SeasonDays:
-        """Days of a season that a single design closes.
-
-        Parameters
-        ----------
-        flights : SeasonFlights
-            Of all days of the record.
-        designs : Powers
-            Of one design.
-
-        Returns
-        -------
-        SeasonDays
-        """
+        """Days of a season that a single design closes."""
         closes = flights.closes(designs)[0]
         axis, counted = flights.days.axis, flights.counted
         missed = np.zeros(len(axis), bool)
@@ -92,25 +74,12 @@ class SeasonDays:
 class Survival:
     """How a sized design flies through the season of a weather record.
 
-    Attributes
-    ----------
-    weather : Weather
-        Record.
-    mission : Mission
-        At the record's site; its dates are the season.
-    required : float
-        Share of the days that was asked for [-].
-    days : SeasonDays
-        Of the design; of the one with the most days that close that was found, where no design has
-        enough.
-    clear_sky_status : SizingStatus
-        Of the sizing for perpetual flight under a clear sky on the same dates.
-    clear_sky_objective : float or None
-        Its objective, in its unit; None where it has no design.
-    clear_sky_days : SeasonDays or None
-        What that design makes of the record.
-    notes : tuple of str
-        What was changed to fly the mission at the record's site.
+    ``mission``: at the record's site; its dates are the season. ``required``: share of the days
+    that was asked for [-]. ``days``: of the design; of the one with the most days that close that
+    was found, where no design has enough. ``clear_sky_status``: of the sizing for perpetual flight
+    under a clear sky on the same dates. ``clear_sky_objective``: its objective, in its unit; None
+    where it has no design. ``clear_sky_days``: what that design makes of the record. ``notes``:
+    what was changed to fly the mission at the record's site.
     """
 
     weather: Weather

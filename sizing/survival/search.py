@@ -62,13 +62,7 @@ _SCALED_LIMITS: dict[LimitedQuantity, float] = {
 
 
 class Steps:
-    """Steps of one search after another: how many are done, and how many there are in all.
-
-    Parameters
-    ----------
-    progress : callable or None
-        Called with both numbers.
-    """
+    """Steps of one search after another: how many are done, and how many there are in all."""
 
     def __init__(self, progress: Callable[[int, int], None] | None) -> None:
         self._progress, self._done, self._total = progress, 0, 0
@@ -119,16 +113,8 @@ class Candidate(NamedTuple):
 class SurvivalSearch:
     """Search of one aircraft, mission at a record's site, and objective.
 
-    Parameters
-    ----------
-    aircraft, mission, objective, solar
-        As for :func:`sizing.optimisation.search.size_aircraft`.
-    flights, coarse : SeasonFlights
-        Days of the record: what counts, and on wider nodes to find the edge.
-    problems : SizingProblems
-        Programs of this very aircraft.
-    steps : Steps, optional
-        Steps of the search, which are told as they are done.
+    ``flights``, ``coarse``: days of the record: what counts, and on wider nodes to find the edge.
+    ``steps``: steps of the search, which are told as they are done.
     """
 
     def __init__(
@@ -164,21 +150,7 @@ class SurvivalSearch:
         objective: Objective | None = None,
         start: DesignVariables | None = None,
     ) -> Candidate | None:
-        """Best design for the program's day with factors on income and storage; None without.
-
-        Parameters
-        ----------
-        factors : iterable of float
-            Logarithms of the factors on income and storage.
-        objective : Objective, optional
-            Another one than the search's.
-        start : DesignVariables, optional
-            First guess.
-
-        Returns
-        -------
-        Candidate or None
-        """
+        """Best design for the program's day with factors on income and storage; None without."""
         steps = np.asarray(list(factors), float)
         wanted = self.objective if objective is None else objective
         mission = self.mission if objective is None else least_mission(self.mission, self.objective)
@@ -196,20 +168,7 @@ class SurvivalSearch:
         return None if result.design is None else self._judged(result, steps)
 
     def given(self, factors: FloatArray, mission: Mission) -> tuple[Mission, SolarDay]:
-        """Mission and day of the program with factors on storage and income.
-
-        Parameters
-        ----------
-        factors : ndarray, shape (2,)
-            Logarithms of the factors on income and storage.
-        mission : Mission
-            With its own margins.
-
-        Returns
-        -------
-        Mission
-        SolarDay
-        """
+        """Mission and day of the program with factors on storage and income."""
         own = mission.uncertainty_margins
         # Not a margin of a file: the factor may exceed 1.
         capacity = own.battery_capacity * math.exp(factors[1])
@@ -267,17 +226,7 @@ class SurvivalSearch:
     # --- along the edge ----------------------------------------------------------------------
 
     def best(self, needed: int) -> Candidate | None:
-        """Best design with enough days that close; None where none is found.
-
-        Parameters
-        ----------
-        needed : int
-            Days that must close.
-
-        Returns
-        -------
-        Candidate or None
-        """
+        """Best design with enough days that close; None where none is found."""
         with self.steps.of(1 + len(_WIDTHS)):
             return self._best(needed)
 
@@ -313,17 +262,8 @@ class SurvivalSearch:
     def counts(self, one: Candidate, flights: SeasonFlights | None = None) -> Count:
         """Days that close with other income and storage than a candidate's.
 
-        Parameters
-        ----------
-        one : Candidate
-        flights : SeasonFlights, optional
-            By default those on coarse nodes, less what these find otherwise of the candidate
-            itself.
-
-        Returns
-        -------
-        callable
-            Days, of logarithms of factors on income and storage.
+        ``flights``: by default those on coarse nodes, less what these find otherwise of the
+        candidate itself. Returns days, of logarithms of factors on income and storage.
         """
 
         def count(income: FloatArray, storage: FloatArray) -> IntArray:
@@ -388,15 +328,7 @@ class SurvivalSearch:
             one = other
 
     def most_days(self, first: Candidate, needed: int) -> None:
-        """Try the designs of most income and storage that there are, until enough days close.
-
-        Parameters
-        ----------
-        first : Candidate
-            Where to begin.
-        needed : int
-            Days that must close.
-        """
+        """Try the designs of most income and storage that there are, until enough days close."""
         for angle in _ANGLES:
             direction = np.array([math.cos(angle), math.sin(angle)])
             least, most, start = 0.0, _FURTHEST, first.variables

@@ -55,19 +55,7 @@ _MOST_STEPS = 1.5  # logarithm of how far income and storage may be from enough 
 
 
 def check_survival(objective: Objective, survive: float) -> None:
-    """Refuse what no sizing in weather can be.
-
-    Parameters
-    ----------
-    objective : Objective
-    survive : float
-        Least share of the days that close [-].
-
-    Raises
-    ------
-    ValueError
-        For a share that is none, and for other objectives than masses, wingspan and payload.
-    """
+    """Refuse what no sizing in weather can be."""
     if not 0.0 < survive <= 1.0:
         raise ValueError(
             f"the share of days that close must be above 0 and at most 1 (got {survive:g})"
@@ -109,31 +97,11 @@ def size_surviving(
 ) -> Survived:
     """Find the best design for which a share of the days of a season closes.
 
-    Parameters
-    ----------
-    aircraft, objective, solar
-        As for :func:`sizing.optimisation.search.size_aircraft`.
-    mission : Mission
-        At the record's site (:func:`missions.weather.site.mission_at_site`); its dates are the
-        season. Its clearness and required excess time play no part.
-    weather : Weather
-        Record.
-    survive : float
-        Least share of the season's days that close [-].
-    notes : tuple of str
-        What was changed to fly the mission at the site.
-    progress : callable, optional
-        Called with the steps of the search that are done, and those in all.
-
-    Returns
-    -------
-    Survived
-        Without survival where there is no design at all, whatever the sun.
-
-    Raises
-    ------
-    InputError
-        If the record has no day of the season.
+    ``mission``: at the record's site (:func:`missions.weather.site.mission_at_site`); its dates are
+    the season. Its clearness and required excess time play no part. ``survive``: least share of the
+    season's days that close [-]. ``notes``: what was changed to fly the mission at the site.
+    ``progress``: called with the steps of the search that are done, and those in all. Returns
+    without survival where there is no design at all, whatever the sun.
     """
     sizing = _SurvivalSizing(aircraft, mission, objective, solar, weather, survive, Steps(progress))
     return sizing.run(notes)

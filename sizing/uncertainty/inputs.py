@@ -31,14 +31,8 @@ _TAIL = 1e-4
 class UncertainInput:
     """An input that scatters.
 
-    Attributes
-    ----------
-    key : str
-        In the aircraft's file, behind ``mission.`` in the mission's, or :data:`SOLAR_MODEL`.
-    nominal : float
-        Value that the file gives.
-    distribution : Distribution
-        How it scatters.
+    ``key``: in the aircraft's file, behind ``mission.`` in the mission's, or :data:`SOLAR_MODEL`.
+    ``nominal``: value that the file gives. ``distribution``: how it scatters.
     """
 
     key: str
@@ -62,11 +56,7 @@ class UncertainInput:
 class UncertainInputs:
     """All uncertain inputs of a case.
 
-    Attributes
-    ----------
-    inputs : tuple of UncertainInput
-    correlation : ndarray, shape (input, input)
-        Of their normal scores [-].
+    ``correlation``: of their normal scores [-].
     """
 
     inputs: tuple[UncertainInput, ...]
@@ -87,15 +77,7 @@ class UncertainInputs:
     def values(self, shares: FloatArray) -> dict[str, FloatArray]:
         """Values of all inputs at points of the unit cube.
 
-        Parameters
-        ----------
-        shares : ndarray, shape (input, sample)
-            Independent shares, 0 to 1.
-
-        Returns
-        -------
-        dict
-            Values of each input by its key, shape ``(sample,)``.
+        Returns values of each input by its key, shape ``(sample,)``.
         """
         if not self.independent:
             from scipy.special import ndtr, ndtri
@@ -109,24 +91,7 @@ def uncertain_inputs(
 ) -> UncertainInputs:
     """Collect and check the uncertain inputs that aircraft and mission name.
 
-    Parameters
-    ----------
-    aircraft, mission
-        With their ``uncertainty``.
-    solar : SolarModel
-        Solar power model, whose RMS error is an input of its own.
-    model_error : bool
-        Whether that error counts.
-
-    Returns
-    -------
-    UncertainInputs
-
-    Raises
-    ------
-    InputError
-        For a key that is no number, a spread that makes a value impossible, or correlations that
-        contradict each other.
+    ``solar``: solar power model, whose RMS error is an input of its own.
     """
     found: list[UncertainInput] = []
     problems: list[Problem] = []

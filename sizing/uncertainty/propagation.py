@@ -62,18 +62,10 @@ _FIXED = ("mission.latitude_deg", "mission.altitude_m", "mission.longitude_deg",
 class Flights:
     """What becomes of the draws, the worst scenario of each; arrays of shape ``(sample,)``.
 
-    Attributes
-    ----------
-    excess_time_h : ndarray
-        Excess time [h]; infinite where it is unlimited.
-    minimum_state_of_charge : ndarray
-        Of the converged cycle [-].
-    total_mass_kg, propulsion_power_w : ndarray
-        Of the design that is drawn [kg, W].
-    worst : ndarray of int
-        Scenario with the least excess time.
-    peak_solar_w : ndarray
-        Largest solar power of all scenarios [W].
+    ``excess_time_h``: excess time [h]; infinite where it is unlimited. ``minimum_state_of_charge``:
+    of the converged cycle [-]. ``total_mass_kg``, ``propulsion_power_w``: of the design that is
+    drawn [kg, W]. ``worst``: scenario with the least excess time. ``peak_solar_w``: largest solar
+    power of all scenarios [W].
     """
 
     excess_time_h: FloatArray
@@ -85,19 +77,7 @@ class Flights:
 
 
 def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
-    """Refuse inputs that a propagation cannot vary.
-
-    Parameters
-    ----------
-    inputs : UncertainInputs
-    solar : SolarModel
-        Solar power model.
-
-    Raises
-    ------
-    ValueError
-        That names them.
-    """
+    """Refuse inputs that a propagation cannot vary."""
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
@@ -111,14 +91,7 @@ def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
 class Propagation:
     """Flights of an aircraft on a mission under draws of its inputs.
 
-    Parameters
-    ----------
-    aircraft, mission
-        As their files give them.
-    solar : SolarModel
-        Solar power model and its correction.
-    day : SolarDay, optional
-        Sun of that aircraft on that mission, where it is known already.
+    ``day``: sun of that aircraft on that mission, where it is known already.
     """
 
     def __init__(
@@ -136,14 +109,7 @@ class Propagation:
     def flights(self, values: dict[str, FloatArray]) -> Flights:
         """Fly all draws.
 
-        Parameters
-        ----------
-        values : dict
-            Values of every input by its key, shape ``(sample,)``.
-
-        Returns
-        -------
-        Flights
+        ``values``: values of every input by its key, shape ``(sample,)``.
         """
         count = len(next(iter(values.values()))) if values else 1
         parts = [
@@ -162,17 +128,8 @@ class Propagation:
     ) -> tuple[Extrapolation, ...]:
         """What draws take from outside the range of a model, each quantity once.
 
-        Parameters
-        ----------
-        values : dict
-            Values of every input by its key, shape ``(sample,)``.
-        flights : Flights
-            What became of them.
-
-        Returns
-        -------
-        tuple of Extrapolation
-            With the worst value, and how many of the draws it is told of.
+        ``values``: values of every input by its key, shape ``(sample,)``. Returns with the worst
+        value, and how many of the draws it is told of.
         """
         case = self._case(values)
         craft, mission, design = case.craft, case.mission, case.design
@@ -213,17 +170,8 @@ class Propagation:
     ) -> tuple[FloatArray, FloatArray]:
         """Solar energy and battery energy of every draw over its load.
 
-        Parameters
-        ----------
-        values : dict
-            Values of every input by its key, shape ``(sample,)``.
-        scenario : int
-            Whose sun.
-
-        Returns
-        -------
-        (ndarray, ndarray)
-            Energy that a day returns and that the battery delivers, over the day's load [-].
+        ``values``: values of every input by its key, shape ``(sample,)``. Returns energy that a day
+        returns and that the battery delivers, over the day's load [-].
         """
         case = self._case(values)
         solar_w, load_w = self._powers(case, scenario)

@@ -44,19 +44,7 @@ class Proportion:
 def sobol_points(dimension: int, samples: int, seed: int) -> FloatArray:
     """Points of a Sobol sequence with Owen's scrambling.
 
-    Parameters
-    ----------
-    dimension : int
-        Axes, one an input.
-    samples : int
-        Points, rounded up to a power of two.
-    seed : int
-        The same seed gives the same points.
-
-    Returns
-    -------
-    ndarray, shape (dimension, sample)
-        Of the unit cube.
+    Returns of the unit cube.
     """
     from scipy.stats import qmc
 

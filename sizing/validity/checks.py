@@ -33,21 +33,7 @@ _AIRSPEED_TOLERANCE = 0.05
 def design_checks(
     aircraft: Aircraft, mission: Mission, design: Design, solar: SolarModel
 ) -> Iterator[Check]:
-    """Quantities of a design in flight, whatever the scenario.
-
-    Parameters
-    ----------
-    aircraft, mission
-        Technology of the design; altitude, wind and payload.
-    design : Design
-        Closed design of floats, or of arrays.
-    solar : SolarModel
-        Model and correction.
-
-    Yields
-    ------
-    Check
-    """
+    """Quantities of a design in flight, whatever the scenario."""
     conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     loading = np.asarray(design.total_mass_kg) / design.wing_area_m2
     yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
@@ -70,14 +56,7 @@ def design_checks(
 def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
     """Technology of an aircraft beside what has been built or is in sight.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-
-    Yields
-    ------
-    Check
-        Of the parameters of the catalogue that the aircraft has.
+    Returns of the parameters of the catalogue that the aircraft has.
     """
     for key, one in catalogue().items():
         value = _number_or_numbers(aircraft, key) if one.kind == "technology" else None
@@ -101,16 +80,7 @@ def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:
 def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
     """Temperature and age of a battery beside what is known of them.
 
-    Parameters
-    ----------
-    battery : Battery
-    air_c : array_like
-        Temperature of the air [C].
-
-    Yields
-    ------
-    Check
-        Of a battery without a temperature that of the air; nothing for one without age.
+    Returns of a battery without a temperature that of the air; nothing for one without age.
     """
     if battery.temperature is None:
         yield Check.of("air_temperature_c", "battery", air_c)
@@ -125,19 +95,7 @@ def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
 def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) -> Iterator[Check]:
     """Altitude beside the ranges of sky, solar power and module temperature.
 
-    Parameters
-    ----------
-    mission : Mission
-        Whose clear sky and modules they are.
-    solar : SolarModel
-        Model and correction.
-    altitude_m : array_like
-        Altitude above mean sea level [m].
-
-    Yields
-    ------
-    Check
-        Nothing of a sky of the user's own, whose range is not known.
+    Nothing of a sky of the user's own, whose range is not known.
     """
     altitude = np.asarray(altitude_m, float)
     yield Check.of("altitude_m", "model_error", altitude)
@@ -160,16 +118,7 @@ def _modules_as_cold_as_air(mission: Mission, solar: SolarModel) -> bool:
 def record_check(mission: Mission, site_altitude_m: float) -> Check:
     """Height of a flight above the site of the weather record that it goes through.
 
-    Parameters
-    ----------
-    mission : Mission
-        At the record's site.
-    site_altitude_m : float
-        Ground of the site above mean sea level [m].
-
-    Returns
-    -------
-    Check
+    ``site_altitude_m``: ground of the site above mean sea level [m].
     """
     above_m = np.asarray(mission.altitude_m) - site_altitude_m
     return Check.of("height_above_record_m", "weather_record", above_m)
@@ -274,19 +223,8 @@ def stall_margin_within_polar(it: DesignInFlight) -> Any:
 def correction_check(scenarios: Scenarios, solar: SolarModel, mission: Mission) -> Iterator[Check]:
     """Sun at noon beside that of the flight that the corrections and RMS errors come from.
 
-    Parameters
-    ----------
-    scenarios : Scenarios
-        Latitudes and days of the year.
-    solar : SolarModel
-        Model and correction.
-    mission : Mission
-        Whose uncertainty margins may use the error of that flight.
-
-    Yields
-    ------
-    Check
-        Of the scenarios in which the sun rises; nothing where no constant of the flight is used.
+    ``mission``: whose uncertainty margins may use the error of that flight. Returns of the
+    scenarios in which the sun rises; nothing where no constant of the flight is used.
     """
     if not _uses_reported_errors(mission, solar):
         return
@@ -325,20 +263,9 @@ def charge_rate_check(
 ) -> Iterator[Check]:
     """Fastest charge that the day's sun offers the battery.
 
-    Parameters
-    ----------
-    aircraft, mission
-        Battery and turbulence.
-    design : Design
-        Of floats, or of arrays.
-    peak_power_w : array_like
-        Largest solar power of the day [W]: of the design's shape, or with a last axis of scenarios.
-
-    Yields
-    ------
-    Check
-        What is left of the largest power, at the charge efficiency, as far as a charge limit lets
-        it pass, over the battery's energy; nothing for a measured limit.
+    ``peak_power_w``: largest solar power of the day [W]: of the design's shape, or with a last axis
+    of scenarios. Returns what is left of the largest power, at the charge efficiency, as far as a
+    charge limit lets it pass, over the battery's energy; nothing for a measured limit.
     """
     if not charge_rate_is_open(aircraft):
         return
@@ -366,17 +293,7 @@ def _with_axes_of(value: Any, array: FloatArray) -> FloatArray:
 def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
     """All quantities of one or many designs in their scenarios.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Technology of the designs.
-    perf : Performance
-        Of a single design, or of a batch.
-
-    Returns
-    -------
-    list of Check
-        Of the shape of the batch, some with a last axis of scenarios.
+    Returns of the shape of the batch, some with a last axis of scenarios.
     """
     mission, design, solar = perf.mission, perf.design, perf.solar
     peak = np.max(perf.day.specific_power_w_per_m2, axis=-1)

@@ -118,17 +118,7 @@ class Range(NamedTuple):
 def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
     """Range in words, such as ``3 to 8 m``.
 
-    Parameters
-    ----------
-    minimum, maximum : float or None
-        Ends; None for one that there is not.
-    unit : str
-        Unit of the ends, ``1`` for none.
-
-    Returns
-    -------
-    str
-        Empty without any end.
+    Empty without any end.
     """
     low, high = (None if end is None else _number(end) for end in (minimum, maximum))
     if low is None and high is None:
@@ -162,17 +152,7 @@ def _from_row(row: Mapping[str, str]) -> Range:
 def experience(key: str, label: str, unit: str, minimum: float, maximum: float) -> Range:
     """Range of a technology parameter in which there is experience.
 
-    Parameters
-    ----------
-    key, label, unit : str
-        Of the parameter.
-    minimum, maximum : float
-        Sensible range of the catalogue of parameters.
-
-    Returns
-    -------
-    Range
-        No model ends there, but who goes beyond should mean it.
+    Returns no model ends there, but who goes beyond should mean it.
     """
     source = "sensible range of the catalogue of parameters: built or in sight; assumption"
     return Range(key, EXPERIENCE, label, unit, EXPERIENCE, minimum, maximum, source)
@@ -200,23 +180,7 @@ class Check(NamedTuple):
         ends: tuple[Any, Any] | None = None,
         airspeed_m_per_s: Any = None,
     ) -> Check:
-        """Check against the range of the catalogue, or one that aircraft or mission give.
-
-        Parameters
-        ----------
-        quantity, model : str
-            Row of the catalogue.
-        value : array_like
-            Value of the quantity, in its unit.
-        ends : (array_like or None, array_like or None), optional
-            Ends of the range instead of the catalogue's.
-        airspeed_m_per_s : array_like, optional
-            Airspeed that belongs to the value [m/s].
-
-        Returns
-        -------
-        Check
-        """
+        """Check against the range of the catalogue, or one that aircraft or mission give."""
         row = ranges()[quantity, model]
         low, high = (row.minimum, row.maximum) if ends is None else ends
         return cls(
@@ -265,16 +229,7 @@ class Check(NamedTuple):
 def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapolation:
     """What is to be told of a value.
 
-    Parameters
-    ----------
-    row : Range
-        Quantity and model.
-    value, low, high : float
-        Value, and the ends of the range; infinite where it has none.
-
-    Returns
-    -------
-    Extrapolation
+    ``value``, ``low``, ``high``: value, and the ends of the range; infinite where it has none.
     """
     return Extrapolation(
         quantity=row.quantity,

@@ -34,19 +34,8 @@ def extrapolations(
 ) -> tuple[Extrapolation, ...]:
     """What a single design takes from outside the range of a model, each quantity once.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Technology of the design.
-    perf : Performance
-        Of a single design in its scenarios.
-    highest_altitude_m : array_like, optional
-        Highest altitude of every scenario of a flight with climbs [m].
-
-    Returns
-    -------
-    tuple of Extrapolation
-        In the order of the catalogue.
+    ``highest_altitude_m``: highest altitude of every scenario of a flight with climbs [m]. Returns
+    in the order of the catalogue.
     """
     checks = flight_checks(aircraft, perf)
     if highest_altitude_m is not None:
@@ -69,21 +58,8 @@ def told(
 ) -> tuple[Extrapolation, ...]:
     """What is outside, each quantity of a model once with its worst value.
 
-    Parameters
-    ----------
-    checks : iterable of Check
-        Without a shape, or of the scenarios or cells.
-    scenarios : Scenarios, optional
-        To name those concerned, where they are not all.
-    of : int
-        Number of cells, to count those concerned.
-    what : str
-        What the cells are, in the plural.
-
-    Returns
-    -------
-    tuple of Extrapolation
-        In the order of the catalogue.
+    ``checks``: without a shape, or of the scenarios or cells. ``scenarios``: to name those
+    concerned, where they are not all. Returns in the order of the catalogue.
     """
     found = []
     for check in checks:
@@ -121,17 +97,7 @@ def _in_order(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
 def together(several: Sequence[Sequence[Extrapolation]], what: str) -> tuple[Extrapolation, ...]:
     """What many results tell, each quantity once with its worst value and how many tell it.
 
-    Parameters
-    ----------
-    several : sequence of sequence of Extrapolation
-        Of each result; those that tell nothing count.
-    what : str
-        What the results are, in the plural.
-
-    Returns
-    -------
-    tuple of Extrapolation
-        In the order of the catalogue.
+    Returns in the order of the catalogue.
     """
     groups: dict[tuple[str, str], list[Extrapolation]] = {}
     for one in (one for result in several for one in result):
@@ -150,18 +116,9 @@ def together(several: Sequence[Sequence[Extrapolation]], what: str) -> tuple[Ext
 def cell_texts(checks: Iterable[Check], count: int) -> list[str]:
     """What each design of a batch takes from outside, as lines that :func:`from_text` reads.
 
-    Parameters
-    ----------
-    checks : iterable of Check
-        Without a shape, or of the designs, with or without an axis of scenarios behind.
-    count : int
-        Number of designs.
-
-    Returns
-    -------
-    list of str
-        ``model: quantity value not low to high``, joined by semicolons, with the value of the worst
-        scenario; empty where all is inside.
+    ``checks``: without a shape, or of the designs, with or without an axis of scenarios behind.
+    Returns ``model: quantity value not low to high``, joined by semicolons, with the value of the
+    worst scenario; empty where all is inside.
     """
     lines: list[list[str]] = [[] for _ in range(count)]
     for check in checks:
@@ -191,13 +148,7 @@ _LINE = re.compile(r"(\w+): ([\w.]+) (\S+) not (\S+) to (\S+)")
 
 
 def from_text(text: str) -> tuple[Extrapolation, ...]:
-    """What a line of :func:`cell_texts` tells.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
-    """
+    """What a line of :func:`cell_texts` tells."""
     found = []
     for part in text.split("; ") if text else ():
         match = _LINE.fullmatch(part)

@@ -28,22 +28,9 @@ def with_worth(
 ) -> tuple[Extrapolation, ...]:
     """Add to what is told of modules and battery in cold air what the assumption is worth.
 
-    Parameters
-    ----------
-    found : iterable of Extrapolation
-        All that is told of a result.
-    aircraft : Aircraft
-        Technology of the design.
-    flown : callable
-        Gives a single design's repeated day, whose worst scenario is flown again; asked only where
-        an assumption is told. None where nothing flies.
-    of_what : str
-        Which excess time it is, where it is not the one that the result tells.
-
-    Returns
-    -------
-    tuple of Extrapolation
-        In the same order.
+    ``flown``: gives a single design's repeated day, whose worst scenario is flown again; asked only
+    where an assumption is told. None where nothing flies. ``of_what``: which excess time it is,
+    where it is not the one that the result tells. Returns in the same order.
     """
     notes = tuple(found)
     perf = None

@@ -99,17 +99,7 @@ class _LazyGroup(click.Group):
     def shell_complete(
         self, ctx: click.Context, incomplete: str
     ) -> list[click.shell_completion.CompletionItem[str]]:
-        """Commands with their summaries, and options; no command is imported.
-
-        Parameters
-        ----------
-        ctx, incomplete
-            As click gives them.
-
-        Returns
-        -------
-        list of CompletionItem
-        """
+        """Commands with their summaries, and options; no command is imported."""
         from click.shell_completion import CompletionItem
 
         some = {name: one for name, one in _COMMANDS.items() if name.startswith(incomplete)}

@@ -20,32 +20,14 @@ from studies.engine.chunk_store import check_target
 
 
 def refuse_climb(case: Case, command: str) -> None:
-    """Refuse a mission with climbs where flight at constant altitude is meant.
-
-    Parameters
-    ----------
-    case : Case
-    command : str
-        Name of the command, for the message.
-
-    Raises
-    ------
-    InputError
-        If the mission has ``climb``.
-    """
+    """Refuse a mission with climbs where flight at constant altitude is meant."""
     if case.mission.climb is not None:
         message = f"{command} flies at constant altitude; remove climb (solar-uav analyse uses it)"
         raise located_error(case.where.document, ("climb",), message)
 
 
 def require_climber(case: Case) -> None:
-    """Refuse an aircraft that cannot climb on a mission that has climbs.
-
-    Raises
-    ------
-    InputError
-        If a key of the aircraft is missing, or leaves no power to climb with.
-    """
+    """Refuse an aircraft that cannot climb on a mission that has climbs."""
     if case.mission.climb is None:
         return
     try:
@@ -57,16 +39,7 @@ def require_climber(case: Case) -> None:
 def require_path(case: Case, asked: str | None = None) -> None:
     """Refuse an aircraft without module surfaces and a mission without a path it can fly.
 
-    Parameters
-    ----------
-    case : Case
-    asked : str, optional
-        What needs both, for the message; if left out, VM, FM and the loiter correction do.
-
-    Raises
-    ------
-    InputError
-        If surfaces or path are missing, or the wind does not let the path be flown.
+    ``asked``: what needs both, for the message; if left out, VM, FM and the loiter correction do.
     """
     solar = case.solar
     if asked is None:
@@ -86,13 +59,7 @@ def require_path(case: Case, asked: str | None = None) -> None:
 
 
 def refuse_polar_night(case: Case) -> None:
-    """Refuse scenarios in which the sun never rises: no design could fly through them.
-
-    Raises
-    ------
-    InputError
-        If there is such a scenario; the message names the first.
-    """
+    """Refuse scenarios in which the sun never rises: no design could fly through them."""
     scenarios = case.mission.scenarios()
     dark = scenarios.in_polar_night()
     if dark.any():
@@ -104,19 +71,7 @@ def refuse_polar_night(case: Case) -> None:
 
 
 def require_parametric(case: Case, message: str) -> None:
-    """Refuse a measured aircraft where masses and power must follow from the design.
-
-    Parameters
-    ----------
-    case : Case
-    message : str
-        What needs a parametric aircraft.
-
-    Raises
-    ------
-    InputError
-        If the aircraft is measured.
-    """
+    """Refuse a measured aircraft where masses and power must follow from the design."""
     if isinstance(case.aircraft.airframe, MeasuredAirframe):
         raise located_error(case.craft.document, ("airframe", "kind"), message)
 
@@ -124,10 +79,7 @@ def require_parametric(case: Case, message: str) -> None:
 def check_outputs(**options: str | None) -> None:
     """Refuse files that cannot be written, or all be written, before any work is done for them.
 
-    Parameters
-    ----------
-    **options
-        Path given with each option, by the name of the option.
+    ``**options``: path given with each option, by the name of the option.
     """
     taken: dict[str, str] = {}
     for name, path in options.items():
@@ -147,22 +99,7 @@ def check_outputs(**options: str | None) -> None:
 
 
 def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None]) -> None:
-    """Refuse an output in place of what the command reads: a flight is not flown again.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for the message.
-    path : str or None
-        Where the output goes.
-    read : iterable of str or None
-        Names and files that the command reads.
-
-    Raises
-    ------
-    click.BadParameter
-        If the output is one of them.
-    """
+    """Refuse an output in place of what the command reads: a flight is not flown again."""
     if path is None or not os.path.isfile(path):  # noqa: PTH113
         return
     for one in read:
@@ -173,15 +110,7 @@ def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None
 
 @contextmanager
 def uncertain_inputs_of(case: Case) -> Iterator[None]:
-    """Tell what is wrong with uncertain inputs by the lines of the files.
-
-    Raises
-    ------
-    InputError
-        With file and line.
-    click.UsageError
-        For what no line is to blame for.
-    """
+    """Tell what is wrong with uncertain inputs by the lines of the files."""
     try:
         yield
     except InputError as error:

@@ -27,19 +27,7 @@ Items = list[CompletionItem[str]]
 
 
 def values_for(name: str, incomplete: str) -> Items:
-    """What may stand for an argument or option.
-
-    Parameters
-    ----------
-    name : str
-        Of the parameter of a command.
-    incomplete : str
-        What is typed already.
-
-    Returns
-    -------
-    list of CompletionItem
-    """
+    """What may stand for an argument or option."""
     if name == "aircraft":
         return [*_names(shipped_names("aircraft"), incomplete), *_files(YAML, incomplete)]
     if name == "mission":
@@ -136,16 +124,7 @@ class Bash(BashComplete):
         return os.environ.get("COMP_WORDBREAKS", "=:")
 
     def format_completion(self, item: CompletionItem[str]) -> str:
-        """Completion as the script reads it, without what the shell keeps.
-
-        Parameters
-        ----------
-        item : CompletionItem
-
-        Returns
-        -------
-        str
-        """
+        """Completion as the script reads it, without what the shell keeps."""
         return f"{item.type},{item.value[self._kept :]}"
 
 

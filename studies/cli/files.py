@@ -91,18 +91,7 @@ class Case:
         }
 
     def with_mission(self, **values: Any) -> Case:
-        """Case on a mission with other values, checked as the file's own are.
-
-        Parameters
-        ----------
-        **values
-            New values by key of the mission.
-
-        Raises
-        ------
-        InputError
-            If a value is not one that the mission file may have.
-        """
+        """Case on a mission with other values, checked as the file's own are."""
         document = with_overrides(self.where.document, values, prefix=MISSION_PREFIX)
         mission = LoadedMission(validate(document, Mission), document, self.where.sha256)
         return dataclasses.replace(self, where=mission)
@@ -110,10 +99,7 @@ class Case:
     def inputs(self, **others: Path) -> RunInputs:
         """Everything that a folder of results keeps of what went in.
 
-        Parameters
-        ----------
-        **others
-            Further files that were read, by what they are.
+        ``**others``: further files that were read, by what they are.
         """
         craft, where = self.craft, self.where
         files = {
@@ -124,12 +110,7 @@ class Case:
         return RunInputs(craft.document.data, where.document.data, self.solar, files)
 
     def inputs_with_weather(self, record: str) -> RunInputs:
-        """Inputs of :meth:`inputs`, and a weather record by its file or the name of a shipped one.
-
-        Parameters
-        ----------
-        record : str
-        """
+        """Inputs of :meth:`inputs`, and a weather record by its file or a shipped one's name."""
         inputs = self.inputs()
         with weather_file(record) as (path, source):
             file = InputFile(source, InputFile.of(path).sha256)
@@ -156,21 +137,8 @@ def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
 def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAircraft:
     """Read an aircraft by name or path.
 
-    Parameters
-    ----------
-    name_or_path : str
-        Name of a shipped one, or path of a file.
-    overrides : sequence of str
-        Texts ``dotted.key=value`` that replace or add keys of the file.
-
-    Returns
-    -------
-    LoadedAircraft
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong.
+    ``name_or_path``: name of a shipped one, or path of a file. ``overrides``: texts
+    ``dotted.key=value`` that replace or add keys of the file.
     """
     _refuse_keys_of_missions(overrides)
     document = with_overrides(_find("aircraft", name_or_path), overrides)
@@ -182,21 +150,8 @@ def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAir
 def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMission:
     """Read a mission by name or path.
 
-    Parameters
-    ----------
-    name_or_path : str
-        Name of a shipped one, or path of a file.
-    overrides : sequence of str
-        Texts ``dotted.key=value`` that replace or add keys of the file.
-
-    Returns
-    -------
-    LoadedMission
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong.
+    ``name_or_path``: name of a shipped one, or path of a file. ``overrides``: texts
+    ``dotted.key=value`` that replace or add keys of the file.
     """
     document = with_overrides(_find("mission", name_or_path), overrides, prefix=MISSION_PREFIX)
     return LoadedMission(validate(document, Mission), document, _checksum("mission", name_or_path))
@@ -212,26 +167,10 @@ def load(
 ) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
-    Parameters
-    ----------
-    aircraft : str
-        Name, path of a file, or folder that ``--out`` wrote: its mission, model and correction
-        then stand in for options that are not given.
-    mission : str or None
-        Name or path of a file; None only with a folder.
-    overrides : sequence of str
-        ``key=value`` of the aircraft, or of the mission behind ``mission.``.
-    model, correction : str
-        Solar power model.
-
-    Returns
-    -------
-    Case
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the files and the overrides.
+    ``aircraft``: name, path of a file, or folder that ``--out`` wrote: its mission, model and
+    correction then stand in for options that are not given. ``mission``: name or path of a file;
+    None only with a folder. ``overrides``: ``key=value`` of the aircraft, or of the mission behind
+    ``mission.``.
     """
     is_default = _is_default("mission")
     folder = RunFolder.at(aircraft)
@@ -257,15 +196,7 @@ def load(
 
 
 def refuse_swapped_log(aircraft: str, log_file: str, verb: str = "verify") -> None:
-    """Refuse a log where the aircraft is meant, and the reverse.
-
-    Parameters
-    ----------
-    aircraft, log_file : str
-        As given on the command line.
-    verb : str
-        Name of the command.
-    """
+    """Refuse a log where the aircraft is meant, and the reverse."""
     named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
     if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
         raise click.UsageError(f"the aircraft comes first: {verb} {log_file} {aircraft}")
@@ -274,22 +205,7 @@ def refuse_swapped_log(aircraft: str, log_file: str, verb: str = "verify") -> No
 def write_starters(name: str, folder: Path) -> list[Path]:
     """Write ``NAME.yaml`` and ``NAME-mission.yaml``; existing files are never overwritten.
 
-    Parameters
-    ----------
-    name : str
-        Name of the aircraft, or of its file.
-    folder : Path
-        Where the files go.
-
-    Returns
-    -------
-    list of Path
-        The aircraft's file and the mission's.
-
-    Raises
-    ------
-    InputError
-        If the name is not one for a file, or one of the files exists.
+    Returns the aircraft's file and the mission's.
     """
     suffix = next((s for s in _YAML if name.lower().endswith(s)), "")
     name = name[: len(name) - len(suffix)]

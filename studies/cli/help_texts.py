@@ -33,12 +33,7 @@ _LONGEST_CHOICE = 40  # characters beside the name of the option
 class Command(click.Command):
     """Command with examples, its options by subject.
 
-    Parameters
-    ----------
-    examples : sequence of str
-        Calls as they are typed, shown at the end of the help text.
-    **settings
-        As for :class:`click.Command`.
+    ``examples``: calls as they are typed, shown at the end of the help text.
     """
 
     def __init__(self, *, examples: Sequence[str] = (), **settings: Any) -> None:
@@ -46,13 +41,7 @@ class Command(click.Command):
         self.examples = tuple(examples)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options, those of many commands under headings of their own.
-
-        Parameters
-        ----------
-        ctx : click.Context
-        formatter : click.HelpFormatter
-        """
+        """Write the options, those of many commands under headings of their own."""
         records: dict[str, list[tuple[str, str]]] = {_OWN: [], **{name: [] for name in _SUBJECTS}}
         options = [one for one in self.get_params(ctx) if isinstance(one, click.Option)]
         for option in sorted(options, key=lambda one: "--help" in one.opts):
@@ -65,13 +54,7 @@ class Command(click.Command):
                     formatter.write_dl(some)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the examples.
-
-        Parameters
-        ----------
-        ctx : click.Context
-        formatter : click.HelpFormatter
-        """
+        """Write the examples."""
         if self.examples:
             with formatter.section("Example" if len(self.examples) == 1 else "Examples"):
                 indent = " " * formatter.current_indent
@@ -108,16 +91,7 @@ def command(
 ) -> Callable[[Callable[..., Any]], click.Command]:
     """Make a function a command, as :func:`click.command` does.
 
-    Parameters
-    ----------
-    *examples : str
-        Calls as they are typed, shown at the end of the help text.
-    name : str, optional
-        Of the command, where it is not the function's.
-
-    Returns
-    -------
-    callable
-        Decorator.
+    ``*examples``: calls as they are typed, shown at the end of the help text. ``name``: of the
+    command, where it is not the function's.
     """
     return click.command(name=name, cls=Command, examples=examples)

@@ -70,21 +70,8 @@ def completed(
     after the result, and the command ends with exit code 1; where all of them did there is no
     result.
 
-    Parameters
-    ----------
-    job : Job
-        What is computed.
-    options : WorkOptions
-        Workers, and where parts are kept.
-    target : str or path or None
-        File of the result, beside which parts are kept; None keeps none.
-    unit : str
-        What the cells are called in messages, in the plural.
-
-    Yields
-    ------
-    Outcome
-        Columns, and the reasons of failed cells.
+    ``target``: file of the result, beside which parts are kept; None keeps none. ``unit``: what the
+    cells are called in messages, in the plural. Returns columns, and the reasons of failed cells.
     """
     folder = options.folder(target)
     with ExitStack() as stack:

@@ -44,31 +44,16 @@ else:
 class Parsed(ParamType[Any]):
     """Values that a function of a study reads; it is imported when there is a value.
 
-    Parameters
-    ----------
-    name : str
-        Form of the value, for messages.
-    reader : str
-        Module and function, ``package.module:function``; it takes text, and raises ValueError.
-    stepped : bool
-        Whether ``first:last:step`` may stand in a value, of which ``values`` then are read.
+    ``reader``: module and function, ``package.module:function``; it takes text, and raises
+    ValueError. ``stepped``: whether ``first:last:step`` may stand in a value, of which ``values``
+    then are read.
     """
 
     def __init__(self, name: str, reader: str, *, stepped: bool = False) -> None:
         self.name, self._reader, self._stepped = name, reader, stepped
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Read a value.
-
-        Parameters
-        ----------
-        value, param, ctx
-            As click gives them.
-
-        Returns
-        -------
-        What the function reads it as.
-        """
+        """Read a value."""
         module, _, function = self._reader.partition(":")
         try:
             found = getattr(import_module(module), function)(str(value))
@@ -84,13 +69,6 @@ class Grid(ParamType["list[float]"]):
     """Numbers ``first:last:step``: first, and steps from there that do not lead beyond last.
 
     Where they do not lead to ``last`` itself, a note on standard error says where they end.
-
-    Parameters
-    ----------
-    lowest, highest : float
-        What is allowed.
-    whole : bool
-        Whether all numbers must be whole.
     """
 
     name = "first:last:step"
@@ -103,24 +81,7 @@ class Grid(ParamType["list[float]"]):
     ) -> list[float]:
         """Read the numbers and check their range.
 
-        Parameters
-        ----------
-        value : Any
-            Text of the terminal, or a default.
-        param : click.Parameter or None
-            Option that is read, for messages.
-        ctx : click.Context or None
-            Call that it belongs to, for messages.
-
-        Returns
-        -------
-        list of float
-            From the first to the last in steps, both in the unit of the option.
-
-        Raises
-        ------
-        click.BadParameter
-            If the text is not allowed.
+        Returns from the first to the last in steps, both in the unit of the option.
         """
         try:
             first, last, step = (float(part) for part in str(value).split(":"))
@@ -145,17 +106,7 @@ class Grid(ParamType["list[float]"]):
 
 
 def note_last(reached: float, last: float, written: str) -> None:
-    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``.
-
-    Parameters
-    ----------
-    reached : float
-        Last number that the steps lead to.
-    last : float
-        Last number that was asked for.
-    written : str
-        Option as written, for the note.
-    """
+    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
     if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
         text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
         tell_error(f"solar-uav: {text}")
@@ -164,14 +115,7 @@ def note_last(reached: float, last: float, written: str) -> None:
 class RealRange(click.FloatRange):
     """Numbers of a range; unlike click's own it refuses NaN, which passes every comparison.
 
-    Parameters
-    ----------
-    lowest, highest : float
-        What is allowed.
-    unit : str
-        For messages.
-    above, below : bool
-        Whether numbers must lie above the lowest, and below the highest.
+    ``above``, ``below``: whether numbers must lie above the lowest, and below the highest.
     """
 
     def __init__(
@@ -191,24 +135,7 @@ class RealRange(click.FloatRange):
     ) -> float:
         """Read the number and check its range.
 
-        Parameters
-        ----------
-        value : Any
-            Text of the terminal, or a default.
-        param : click.Parameter or None
-            Option that is read, for messages.
-        ctx : click.Context or None
-            Call that it belongs to, for messages.
-
-        Returns
-        -------
-        float
-            In :attr:`unit`, within the range.
-
-        Raises
-        ------
-        click.BadParameter
-            If the text is not allowed.
+        Returns in :attr:`unit`, within the range.
         """
         number = float(super().convert(value, param, ctx))
         if math.isnan(number):
@@ -217,17 +144,7 @@ class RealRange(click.FloatRange):
 
 
 def completes(name: str) -> Callable[[click.Context, click.Parameter, str], Any]:
-    """What completes an argument or option on the command line, imported when a shell asks.
-
-    Parameters
-    ----------
-    name : str
-        What it is, see :func:`studies.cli.completion.values_for`.
-
-    Returns
-    -------
-    callable
-    """
+    """What completes an argument or option on the command line, imported when a shell asks."""
 
     def values(ctx: click.Context, param: click.Parameter, incomplete: str) -> Any:
         from studies.cli.completion import values_for
@@ -351,19 +268,8 @@ def table_option(
 ) -> Callable[[Command], Command]:
     """Option ``--table FILE`` of commands that write a table.
 
-    Parameters
-    ----------
-    contents : str
-        What the table holds, for the help text.
-    name : str
-        The option; the command has its file as ``table_file``, or ``table_years`` and the like.
-    older : str
-        What it was called when CSV was all that it wrote.
-
-    Returns
-    -------
-    callable
-        Decorator.
+    ``name``: the option; the command has its file as ``table_file``, or ``table_years`` and the
+    like. ``older``: what it was called when CSV was all that it wrote.
     """
 
     def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
@@ -384,15 +290,7 @@ def table_option(
 def check_table(path: str, found: str | None, allowed: Iterable[str], option: str) -> None:
     """Refuse the name of a table's file if its format is not one that can be written.
 
-    Parameters
-    ----------
-    path : str
-    found : str or None
-        Its format, none where it is not one of the allowed.
-    allowed : iterable of str
-        Formats of the command.
-    option : str
-        Where the name was given, for the message.
+    ``found``: its format, none where it is not one of the allowed.
     """
     missing = missing_writer(found)
     if found is None:

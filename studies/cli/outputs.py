@@ -38,22 +38,9 @@ def tell(
 ) -> None:
     """Print a result: aircraft and mission first, which JSON has among its keys.
 
-    Parameters
-    ----------
-    case : Case
-        What the command was asked about.
-    record : JSON-ready
-        Result as :meth:`Case.named` made it.
-    shown : Result, Summary, Table or callable
-        What is printed, or a function that makes it where it is.
-    as_json : bool
-        Whether JSON is asked for.
-    out_dir : str, optional
-        Folder that was written, to be named.
-    files : iterable of str or None
-        Files that were written, to be named; None where one was not asked for.
-    next_step : str, optional
-        What to do next, for somebody at a terminal.
+    ``shown``: what is printed, or a function that makes it where it is. ``files``: files that were
+    written, to be named; None where one was not asked for. ``next_step``: what to do next, for
+    somebody at a terminal.
     """
     if as_json:
         print_json(record)
@@ -79,15 +66,9 @@ def told(
 ) -> Iterator[None]:
     """Print a result once its files are written, and also where one of them cannot be.
 
-    Parameters
-    ----------
-    case, record, shown, as_json, out_dir, files, next_step
-        As for :func:`tell`; what the files are is not told where writing them failed.
-
-    Yields
-    ------
-    None
-        Files are written inside.
+    ``case``, ``record``, ``shown``, ``as_json``, ``out_dir``, ``files``, ``next_step``: as for
+    :func:`tell`; what the files are is not told where writing them failed. Returns files are
+    written inside.
     """
     try:
         yield
@@ -110,19 +91,7 @@ def suggest(step: str | None) -> None:
 
 
 def call(verb: str, *others: str) -> str:
-    """Call of another command on the aircraft and mission of this one, as it is typed.
-
-    Parameters
-    ----------
-    verb : str
-        Name of the other command.
-    *others : str
-        What follows.
-
-    Returns
-    -------
-    str
-    """
+    """Call of another command on the aircraft and mission of this one, as it is typed."""
     context = click.get_current_context()
     words = ["solar-uav", verb, context.params["aircraft"]]
     mission = context.params["mission"]
@@ -158,17 +127,8 @@ def write_results(
 
     Data are written even where they cannot be drawn.
 
-    Parameters
-    ----------
-    data_file, plot_file : str or None
-        Names of the files; None where one is not asked for.
-    data, draw : callable
-        Make the content of the one, and the figure of the other.
-
-    Raises
-    ------
-    OutputError
-        If one of the files cannot be written.
+    ``data_file``, ``plot_file``: names of the files; None where one is not asked for. ``data``,
+    ``draw``: make the content of the one, and the figure of the other.
     """
     contents: dict[str | os.PathLike[str], bytes] = {}
     if data_file is not None:
@@ -183,18 +143,7 @@ def write_results(
 
 
 def figure_bytes(figure: Figure, path: str) -> bytes:
-    """Figure in the format that its file name asks for, which was checked before.
-
-    Parameters
-    ----------
-    figure : Figure
-    path : str
-        Name of its file.
-
-    Returns
-    -------
-    bytes
-    """
+    """Figure in the format that its file name asks for, which was checked before."""
     from studies.output.figures.drawing import to_bytes  # matplotlib takes half a second
 
     content = to_bytes(figure, image_format(path) or "png")

@@ -21,17 +21,8 @@ _EVERY_S = 15.0
 def progress_of(unit: str, *, lines: bool = True) -> Iterator[Callable[[int, int], None]]:
     """Show progress; the function taken is told what is done and what there is in all.
 
-    Parameters
-    ----------
-    unit : str
-        What is counted, in the plural.
-    lines : bool
-        Whether there are lines where there is no terminal.
-
-    Yields
-    ------
-    callable
-        To be called with the number that is done and the number there is in all.
+    ``lines``: whether there are lines where there is no terminal. Returns to be called with the
+    number that is done and the number there is in all.
     """
     from rich.console import Console
 

@@ -40,21 +40,7 @@ _SAME_H = 1e-6
 def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--out") -> None:
     """Refuse before any work a report that could not be written.
 
-    Parameters
-    ----------
-    path : str or None
-        File that the option names; None where it is not given.
-    with_pdf : bool
-        Whether it is printed as well.
-    option : str
-        Name of the option, for messages.
-
-    Raises
-    ------
-    click.UsageError
-        For another ending, or without what prints a PDF.
-    OutputError
-        If the file cannot be written.
+    ``path``: file that the option names; None where it is not given.
     """
     if path is None:
         return
@@ -72,18 +58,7 @@ def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--o
 
 
 def subject_of(case: Case, **others: Any) -> Subject:
-    """What a report on a case is about.
-
-    Parameters
-    ----------
-    case : Case
-    **others
-        What :class:`studies.report.subject.Subject` takes besides.
-
-    Returns
-    -------
-    Subject
-    """
+    """What a report on a case is about."""
     from studies.report.subject import Subject
 
     options = {"inputs": case.inputs()} | others
@@ -97,16 +72,7 @@ def subject_of(case: Case, **others: Any) -> Subject:
 def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     """Record of the sizing that a folder holds; None where the case is not what was sized.
 
-    Parameters
-    ----------
-    path : str
-        AIRCRAFT as given on the command line.
-    case : Case
-        What it was read as; another mission or other values are not what was sized.
-
-    Returns
-    -------
-    dict or None
+    ``case``: what it was read as; another mission or other values are not what was sized.
     """
     from sizing.performance import performance
 
@@ -130,21 +96,7 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
 
 
 def check_uncertainty(case: Case, subject: Subject) -> None:
-    """Fly the draws of uncertain inputs, if the report has them; what is wrong names its line.
-
-    Parameters
-    ----------
-    case : Case
-        Whose files say how inputs scatter.
-    subject : Subject
-
-    Raises
-    ------
-    InputError
-        With file and line.
-    click.UsageError
-        For what no line is to blame for.
-    """
+    """Fly the draws of uncertain inputs, if the report has them; what is wrong names its line."""
     with uncertain_inputs_of(case):
         _ = subject.uncertainty
 
@@ -157,21 +109,7 @@ def report_on_sizing(
     *,
     overrides: tuple[str, ...],
 ) -> None:
-    """Write the report of a sizing: the optimum on the mission that it was sized for.
-
-    Parameters
-    ----------
-    case : Case
-        What was sized.
-    study : SizingStudy
-        With an optimum.
-    record : dict
-        Sizing as ``--json`` prints it.
-    path : str
-        File of the report.
-    overrides : tuple of str
-        As given on the command line.
-    """
+    """Write the report of a sizing: the optimum on the mission that it was sized for."""
     from missions.mission import Mission
     from studies.output.sizing_files import sized_inputs
 
@@ -195,21 +133,7 @@ def report_on_log(
     *,
     overrides: tuple[str, ...],
 ) -> None:
-    """Write the report of a verification.
-
-    Parameters
-    ----------
-    case : Case
-        Aircraft and mission.
-    found : Verification
-        Models against the log.
-    log_file : str
-        File of the log.
-    path : str
-        File of the report.
-    overrides : tuple of str
-        As given on the command line.
-    """
+    """Write the report of a verification."""
     inputs = case.inputs(log=Path(log_file))
     write_report(subject_of(case, inputs=inputs, verification=found, overrides=overrides), path)
 
@@ -217,23 +141,7 @@ def report_on_log(
 def write_report(subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:
     """Write a report, whole or not at all.
 
-    Parameters
-    ----------
-    subject : Subject
-    path : str
-        File of the page, or of the printed one.
-    with_pdf : bool
-        Whether the page is printed beside it.
-
-    Returns
-    -------
-    list of str
-        Files that were written.
-
-    Raises
-    ------
-    OutputError
-        If one of them cannot be written.
+    ``path``: file of the page, or of the printed one. Returns files that were written.
     """
     from studies.report.document import render
 

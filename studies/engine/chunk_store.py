@@ -59,13 +59,7 @@ def parts_folder(target: str | os.PathLike[str]) -> Path | None:
 
 
 def check_target(target: str | os.PathLike[str]) -> None:
-    """Refuse a file that cannot be written, before any work is done for it.
-
-    Raises
-    ------
-    OutputError
-        If the file's folder does not exist or takes no file, or the path is a folder.
-    """
+    """Refuse a file that cannot be written, before any work is done for it."""
     path, name = Path(target), printable(os.fspath(target))
     if path.is_dir():
         raise OutputError(f"cannot write {name}: it is a folder")
@@ -103,22 +97,7 @@ class ChunkStore:
     def opened(self, needed_bytes: int = 0, parts: int = 0) -> Iterator[ChunkStore]:
         """Make and lock the folder, and refuse a disk without room for the result.
 
-        Parameters
-        ----------
-        needed_bytes : int
-            Estimated size of all columns.
-        parts : int
-            Number of chunks.
-
-        Yields
-        ------
-        ChunkStore
-            This store, locked until the context ends.
-
-        Raises
-        ------
-        OutputError
-            If the folder cannot be made or written to, is in use, or the disk is too full.
+        Returns this store, locked until the context ends.
         """
         made = not self.folder.exists()
         try:
@@ -149,18 +128,7 @@ class ChunkStore:
 
         A checksum tells accidents, not malice: what the file holds is looked at as well.
 
-        Parameters
-        ----------
-        key : str
-            Name of the chunk.
-        blanks : mapping
-            Name of every column that it must have, and a NumPy scalar of its kind.
-        cells : int
-            Number of values of every column.
-
-        Returns
-        -------
-        Part or None
+        ``blanks``: name of every column that it must have, and a NumPy scalar of its kind.
         """
         path = self.path(key)
         try:
@@ -179,20 +147,7 @@ class ChunkStore:
             return None  # whatever breaks a file that was made up
 
     def write(self, key: str, part: Part) -> None:
-        """Keep a part.
-
-        Parameters
-        ----------
-        key : str
-            Name of the chunk.
-        part : Part
-            Its columns and failures.
-
-        Raises
-        ------
-        OutputError
-            If it cannot be written; parts that exist are unchanged.
-        """
+        """Keep a part."""
         buffer = io.BytesIO()
         failures = np.array(json.dumps({str(k): v for k, v in part.failures.items()}))
         # The stub takes every keyword for the flag that may stand among them.
@@ -211,11 +166,6 @@ class ChunkStore:
         """Delete the parts of some chunks, and the folder if nothing else is in it.
 
         Other computations may keep theirs in the same folder, and so may its owner other files.
-
-        Parameters
-        ----------
-        keys : iterable of str
-            Names of the chunks, as they were written.
         """
         for key in keys:
             self.path(key).unlink(missing_ok=True)
@@ -272,13 +222,7 @@ def _head(key: str, body: bytes) -> bytes:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold a lock file.
-
-    Raises
-    ------
-    OutputError
-        If another process holds it.
-    """
+    """Hold a lock file."""
     # A link in its place could lead to any file of the user's, which would be emptied.
     flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     if path.is_symlink() or (path.exists() and not path.is_file()):

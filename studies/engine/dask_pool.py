@@ -32,19 +32,7 @@ class DaskPool:
     The scheduler itself moves the tasks of a dead worker to others; it gives up on a task that has
     ended several (`distributed.scheduler.allowed-failures`).
 
-    Parameters
-    ----------
-    scheduler : str
-        Its address, or ``local-cluster``.
-    workers : int, optional
-        Of a cluster of this machine.
-    tell : callable, optional
-        Called with what the user should know while the work waits.
-
-    Raises
-    ------
-    WorkersUnavailableError
-        If dask is not installed, or no scheduler or no worker is there.
+    ``tell``: called with what the user should know while the work waits.
     """
 
     in_process = False
@@ -154,22 +142,8 @@ class DaskPool:
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
         """Send the task to the scheduler.
 
-        Parameters
-        ----------
-        work : callable
-            Function of the task; importable by name, for workers in other processes.
-        task : Any
-            Its argument.
-
-        Returns
-        -------
-        Future
-            What the function returns or raises.
-
-        Raises
-        ------
-        WorkersUnavailableError
-            If the scheduler is gone.
+        ``work``: function of the task; importable by name, for workers in other processes. Returns
+        what the function returns or raises.
         """
         try:
             return self._executor.submit(work, task)
@@ -181,20 +155,7 @@ class DaskPool:
     def result(self, future: Future[T]) -> T:
         """Result of a task.
 
-        Parameters
-        ----------
-        future : Future
-            Of :meth:`submit`, done.
-
-        Returns
-        -------
-        Any
-            What the task has returned.
-
-        Raises
-        ------
-        WorkersUnavailableError
-            If the scheduler has dropped the task.
+        Returns what the task has returned.
         """
         try:
             return future.result()
@@ -215,10 +176,7 @@ class DaskPool:
 def _silenced() -> dict[str, int]:
     """Silence the log of dask, which has a traceback for all that is told in words here.
 
-    Returns
-    -------
-    dict
-        Levels of before, by the name of the logger.
+    Returns levels of before, by the name of the logger.
     """
     levels = {}
     for name, logger in list(logging.root.manager.loggerDict.items()):

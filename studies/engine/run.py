@@ -55,21 +55,13 @@ _LOOK_S = 0.2
 class Job:
     """What is to be computed.
 
-    Attributes
-    ----------
-    function : callable
-        Function of a module, called with the configuration and a sequence of cells; returns one
-        value per cell for every column.
-    configuration : Any
-        What the function needs besides: data classes, pydantic models, numbers and text, which
-        pickle and can be written as JSON. Never a solver: workers keep theirs.
-    chunks : tuple of tuples of cells
-        Cells that are computed together; a chunk should take 0.1 to 2 s.
-    blanks : mapping
-        Name of every column, and the NumPy scalar that stands in it for a failed cell.
-    possible : callable, optional
-        Whether columns without failures can be a result; what an earlier run has kept is computed
-        again where it says no, or raises.
+    ``function``: function of a module, called with the configuration and a sequence of cells;
+    returns one value per cell for every column. ``configuration``: what the function needs besides:
+    data classes, pydantic models, numbers and text, which pickle and can be written as JSON. Never
+    a solver: workers keep theirs. ``chunks``: cells that are computed together; a chunk should take
+    0.1 to 2 s. ``blanks``: name of every column, and the NumPy scalar that stands in it for a
+    failed cell. ``possible``: whether columns without failures can be a result; what an earlier run
+    has kept is computed again where it says no, or raises.
     """
 
     function: ChunkFunction
@@ -137,28 +129,9 @@ def compute(
 ) -> Outcome:
     """Compute a job in memory, for callers in Python.
 
-    Parameters
-    ----------
-    job : Job
-        What is to be computed.
-    workers : int or None, optional
-        Processes that compute: 1 starts none, None as many as there are cores where that pays.
-    progress : callable, optional
-        Called with the cells done and the cells in all.
-    unit : str, optional
-        What the cells are called in messages.
-
-    Returns
-    -------
-    Outcome
-        A warning tells how many cells failed, if any did.
-
-    Raises
-    ------
-    ComputationError
-        If every cell failed.
-    ValueError
-        If the number of workers is less than 1.
+    ``workers``: processes that compute: 1 starts none, None as many as there are cores where that
+    pays. ``progress``: called with the cells done and the cells in all. Returns a warning tells how
+    many cells failed, if any did.
     """
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, or None (got {workers})")
@@ -178,24 +151,9 @@ def pool_of(
 ) -> Pool:
     """Pool that the options ``--workers`` and ``--scheduler`` ask for.
 
-    Parameters
-    ----------
-    workers : int or None
-        1 for this process alone, more for so many processes; None for what pays.
-    scheduler : str or None
-        Address of a dask scheduler, or ``local-cluster``.
-    tell : callable, optional
-        Called with what the user should know while the work waits.
-
-    Returns
-    -------
-    Pool
-        For one run, which closes it.
-
-    Raises
-    ------
-    WorkersUnavailableError
-        If dask is not installed, or no worker is there.
+    ``workers``: 1 for this process alone, more for so many processes; None for what pays. ``tell``:
+    called with what the user should know while the work waits. Returns for one run, which closes
+    it.
     """
     if scheduler is None:
         return LocalPool(workers)
@@ -207,17 +165,7 @@ def pool_of(
 def pieces(count: int, each: int) -> list[slice]:
     """Slices of at most ``each`` that cover ``count``, as even as possible.
 
-    Parameters
-    ----------
-    count : int
-        Number of items.
-    each : int
-        Largest number in a slice; less than 1 counts as 1.
-
-    Returns
-    -------
-    list of slice
-        In order, without gaps.
+    ``each``: largest number in a slice; less than 1 counts as 1. Returns in order, without gaps.
     """
     number = -(-count // max(each, 1))
     edges = np.linspace(0, count, number + 1).round().astype(int)
@@ -314,31 +262,8 @@ def run(
 ) -> Outcome:
     """Compute a job; the pool is closed at the end.
 
-    Parameters
-    ----------
-    job : Job
-        What is to be computed.
-    pool : Pool
-        Who computes, see :func:`pool_of`.
-    store : ChunkStore, optional
-        An opened store, for what is finished.
-    progress : callable, optional
-        Called with the cells done and the cells in all; what was kept counts as done from the
-        start.
-
-    Returns
-    -------
-    Outcome
-        Columns over all cells, and the cells that failed.
-
-    Raises
-    ------
-    Stopped
-        After SIGINT or SIGTERM (noticed in the main thread alone).
-    OutputError
-        If a finished chunk cannot be kept; those before it are.
-    WorkersUnavailableError
-        If there are no workers.
+    ``progress``: called with the cells done and the cells in all; what was kept counts as done from
+    the start. Returns columns over all cells, and the cells that failed.
     """
     if not job.chunks:
         raise ValueError("a job needs at least one chunk")

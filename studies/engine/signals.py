@@ -37,12 +37,8 @@ class Stopped(KeyboardInterrupt):
 class Signals:
     """What came while :func:`interruptible` was entered.
 
-    Attributes
-    ----------
-    signum : int or None
-        The first signal that came.
-    held : bool
-        Whether signals are noted alone, for :meth:`check` to raise.
+    ``signum``: the first signal that came. ``held``: whether signals are noted alone, for
+    :meth:`check` to raise.
     """
 
     def __init__(self) -> None:
@@ -51,29 +47,12 @@ class Signals:
         self.caught: list[int] = []
 
     def check(self) -> None:
-        """Raise for a signal that came while it was held, or was swallowed.
-
-        Raises
-        ------
-        Stopped
-        """
+        """Raise for a signal that came while it was held, or was swallowed."""
         if self.signum is not None:
             raise Stopped(self.signum)
 
     def handle(self, signum: int, frame: FrameType | None) -> None:
-        """Note the signal, and raise it unless it is held.
-
-        Parameters
-        ----------
-        signum : int
-            The signal.
-        frame : FrameType or None
-            Where it came; not used.
-
-        Raises
-        ------
-        Stopped
-        """
+        """Note the signal, and raise it unless it is held."""
         if self.signum is None:
             self.signum = signum
             for number in self.caught:
@@ -105,15 +84,6 @@ def interruptible(*, held: bool = False) -> Iterator[Signals]:
     """Catch Ctrl-C and SIGTERM, in the main thread; elsewhere nothing is caught.
 
     A signal that is ignored, as Ctrl-C is by jobs in the background, remains so.
-
-    Parameters
-    ----------
-    held : bool
-        See :class:`Signals`.
-
-    Yields
-    ------
-    Signals
     """
     signals = Signals()
     signals.held = held

@@ -59,17 +59,8 @@ class Pool(Protocol):
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
         """Give out a task.
 
-        Parameters
-        ----------
-        work : callable
-            Function of the task; importable by name, for workers in other processes.
-        task : Any
-            Its argument.
-
-        Returns
-        -------
-        Future
-            What the function returns or raises.
+        ``work``: function of the task; importable by name, for workers in other processes. Returns
+        what the function returns or raises.
         """
 
     def result(self, future: Future[T]) -> T:
@@ -117,17 +108,8 @@ class LocalPool:
     def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
         """Compute the task now, or send it to a process.
 
-        Parameters
-        ----------
-        work : callable
-            Function of the task; importable by name, for workers in other processes.
-        task : Any
-            Its argument.
-
-        Returns
-        -------
-        Future
-            What the function returns or raises; done already, if in this process.
+        ``work``: function of the task; importable by name, for workers in other processes. Returns
+        what the function returns or raises; done already, if in this process.
         """
         if self.in_process:
             return self._computed(work, task)
@@ -151,13 +133,7 @@ class LocalPool:
         return future
 
     def _restarted(self) -> Executor:
-        """Start processes, or start them again.
-
-        Raises
-        ------
-        WorkersUnavailableError
-            If they died again and again before they were ready for any task.
-        """
+        """Start processes, or start them again."""
         if self._started is not None:
             ready = self._started.done() and self._started.exception() is None
             self._failed_starts = 0 if ready else self._failed_starts + 1

@@ -74,21 +74,8 @@ def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
 def airplane_text(aircraft: Aircraft, file_format: str) -> str:
     """Content of a file that holds the geometry of an aircraft.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-    file_format : {"avl", "vspscript", "py"}
-        AVL with the coordinates of its airfoils, OpenVSP, or a script that makes the airplane of
-        :func:`to_aerosandbox`.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    ImportError
-        Without AeroSandbox, except for the script.
+    ``file_format``: AVL with the coordinates of its airfoils, OpenVSP, or a script that makes the
+    airplane of :func:`to_aerosandbox`.
     """
     return _WRITERS[file_format](aircraft)
 

@@ -38,17 +38,10 @@ _TECHNOLOGY = (
 class Quantity:
     """A quantity of a design.
 
-    Attributes
-    ----------
-    group : str
-        What it is about: ``geometry``, ``masses``, ``flight``, ``power``, ``energy`` or
-        ``technology``.
-    key : str
-        Name in files and JSON, with its unit.
-    label, symbol, unit : str
-        In words; in LaTeX, empty where there is none; ``1`` for no unit.
-    value : float, str or None
-        None where the aircraft has none; infinite where it is unlimited.
+    ``group``: what it is about: ``geometry``, ``masses``, ``flight``, ``power``, ``energy`` or
+    ``technology``. ``key``: name in files and JSON, with its unit. ``label``, ``symbol``, ``unit``:
+    in words; in LaTeX, empty where there is none; ``1`` for no unit. ``value``: none where the
+    aircraft has none; infinite where it is unlimited.
     """
 
     group: str
@@ -69,13 +62,8 @@ class Quantity:
 class DesignSheet:
     """A design on a mission, quantity by quantity.
 
-    Attributes
-    ----------
-    title : str
-        Aircraft and mission.
-    quantities : tuple of Quantity
-    notes : tuple of str
-        Model, correction and scenario that the energy belongs to.
+    ``title``: aircraft and mission. ``notes``: model, correction and scenario that the energy
+    belongs to.
     """
 
     title: str
@@ -104,17 +92,7 @@ class DesignSheet:
 
 
 def design_sheet(analysis: Analysis) -> DesignSheet:
-    """Quantities of an aircraft on a mission.
-
-    Parameters
-    ----------
-    analysis : Analysis
-        Energy is that of its worst scenario.
-
-    Returns
-    -------
-    DesignSheet
-    """
+    """Quantities of an aircraft on a mission."""
     worst = analysis.performance.day.scenarios.label(analysis.worst)
     solar = analysis.performance.solar
     quantities = (

@@ -37,12 +37,8 @@ _LONGEST_VALUE = 24  # characters of a value in the table
 class ChangedKey:
     """A key of the files whose values differ; None stands for a file that does not have it.
 
-    Attributes
-    ----------
-    key : str
-        Of the aircraft, or of the mission behind ``mission.``.
-    first, second : Any
-        Values, JSON-ready; defaults count as values.
+    ``key``: of the aircraft, or of the mission behind ``mission.``. ``first``, ``second``: values,
+    JSON-ready; defaults count as values.
     """
 
     key: str
@@ -165,16 +161,7 @@ def compare_designs(first: Analysis, second: Analysis) -> DesignDifference:
 
 
 def difference(one: float | str | None, two: float | str | None) -> float | None:
-    """Second minus first; None where it is not defined, zero where they differ by rounding.
-
-    Parameters
-    ----------
-    one, two : float, str or None
-
-    Returns
-    -------
-    float or None
-    """
+    """Second minus first; None where it is not defined, zero where they differ by rounding."""
     if not isinstance(one, int | float) or not isinstance(two, int | float):
         return None
     if one == two:

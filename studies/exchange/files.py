@@ -79,19 +79,7 @@ def export_design(
 
 
 def design_bytes(analysis: Analysis, path: str) -> bytes:
-    """Content of a file of a design.
-
-    Parameters
-    ----------
-    analysis : Analysis
-        Of the design on a mission.
-    path : str
-        As for :func:`export_design`.
-
-    Returns
-    -------
-    bytes
-    """
+    """Content of a file of a design."""
     ending = design_format(path)
     if ending is not None and ending in GEOMETRY_FORMATS:
         from studies.exchange.airplane import airplane_text

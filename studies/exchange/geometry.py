@@ -57,15 +57,7 @@ class ProfileDrag(NamedTuple):
 class LiftingSurface:
     """Wing or tail plane.
 
-    Attributes
-    ----------
-    name : str
-    symmetric : bool
-        Whether the sections are those of the right half.
-    sections : tuple of Section
-        From root to tip.
-    shape : SectionShape
-    drag : ProfileDrag or None
+    ``symmetric``: whether the sections are those of the right half. ``sections``: from root to tip.
     """
 
     name: str
@@ -79,17 +71,8 @@ class LiftingSurface:
 class Surfaces:
     """All lifting surfaces, what coefficients refer to, and where the numbers come from.
 
-    Attributes
-    ----------
-    surfaces : tuple of LiftingSurface
-        Wing first.
-    wing_area_m2, chord_m, wingspan_m : float
-        Reference quantities.
-    reference_x_m : float
-        Quarter chord of the wing, which moments refer to.
-    other_drag_coefficient : float
-        Drag of everything but the wing, on the wing area [-].
-    notes : tuple of str
+    ``reference_x_m``: quarter chord of the wing, which moments refer to.
+    ``other_drag_coefficient``: drag of everything but the wing, on the wing area [-].
     """
 
     surfaces: tuple[LiftingSurface, ...]
@@ -102,16 +85,7 @@ class Surfaces:
 
 
 def lifting_surfaces(aircraft: Aircraft) -> Surfaces:
-    """Wing and tail planes of an aircraft.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-
-    Returns
-    -------
-    Surfaces
-    """
+    """Wing and tail planes of an aircraft."""
     drawing = aircraft_drawing(aircraft)
     shape, shape_note = _wing_shape(aircraft, drawing)
     wing = LiftingSurface(

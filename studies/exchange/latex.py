@@ -20,14 +20,7 @@ _ESCAPES = {
 def latex_table(sheet: DesignSheet) -> str:
     """Table of a design: quantity, symbol, value and unit, a rule between its groups.
 
-    Parameters
-    ----------
-    sheet : DesignSheet
-
-    Returns
-    -------
-    str
-        A ``table`` environment with caption and label, which needs ``booktabs``.
+    Returns a ``table`` environment with caption and label, which needs ``booktabs``.
     """
     lines = [
         r"% \usepackage{booktabs}",

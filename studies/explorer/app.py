@@ -48,13 +48,7 @@ Answer = Callable[[Request, dict[str, Any]], Awaitable[Any]]
 
 
 class Explorer:
-    """The application, its thread that computes and its process that sizes and reports.
-
-    Parameters
-    ----------
-    session : Session
-        What is explored.
-    """
+    """The application, its thread that computes and its process that sizes and reports."""
 
     def __init__(self, session: Session) -> None:
         self.session = session
@@ -65,19 +59,7 @@ class Explorer:
         self._assets = _assets()
 
     def application(self, *, port: int, token: str) -> ASGIApp:
-        """ASGI application for a port, guarded by a token.
-
-        Parameters
-        ----------
-        port : int
-            Where the server listens.
-        token : str
-            That requests must carry.
-
-        Returns
-        -------
-        ASGIApp
-        """
+        """ASGI application for a port, guarded by a token."""
         routes = [
             Route("/api/alive", self._alive),
             Route("/api/session", self._describe),

@@ -51,24 +51,11 @@ _PAYLOAD_BEYOND = 20.0  # times the slider's end: what a sizing may find
 class Field:
     """A number that can be changed.
 
-    Attributes
-    ----------
-    key : str
-        In the aircraft's file, or behind ``mission.`` in the mission's.
-    group : str
-        Where it stands on the page.
-    label, unit : str
-        For people; the unit is empty for a number without one.
-    value : float
-        At the start.
-    minimum, maximum : float
-        Range that is allowed, ends included.
-    slider : tuple of float
-        Ends of the slider, within that range.
-    step : float
-        Of the slider.
-    fixed : str
-        Why it cannot be changed; empty if it can.
+    ``key``: in the aircraft's file, or behind ``mission.`` in the mission's. ``group``: where it
+    stands on the page. ``label``, ``unit``: for people; the unit is empty for a number without one.
+    ``value``: at the start. ``minimum``, ``maximum``: range that is allowed, ends included.
+    ``slider``: ends of the slider, within that range. ``step``: of the slider. ``fixed``: why it
+    cannot be changed; empty if it can.
     """
 
     key: str
@@ -108,11 +95,7 @@ class Option:
 class Choice:
     """A name among some.
 
-    Attributes
-    ----------
-    key, label, value
-        As for :class:`Field`.
-    options : tuple of Option
+    ``key``, ``label``, ``value``: as for :class:`Field`.
     """
 
     key: str
@@ -144,19 +127,7 @@ def fields_of(
 ) -> dict[str, Field | Choice]:
     """Fields of an aircraft on a mission, by key.
 
-    Parameters
-    ----------
-    aircraft, mission
-        As their files describe them.
-    solar : SolarModel
-        Model and correction at the start.
-    at : (float, int)
-        Latitude [deg] and day of year at the start.
-
-    Returns
-    -------
-    dict
-        In the order of the page.
+    ``at``: latitude [deg] and day of year at the start. Returns in the order of the page.
     """
     found: dict[str, Field | Choice] = {f.key: f for f in _numbers(aircraft, mission, at)}
     for choice in _choices(aircraft, mission, solar):

@@ -21,13 +21,7 @@ class SupersededError(RuntimeError):
 
 
 class Latest:
-    """Turns of an executor, at most one waiting for each client.
-
-    Parameters
-    ----------
-    executor : Executor
-        Of a single thread.
-    """
+    """Turns of an executor, at most one waiting for each client."""
 
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
@@ -40,24 +34,7 @@ class Latest:
         return len(self._newest)
 
     async def run(self, client: str, work: Callable[[], T]) -> T:
-        """Compute when it is this request's turn.
-
-        Parameters
-        ----------
-        client : str
-            Who asks.
-        work : callable
-            What is computed.
-
-        Returns
-        -------
-        What ``work`` returns.
-
-        Raises
-        ------
-        SupersededError
-            If the same client asked again before.
-        """
+        """Compute when it is this request's turn."""
         mine = self._newest[client] = object()
         try:
             async with self._turn:

@@ -30,12 +30,7 @@ class Connection(H11Protocol):
         return cycle is None or bool(cycle.response_complete)
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Take a connection, and close the one that waits longest where there are too many.
-
-        Parameters
-        ----------
-        transport : asyncio.Transport
-        """
+        """Take a connection, and close the one that waits longest where there are too many."""
         self._since_s = self.loop.time()
         waiting = [c for c in self.connections if isinstance(c, Connection) and c.waits]
         if len(waiting) >= _MOST_WAITING:
@@ -49,13 +44,7 @@ class Connection(H11Protocol):
         self.transport.close()
 
     def _look(self, before: object) -> None:
-        """Close the connection if it has waited for the same request since the last look.
-
-        Parameters
-        ----------
-        before : object
-            Request that had come at the last look.
-        """
+        """Close the connection if it has waited for the same request since the last look."""
         if self.transport.is_closing():
             return
         if self.waits and self.cycle is before:

@@ -91,23 +91,12 @@ class SeasonMaps:
     ) -> dict[str, Any]:
         """Excess time in every cell that is known.
 
-        Parameters
-        ----------
-        aircraft, mission
-            What flies, in which air, with which load; the mission's own place plays no part.
-        solar : SolarModel
-            Model and correction.
-        coarse : bool
-            Use steps of a quarter of an hour; slow models always do.
-        design : Design, optional
-            Of the aircraft on the mission, where it is known already.
-
-        Returns
-        -------
-        dict
-            ``latitudes_deg``, ``days``, ``step_h`` and ``excess_time_h``: rows of hours to three
-            decimals, null where it is unlimited; a row that is not yet known is null. ``complete``
-            says whether there is none of these.
+        ``aircraft``, ``mission``: what flies, in which air, with which load; the mission's own
+        place plays no part. ``coarse``: use steps of a quarter of an hour; slow models always do.
+        ``design``: of the aircraft on the mission, where it is known already. Returns
+        ``latitudes_deg``, ``days``, ``step_h`` and ``excess_time_h``: rows of hours to three
+        decimals, null where it is unlimited; a row that is not yet known is null. ``complete`` says
+        whether there is none of these.
         """
         on_path = follows_path(solar)
         step_h = COARSE_STEP_H if coarse or on_path else DEFAULT_STEP_H

@@ -48,36 +48,14 @@ def new_token() -> str:
 def error_body(kind: str, message: str, problems: list[dict[str, Any]] | None = None) -> bytes:
     """Error as the page and scripts read it.
 
-    Parameters
-    ----------
-    kind : str
-        What sort of error, in one word.
-    message : str
-        For people.
-    problems : list of dict, optional
-        Field, value, message and what is allowed, of each field that is wrong.
-
-    Returns
-    -------
-    bytes
-        JSON.
+    ``problems``: field, value, message and what is allowed, of each field that is wrong.
     """
     record = {"kind": kind, "message": message, "problems": problems or []}
     return to_json({"error": record}).encode()
 
 
 class Guard:
-    """ASGI application that lets only the page's own requests through to another one.
-
-    Parameters
-    ----------
-    app : ASGIApp
-        What is guarded.
-    port : int
-        Where the server listens.
-    token : str
-        That every request must carry.
-    """
+    """ASGI application that lets only the page's own requests through to another one."""
 
     def __init__(self, app: ASGIApp, *, port: int, token: str) -> None:
         self._app, self._token = app, token.encode()

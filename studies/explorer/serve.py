@@ -23,18 +23,7 @@ ADDRESS = "127.0.0.1"
 
 
 def bound_socket(port: int) -> socket.socket:
-    """Socket that listens on this machine.
-
-    Parameters
-    ----------
-    port : int
-        0 for any that is free.
-
-    Raises
-    ------
-    OSError
-        If the port is taken, or not ours to take.
-    """
+    """Socket that listens on this machine."""
     # Named as TCP, or asyncio leaves Nagle's algorithm on: every other answer came 40 ms late.
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
@@ -64,21 +53,7 @@ class _Server(uvicorn.Server):
 
 
 def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
-    """Server of an explorer, not yet running.
-
-    Parameters
-    ----------
-    explorer : Explorer
-        What answers.
-    port : int
-        Where it will listen.
-    token : str
-        That requests must carry.
-
-    Returns
-    -------
-    uvicorn.Server
-    """
+    """Server of an explorer, not yet running."""
     server = _Server(
         uvicorn.Config(
             explorer.application(port=port, token=token),
@@ -110,19 +85,7 @@ def _is_a_mistake(record: logging.LogRecord) -> bool:
 def serve(
     session: Session, listening: socket.socket, *, tell: Callable[[str], None], browser: bool
 ) -> None:
-    """Serve the page until a signal ends it.
-
-    Parameters
-    ----------
-    session : Session
-        What is explored.
-    listening : socket
-        Of :func:`bound_socket`.
-    tell : callable
-        Called with the address of the page.
-    browser : bool
-        Whether to open it.
-    """
+    """Serve the page until a signal ends it."""
     port, token = listening.getsockname()[1], new_token()
     explorer = Explorer(session)
     server = configured(explorer, port=port, token=token)

@@ -44,14 +44,7 @@ _PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
 class Inputs:
     """Settings as files: what is computed from, and what is saved.
 
-    Attributes
-    ----------
-    aircraft, mission
-        Validated.
-    aircraft_file, mission_file : Document
-        Data of their files.
-    solar : SolarModel
-        Model and correction.
+    ``aircraft_file``, ``mission_file``: data of their files. ``solar``: model and correction.
     """
 
     aircraft: Aircraft
@@ -64,19 +57,8 @@ class Inputs:
 class Session:
     """An aircraft on a mission, and every change that the page can make to them.
 
-    Parameters
-    ----------
-    aircraft_file, mission_file : Document
-        Files as they were read, overrides applied; validated here.
-    solar : SolarModel
-        Model and correction at the start.
-    command : sequence of str, optional
-        How the command line names both, for the command that the page shows.
-
-    Raises
-    ------
-    InputError
-        If a file is not valid.
+    ``aircraft_file``, ``mission_file``: files as they were read, overrides applied; validated here.
+    ``command``: how the command line names both, for the command that the page shows.
     """
 
     def __init__(
@@ -167,20 +149,8 @@ class Session:
     def inputs(self, settings: Settings, *, every_scenario: bool = False) -> Inputs:
         """Aircraft and mission of settings, as their files would be.
 
-        Parameters
-        ----------
-        settings : Settings
-        every_scenario : bool
-            Keep latitudes and dates of the mission's file instead of the single point.
-
-        Returns
-        -------
-        Inputs
-
-        Raises
-        ------
-        RefusedError
-            If values contradict each other or the rules of the files.
+        ``every_scenario``: keep latitudes and dates of the mission's file instead of the single
+        point.
         """
         changed = {
             key: value
@@ -216,13 +186,7 @@ class Session:
         return place if self.mission.launch is None else {**place, "launch": None}
 
     def analysis(self, settings: Settings) -> Analysis:
-        """Analysis of the point, as ``solar-uav analyse`` makes it.
-
-        Raises
-        ------
-        RefusedError
-            If values contradict each other, or the aircraft cannot carry its own mass.
-        """
+        """Analysis of the point, as ``solar-uav analyse`` makes it."""
         made = self.inputs(settings)
         solar = made.solar
         try:
@@ -240,21 +204,9 @@ class Session:
     def day(self, settings: Settings) -> dict[str, Any]:
         """Day curve and numbers of the point, JSON-ready.
 
-        Parameters
-        ----------
-        settings : Settings
-
-        Returns
-        -------
-        dict
-            ``curve``: ``time_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` over solar
-            time, to five digits; ``numbers``: what ``solar-uav analyse --json`` prints;
-            ``masses_kg``: mass budget; ``headline`` and ``notes`` in words.
-
-        Raises
-        ------
-        RefusedError
-            As :meth:`analysis`.
+        Returns ``curve``: ``time_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` over solar
+        time, to five digits; ``numbers``: what ``solar-uav analyse --json`` prints; ``masses_kg``:
+        mass budget; ``headline`` and ``notes`` in words.
         """
         known = self._last_day
         if known is not None and known[0] == settings:
@@ -281,24 +233,7 @@ class Session:
         return view.copy()
 
     def season(self, settings: Settings, *, coarse: bool = False) -> dict[str, Any]:
-        """Map of excess time over latitude and day of year.
-
-        Parameters
-        ----------
-        settings : Settings
-        coarse : bool
-            Use steps of a quarter of an hour.
-
-        Returns
-        -------
-        dict
-            Of :meth:`studies.explorer.season.SeasonMaps.excess_time`.
-
-        Raises
-        ------
-        RefusedError
-            As :meth:`analysis`.
-        """
+        """Map of excess time over latitude and day of year."""
         made, known = self.inputs(settings), self._last_day
         design = known[2] if known is not None and known[0] == settings else None
         try:
@@ -323,13 +258,7 @@ class Session:
         }
 
     def report_task(self, settings: Settings) -> ReportTask:
-        """What a report on the point needs, which takes seconds to be made.
-
-        Raises
-        ------
-        RefusedError
-            As :meth:`inputs`.
-        """
+        """What a report on the point needs, which takes seconds to be made."""
         made = self.inputs(settings)
         files = {
             kind: InputFile(f"{document.source}, as explored", None)
@@ -342,13 +271,7 @@ class Session:
         return ReportTask(made.aircraft, made.mission, inputs)
 
     def saved(self, settings: Settings) -> dict[str, Any]:
-        """Files of :meth:`files`, with names for them and the command that analyses them.
-
-        Raises
-        ------
-        RefusedError
-            As :meth:`inputs`.
-        """
+        """Files of :meth:`files`, with names for them and the command that analyses them."""
         names, solar = self.file_names(), settings.solar
         words = ["solar-uav", "analyse", names["aircraft"], "--mission", names["mission"]]
         words += ["--model", solar.model, "--correction", solar.correction]
@@ -359,13 +282,7 @@ class Session:
         }
 
     def files(self, settings: Settings) -> dict[str, str]:
-        """Text of the two files as they stand, by ``aircraft`` and ``mission``.
-
-        Raises
-        ------
-        RefusedError
-            As :meth:`inputs`.
-        """
+        """Text of the two files as they stand, by ``aircraft`` and ``mission``."""
         made = self.inputs(settings)
         head = f"Written by solar-uav {__version__} explore from"
         return {

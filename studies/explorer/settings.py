@@ -19,16 +19,8 @@ _MAXIMUM_SHOWN = 60
 class Refusal:
     """A field that is refused, in words.
 
-    Attributes
-    ----------
-    field : str
-        Its key.
-    value : Any
-        What was given, shortened.
-    message : str
-        What is wrong.
-    allowed : str
-        What may stand there.
+    ``value``: what was given, shortened. ``message``: what is wrong. ``allowed``: what may stand
+    there.
     """
 
     field: str
@@ -54,12 +46,7 @@ class RefusedError(ValueError):
 class Settings:
     """State of the page.
 
-    Attributes
-    ----------
-    values : mapping
-        Every number by its key.
-    solar : SolarModel
-        Model and correction.
+    ``values``: every number by its key. ``solar``: model and correction.
     """
 
     values: Mapping[str, float]
@@ -79,21 +66,7 @@ class Settings:
 def read_settings(data: object, fields: Mapping[str, Field | Choice]) -> Settings:
     """Check what a page sent; a field that is left out has its first value.
 
-    Parameters
-    ----------
-    data : object
-        Mapping of numbers and names by key, of unknown origin.
-    fields : mapping
-        Fields by key.
-
-    Returns
-    -------
-    Settings
-
-    Raises
-    ------
-    RefusedError
-        With everything that is wrong.
+    ``data``: mapping of numbers and names by key, of unknown origin.
     """
     if not isinstance(data, Mapping):
         raise RefusedError([Refusal("settings", shown(data), "must be an object of values by key")])

@@ -64,13 +64,7 @@ class WorkerEndedError(RuntimeError):
 
 
 class Worker:
-    """The process, started with the first task and kept for the next.
-
-    Parameters
-    ----------
-    longest_s : float
-        Time that a task may take [s].
-    """
+    """The process, started with the first task and kept for the next."""
 
     def __init__(self, longest_s: float = LONGEST_S) -> None:
         self._longest_s = longest_s
@@ -81,24 +75,7 @@ class Worker:
     def run(self, work: Callable[[Any], dict[str, Any]], task: Any) -> dict[str, Any]:
         """Give the process a task, and wait for it.
 
-        Parameters
-        ----------
-        work : callable
-            Function of a module, such as :func:`sizing_record`.
-        task : Any
-            Its argument.
-
-        Returns
-        -------
-        dict
-            What it returns, or ``error``: why it cannot.
-
-        Raises
-        ------
-        WorkerBusyError
-            If another thread is at it.
-        WorkerEndedError
-            If :meth:`end` was called meanwhile, or the time was up.
+        Returns what it returns, or ``error``: why it cannot.
         """
         if not self._busy.acquire(blocking=False):
             raise WorkerBusyError("another sizing or report is being made; wait, or cancel it")
@@ -154,14 +131,7 @@ def _serve(pipe: Connection) -> None:
 def report_page(task: ReportTask) -> dict[str, Any]:
     """Report in this process.
 
-    Parameters
-    ----------
-    task : ReportTask
-
-    Returns
-    -------
-    dict
-        ``text``: the page, HTML that needs no other file.
+    Returns ``text``: the page, HTML that needs no other file.
     """
     from studies.report.document import render
     from studies.report.subject import Subject
@@ -172,22 +142,10 @@ def report_page(task: ReportTask) -> dict[str, Any]:
 def sizing_record(task: SizingTask) -> dict[str, Any]:
     """Size in this process.
 
-    Parameters
-    ----------
-    task : SizingTask
-
-    Returns
-    -------
-    dict
-        ``feasible``, ``status``, ``headline`` and ``text`` (what the command line prints);
-        ``record``, what ``solar-uav size --json`` prints; ``limits``, ``missed`` and
-        ``relaxations`` in words, each with its ``label``; ``values``, the optimum by the keys of
-        the page, and its ``worst_scenario``; both null without an optimum.
-
-    Raises
-    ------
-    ValueError
-        For what cannot be sized at all, such as a scenario without sun.
+    Returns ``feasible``, ``status``, ``headline`` and ``text`` (what the command line prints);
+    ``record``, what ``solar-uav size --json`` prints; ``limits``, ``missed`` and ``relaxations`` in
+    words, each with its ``label``; ``values``, the optimum by the keys of the page, and its
+    ``worst_scenario``; both null without an optimum.
     """
     from sizing.results.sizing import size
 

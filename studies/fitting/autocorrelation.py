@@ -20,17 +20,7 @@ def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float
     (1954), Biometrika 41, 390-402). That is added back. The time is at least that of the process of
     first order that the correlations of the next two bins belong to.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (bin,)
-    run : ndarray of int, shape (bin,)
-        Pairs across the ends of stretches do not count.
-    unknown : int
-        Number of values that were fitted.
-
-    Returns
-    -------
-    float
+    ``run``: pairs across the ends of stretches do not count.
     """
     count = len(residual)
     raw = _autocorrelation(residual, run)
@@ -53,17 +43,8 @@ def _mixed_time(raw: FloatArray, lost: float) -> float:
 
     Its correlations are ``r_1 rho^(lag - 1)``, their sum ``1 + 2 r_1/(1 - rho)``.
 
-    Parameters
-    ----------
-    raw : ndarray, shape (lag,)
-        Estimated correlations.
-    lost : float
-        What the fit has taken away of each, which is added back [-].
-
-    Returns
-    -------
-    float
-        In bins, at least 1.
+    ``lost``: what the fit has taken away of each, which is added back [-]. Returns in bins, at
+    least 1.
     """
     first, second = ((float(value) + lost) / (1.0 + lost) for value in raw[:2])
     if first <= 0.0:

@@ -164,25 +164,8 @@ def calibrate(
 ) -> Calibration:
     """Make a parametric aircraft whose mass, level power and module power are the measured ones.
 
-    Parameters
-    ----------
-    measured : Document
-        File of a measured aircraft.
-    technology : Document
-        File of a parametric one: models of structure, drag and propulsion, masses of avionics and
-        the rest, design space.
-    sources : mapping, optional
-        Checksums for the provenance.
-
-    Returns
-    -------
-    Calibration
-
-    Raises
-    ------
-    InputError
-        If a file is wrong or of the other kind, or a factor lies outside the catalogue's range; the
-        message names all that do.
+    ``technology``: file of a parametric one: models of structure, drag and propulsion, masses of
+    avionics and the rest, design space.
     """
     built, models = validate(measured, Aircraft), validate(technology, Aircraft)
     _check_kinds(measured, technology, built, models)

@@ -41,15 +41,9 @@ _AT_END = 1e-6  # of the range of the search
 class Fitted:
     """A parameter that was fitted.
 
-    Attributes
-    ----------
-    parameter : FitParameter
-    before, value : float
-        That of the file, and that of the fit.
-    standard_error : float
-        Of the measurement's scatter and of the light's uncertainty together.
-    low, high : float
-        Ends of the confidence interval.
+    ``before``, ``value``: that of the file, and that of the fit. ``standard_error``: of the
+    measurement's scatter and of the light's uncertainty together. ``low``, ``high``: ends of the
+    confidence interval.
     """
 
     parameter: FitParameter
@@ -78,19 +72,9 @@ class Held:
 class Estimate:
     """Fit of one channel.
 
-    Attributes
-    ----------
-    channel : Channel
-    fitted : tuple of Fitted
-    held : tuple of Held
-    covariance : ndarray, shape (parameter, parameter)
-        Of the fitted parameters.
-    singular_values : ndarray, shape (parameter,)
-        Of the Jacobian of the fitted parameters with columns of unit length.
-    independent : float
-        Residuals that are independent in effect.
-    before, after : ndarray, shape (bin,)
-        Residuals with the file's values and with the fitted ones.
+    ``covariance``: of the fitted parameters. ``singular_values``: of the Jacobian of the fitted
+    parameters with columns of unit length. ``independent``: residuals that are independent in
+    effect. ``before``, ``after``: residuals with the file's values and with the fitted ones.
     """
 
     channel: Channel
@@ -166,21 +150,10 @@ def estimate(
 ) -> Estimate:
     """Fit parameters to a channel, as many of them as it can tell apart.
 
-    Parameters
-    ----------
-    channel : Channel
-        What was measured.
-    aircraft : Aircraft
-        Start, and the values of what is not fitted.
-    parameters : tuple of FitParameter
-        What is asked for; of those that cannot be told apart the later ones are held.
-    light_sigma : float
-        Standard uncertainty of the light of the sky, relative [-]: one factor for the whole
-        flight, which no fit of this channel can tell from the modules.
-
-    Returns
-    -------
-    Estimate
+    ``aircraft``: start, and the values of what is not fitted. ``parameters``: what is asked for; of
+    those that cannot be told apart the later ones are held. ``light_sigma``: standard uncertainty
+    of the light of the sky, relative [-]: one factor for the whole flight, which no fit of this
+    channel can tell from the modules.
     """
     problem = _Problem(channel, aircraft, parameters)
     held: list[Held] = []

@@ -28,23 +28,7 @@ def fitted_document(
 ) -> Document:
     """Aircraft's document with the fitted values, how they scatter, and where they come from.
 
-    Parameters
-    ----------
-    document : Document
-        What was fitted from.
-    fit : FlightFit
-    sources : mapping
-        Values of :class:`missions.provenance.Provenance`: ``log``, ``mission`` and checksums.
-
-    Returns
-    -------
-    Document
-        Its ``uncertainty`` has the standard errors, so that what is computed from it scatters.
-
-    Raises
-    ------
-    InputError
-        If a fitted value is not one that the file may have.
+    Returns its ``uncertainty`` has the standard errors, so that what is computed from it scatters.
     """
     values: dict[str, Any] = {
         one.parameter.key: _digits(one.value, one.standard_error) for one in fit.fitted
@@ -100,40 +84,14 @@ def scatter_of(one: Fitted) -> dict[str, Any]:
 
 
 def renamed(name: str, what: str) -> str:
-    """Name of an aircraft that was made of another one.
-
-    Parameters
-    ----------
-    name : str
-        Of the other one.
-    what : str
-        What was done.
-
-    Returns
-    -------
-    str
-    """
+    """Name of an aircraft that was made of another one."""
     return name if name.endswith(f"-{what}") else f"{name[:_MOST_OF_A_NAME]}-{what}"
 
 
 def provenance(
     document: Document, command: str, sources: Mapping[str, str | None]
 ) -> dict[str, Any]:
-    """Where a file comes from, as its block says it.
-
-    Parameters
-    ----------
-    document : Document
-        What it was made of.
-    command : str
-        That made it.
-    sources : mapping
-        Further files and checksums.
-
-    Returns
-    -------
-    dict
-    """
+    """Where a file comes from, as its block says it."""
     known = {key: printable(value) for key, value in sources.items() if value is not None}
     return {
         "tool": f"solar-uav {__version__} {command}",
@@ -149,19 +107,7 @@ def _digits(value: float, standard_error: float) -> float:
 
 
 def file_text(document: Document, told: Sequence[str]) -> str:
-    """Text of a file, with comments above that say where its numbers come from.
-
-    Parameters
-    ----------
-    document : Document
-        With its provenance.
-    told : sequence of str
-        Lines for people.
-
-    Returns
-    -------
-    str
-    """
+    """Text of a file, with comments above that say where its numbers come from."""
     block = document.data["provenance"]
     origin = f"# Written by {block['tool']} on {block['date']} from {block['aircraft']}"
     comments = [origin, *(f"# {printable(line)}" for line in told)]

@@ -21,22 +21,11 @@ _MPPT_LOADS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 1.0)
 class FitParameter:
     """A number of the aircraft's file that a flight log may tell.
 
-    Attributes
-    ----------
-    name : str
-        As the command line and results have it.
-    key : str
-        In the aircraft's file.
-    label, unit : str
-        For people.
-    channel : {"solar", "load", "charge"}
-        Measurement that it follows from.
-    lowest, highest : float
-        Ends of the search: limits of physics, or of what has been built.
-    known : float
-        Half-width of what is taken as known before the flight, relative to the value; absolute
-        where ``absolute``. An interval that is wider says nothing new: assumption.
-    absolute : bool
+    ``name``: as the command line and results have it. ``key``: in the aircraft's file. ``channel``:
+    measurement that it follows from. ``lowest``, ``highest``: ends of the search: limits of
+    physics, or of what has been built. ``known``: half-width of what is taken as known before the
+    flight, relative to the value; absolute where ``absolute``. An interval that is wider says
+    nothing new: assumption.
     """
 
     name: str
@@ -61,19 +50,7 @@ class FitParameter:
         return self.known if self.absolute else self.known * abs(value)
 
     def applied(self, aircraft: Aircraft, value: float) -> Aircraft:
-        """Aircraft with another value, not validated.
-
-        Parameters
-        ----------
-        aircraft : Aircraft
-            What is changed.
-        value : float
-            In the parameter's unit.
-
-        Returns
-        -------
-        Aircraft
-        """
+        """Aircraft with another value, not validated."""
         changed = replaced(aircraft, self.key.split("."), value)
         if self.name != MPPT:
             return changed
@@ -130,22 +107,7 @@ def power_name(aircraft: Aircraft) -> str:
 def chosen(names: tuple[str, ...], aircraft: Aircraft) -> tuple[FitParameter, ...]:
     """Parameters by their names.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Those of :data:`PARAMETERS`; none for :func:`default_names`.
-    aircraft : Aircraft
-        Must have their keys.
-
-    Returns
-    -------
-    tuple of FitParameter
-        In the order of their names, each once.
-
-    Raises
-    ------
-    ValueError
-        For a name that is none, or a key that the aircraft does not have.
+    Returns in the order of their names, each once.
     """
     found = []
     for name in dict.fromkeys(names or default_names(aircraft)):
@@ -168,19 +130,7 @@ def _check_efficiency(one: FitParameter, aircraft: Aircraft) -> None:
 
 
 def scaled_mppt(aircraft: Aircraft, factor: float) -> MpptTable:
-    """Curve of the MPPT that the Full Model reads, times a factor; not validated.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Its own curve, or the shipped one.
-    factor : float
-        On the efficiency [-].
-
-    Returns
-    -------
-    MpptTable
-    """
+    """Curve of the MPPT that the Full Model reads, times a factor; not validated."""
     modules = aircraft.modules
     loads = _MPPT_LOADS if modules.mppt is None else modules.mppt.relative_load
     efficiency = modules.mppt_efficiency_at(loads)
@@ -191,17 +141,7 @@ def scaled_mppt(aircraft: Aircraft, factor: float) -> MpptTable:
 
 
 def rounded(value: float, standard_error: float) -> float:
-    """Value with as many digits as its standard error warrants: two of that one.
-
-    Parameters
-    ----------
-    value, standard_error : float
-        Of one unit.
-
-    Returns
-    -------
-    float
-    """
+    """Value with as many digits as its standard error warrants: two of that one."""
     if not 0.0 < standard_error < math.inf:
         return value
     return round(value, 1 - math.floor(math.log10(standard_error)))

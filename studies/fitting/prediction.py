@@ -40,17 +40,11 @@ _EMPTY = 0.02  # state of charge at the end of a log that counts as a flight to 
 class Course:
     """Charge of a flight, and when it was empty.
 
-    Attributes
-    ----------
-    hours, charge : ndarray
-        After the start of the log [h], and state of charge [-].
-    minimum_charge : float
-        Least charge after the peak of the first 24 hours [-].
-    empty_h : float or None
-        Hours from the start to the empty battery; None where the sun is up before.
-    falls_h, lit_h : float
-        Hours from the last full battery, or the start, to the least charge, and those of them with
-        the sun up: what gusts and haze add up over.
+    ``hours``, ``charge``: after the start of the log [h], and state of charge [-].
+    ``minimum_charge``: least charge after the peak of the first 24 hours [-]. ``empty_h``: hours
+    from the start to the empty battery; None where the sun is up before. ``falls_h``, ``lit_h``:
+    hours from the last full battery, or the start, to the least charge, and those of them with the
+    sun up: what gusts and haze add up over.
     """
 
     hours: FloatArray

@@ -28,18 +28,10 @@ if TYPE_CHECKING:
 class Errors:
     """Errors of a flight: standard deviations, and times over which they last.
 
-    Attributes
-    ----------
-    light : float
-        Of the sky of the whole flight, relative [-].
-    haze, haze_h : float
-        Of passing haze, relative [-], and how long it lasts [h].
-    gust_w, gust_h : float
-        Of the load [W, h].
-    sensor_w : float
-        Of the power and load sensors, from sample to sample [W].
-    gauge, gauge_h : float
-        Of the state of charge [-, h].
+    ``light``: of the sky of the whole flight, relative [-]. ``haze``, ``haze_h``: of passing haze,
+    relative [-], and how long it lasts [h]. ``gust_w``, ``gust_h``: of the load [W, h].
+    ``sensor_w``: of the power and load sensors, from sample to sample [W]. ``gauge``, ``gauge_h``:
+    of the state of charge [-, h].
     """
 
     light: float = 0.03
@@ -82,21 +74,7 @@ class Flown:
 
 
 def fly(aircraft: Aircraft, mission: Mission, flight: Flight) -> Flown:
-    """Fly an aircraft that is as its file says, and write down what the instruments would.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        The truth, with module geometry.
-    mission : Mission
-        Place, air, wind and path.
-    flight : Flight
-        When and how long, and its errors.
-
-    Returns
-    -------
-    Flown
-    """
+    """Fly an aircraft that is as its file says, and write down what the instruments would."""
     rng, errors = np.random.default_rng(flight.seed), flight.errors
     settings = Settings(
         start_utc_s=flight.start_utc_s,

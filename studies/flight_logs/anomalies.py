@@ -45,19 +45,7 @@ _SIGMA_OF_MAD = 1.4826
 
 
 def other_anomalies(view: LogView, limited: BoolArray) -> list[Anomaly]:
-    """All but limited charging; those that compare with the Full Model need it.
-
-    Parameters
-    ----------
-    view : LogView
-        The flight.
-    limited : ndarray of bool
-        Samples with limited charging, which no rule judges.
-
-    Returns
-    -------
-    list of Anomaly
-    """
+    """All but limited charging; those that compare with the Full Model need it."""
     found = _missing(view)
     if view.samples.detail is None:
         return found

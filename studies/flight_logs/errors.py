@@ -40,13 +40,7 @@ class Window:
 
 
 def parse_window(text: str) -> Window:
-    """Read a window ``5.71:5.79``, or ``2015-07-01@5.71:5.79`` of one day.
-
-    Raises
-    ------
-    ValueError
-        If the text is no such window.
-    """
+    """Read a window ``5.71:5.79``, or ``2015-07-01@5.71:5.79`` of one day."""
     match = _WINDOW.fullmatch(text.strip())
     form = "a:b in solar hours, for instance 5.71:5.79 or 2015-07-01@5.71:5.79"
     if match is None:
@@ -101,20 +95,7 @@ def moving_average(
 
     Towards the ends of a run the window is cut, not mirrored.
 
-    Parameters
-    ----------
-    values : ndarray
-        What is averaged.
-    run : ndarray of int
-        Number of each sample's run, ascending.
-    time_s : ndarray
-        Times [s], ascending.
-    semi_s : float
-        Time on either side [s]; samples at its very end count.
-
-    Returns
-    -------
-    ndarray
+    ``semi_s``: time on either side [s]; samples at its very end count.
     """
     reach = semi_s + _TOLERANCE_S
     low = np.maximum(
@@ -137,36 +118,12 @@ def day_masks(samples: Samples) -> Iterator[tuple[str, BoolArray]]:
 
 
 def used_runs(samples: Samples, used: BoolArray) -> IntArray:
-    """Runs of the samples that are used, numbered anew where others were left out.
-
-    Parameters
-    ----------
-    samples : Samples
-        All samples.
-    used : ndarray of bool
-        Those that are used.
-
-    Returns
-    -------
-    ndarray of int
-    """
+    """Runs of the samples that are used, numbered anew where others were left out."""
     return numbered_runs(np.flatnonzero(used), samples.run[used])
 
 
 def in_window(samples: Samples, window: Window) -> BoolArray:
-    """Samples that lie in a window.
-
-    Parameters
-    ----------
-    samples : Samples
-        All samples.
-    window : Window
-        Period of solar time.
-
-    Returns
-    -------
-    ndarray of bool
-    """
+    """Samples that lie in a window."""
     hours = samples.time_solar_h
     inside = (hours >= window.start_h) & (hours <= window.end_h)
     if window.day is not None:
@@ -196,20 +153,8 @@ def sections(
 ) -> tuple[Section, ...]:
     """Errors of all models in several parts of a log.
 
-    Parameters
-    ----------
-    samples : Samples
-        Measured and modelled power.
-    excluded : ndarray of bool
-        Samples that are left out of the errors.
-    filter_s : float
-        Time on either side in the moving average [s].
-    masks : iterable of (str, ndarray of bool)
-        Name of every part, and which samples are its own.
-
-    Returns
-    -------
-    tuple of Section
+    ``filter_s``: time on either side in the moving average [s]. ``masks``: name of every part, and
+    which samples are its own.
     """
     used = ~excluded
     run = used_runs(samples, used)

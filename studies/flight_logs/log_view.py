@@ -57,18 +57,7 @@ class LogView:
     def of(cls, log: FlightLog, samples: Samples, aircraft: Aircraft) -> LogView:
         """Level the model: a constant bias of it is an error to report, not an anomaly.
 
-        Parameters
-        ----------
-        log : FlightLog
-            The flight.
-        samples : Samples
-            Its samples with the sun up, and all models on them.
-        aircraft : Aircraft
-            Its modules give the rated power.
-
-        Returns
-        -------
-        LogView
+        ``samples``: its samples with the sun up, and all models on them.
         """
         modules = aircraft.modules
         model = samples.modelled_w.get("FM", samples.modelled_w["CAM"])
@@ -83,19 +72,7 @@ class LogView:
         return cls(log, samples, level * model, rated, log.step_s)
 
     def smooth(self, values: FloatArray, seconds: float) -> FloatArray:
-        """Moving average over so many seconds to either side.
-
-        Parameters
-        ----------
-        values : ndarray
-            A value for each sample.
-        seconds : float
-            Time on either side [s].
-
-        Returns
-        -------
-        ndarray
-        """
+        """Moving average over so many seconds to either side."""
         return moving_average(values, self.samples.run, self.samples.time_s, seconds)
 
     def logged(self, values: FloatArray | None) -> FloatArray | None:
@@ -118,20 +95,8 @@ class LogView:
     ) -> Anomaly:
         """Anomaly over a period of samples.
 
-        Parameters
-        ----------
-        kind, severity : str
-            What it is, and how bad.
-        period : Period
-            From its first to its last sample.
-        evidence : str
-            What gives it away, for people.
-        affected_s, lost_wh : float
-            Time of the affected samples [s], and the energy missing in them [Wh].
-
-        Returns
-        -------
-        Anomaly
+        ``affected_s``, ``lost_wh``: time of the affected samples [s], and the energy missing in
+        them [Wh].
         """
         start, end = (float(self.samples.time_s[place]) for place in period)
         return Anomaly(kind, start, end, severity, evidence, affected_s, lost_wh)
@@ -145,16 +110,8 @@ class LogView:
 def severity_of(share: float, minor: float, factor: float = 5.0) -> Severity:
     """Severity by a share.
 
-    Parameters
-    ----------
-    share, minor : float
-        Share that is judged, and that below which it is minor [-].
-    factor : float
-        From so many times the latter on it is major.
-
-    Returns
-    -------
-    str
+    ``share``, ``minor``: share that is judged, and that below which it is minor [-]. ``factor``:
+    from so many times the latter on it is major.
     """
     if share < minor:
         return "minor"
@@ -173,21 +130,7 @@ class Period(NamedTuple):
 
 
 def clusters(flagged: BoolArray, time_s: FloatArray, merge_s: float) -> list[Period]:
-    """Join flagged samples.
-
-    Parameters
-    ----------
-    flagged : ndarray of bool
-        Samples.
-    time_s : ndarray
-        Their times [s].
-    merge_s : float
-        Largest distance within one cluster [s].
-
-    Returns
-    -------
-    list of Period
-    """
+    """Join flagged samples."""
     places = np.flatnonzero(flagged)
     if not len(places):
         return []
@@ -198,19 +141,7 @@ def clusters(flagged: BoolArray, time_s: FloatArray, merge_s: float) -> list[Per
 
 
 def mask_of(count: int, period: Period) -> BoolArray:
-    """Mark a period among so many samples.
-
-    Parameters
-    ----------
-    count : int
-        Number of samples.
-    period : Period
-        Those that are marked.
-
-    Returns
-    -------
-    ndarray of bool
-    """
+    """Mark a period among so many samples."""
     mask = np.zeros(count, bool)
     mask[period.slice()] = True
     return mask

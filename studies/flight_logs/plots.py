@@ -87,20 +87,7 @@ Draw: TypeAlias = "Callable[[Axes, _View], None]"
 def figures(
     result: Verification, *, figure: FigureOptions = DEFAULT
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Functions that draw all windows and days, each with a name for its file.
-
-    Parameters
-    ----------
-    result : Verification
-        What is drawn.
-    figure : FigureOptions
-        How they look.
-
-    Yields
-    ------
-    name : str
-    draw : callable
-    """
+    """Functions that draw all windows and days, each with a name for its file."""
     for number in range(len(result.windows)):
         yield f"window-{number + 1}", partial(window_figure, result, number, figure=figure)
     for section, (date, mask) in zip(result.days, day_masks(result.samples), strict=True):
@@ -111,18 +98,7 @@ def figures(
 def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
     """Power, attitude, efficiencies, shade and MPPT voltage in one window.
 
-    Parameters
-    ----------
-    result : Verification
-        What is drawn.
-    number : int
-        Which of its windows, from 0.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
+    ``figure``: how the figure looks, or one that is drawn on.
     """
     section = result.windows[number]
     view = _view(result, result.window_masks[number], result.window_filter_s, attitude=True)
@@ -135,20 +111,7 @@ def day_figure(
 ) -> Figure:
     """The same over a day (UTC), the windows as grey patches.
 
-    Parameters
-    ----------
-    result : Verification
-        What is drawn.
-    section : Section
-        One of its days.
-    mask : ndarray of bool
-        Samples of that day.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
+    ``figure``: how the figure looks, or one that is drawn on.
     """
     view = _view(result, mask, result.day_filter_s, attitude=False)
     hours, _ = _hours(result.samples, mask)

@@ -64,25 +64,12 @@ class Detail:
 class Samples:
     """Samples of a log with the sun above the horizon, and all models on them.
 
-    Attributes
-    ----------
-    index : ndarray of int
-        Their places in the log.
-    time_s, time_solar_h : ndarray
-        Universal time [s since 1970] and true solar time [h].
-    solar_day : ndarray of int
-        Day by local solar time, days since 1970-01-01.
-    run : ndarray of int
-        Number of the uninterrupted stretch; neither gap nor night lies within one.
-    elevation_deg, bearing_deg : ndarray
-        The sun's elevation, and its bearing from the nose, clockwise, 0 to 360; the latter zero
-        without attitude.
-    measured_w : ndarray
-        Measured power.
-    modelled_w : mapping
-        Power of each model that could be computed.
-    detail : Detail or None
-        More of the Full Model, if that could be computed.
+    ``index``: their places in the log. ``time_s``, ``time_solar_h``: universal time [s since 1970]
+    and true solar time [h]. ``solar_day``: day by local solar time, days since 1970-01-01. ``run``:
+    number of the uninterrupted stretch; neither gap nor night lies within one. ``elevation_deg``,
+    ``bearing_deg``: the sun's elevation, and its bearing from the nose, clockwise, 0 to 360; the
+    latter zero without attitude. ``modelled_w``: power of each model that could be computed.
+    ``detail``: more of the Full Model, if that could be computed.
     """
 
     index: IntArray
@@ -105,19 +92,7 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
 
 
 def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry | None, list[str]]:
-    """Module geometry if VM and FM can be computed, else why they cannot.
-
-    Parameters
-    ----------
-    log : FlightLog
-        Must have the attitude.
-    aircraft : Aircraft
-        Must have module surfaces.
-
-    Returns
-    -------
-    tuple of (ModuleGeometry or None) and list of str
-    """
+    """Module geometry if VM and FM can be computed, else why they cannot."""
     without = "VM and FM are not computed"
     if log.attitude is None:
         return None, [f"{without}: the log has no attitude (roll_deg, pitch_deg, yaw_deg)"]
@@ -129,19 +104,7 @@ def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry 
 def tail_shading(
     aircraft: Aircraft, geometry: ModuleGeometry
 ) -> tuple[ShadedArea | None, str | None]:
-    """Shading by the aircraft's tail, or why it is left out.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Must have a tail.
-    geometry : ModuleGeometry
-        Its surfaces, which must have outlines.
-
-    Returns
-    -------
-    tuple of (callable or None) and (str or None)
-    """
+    """Shading by the aircraft's tail, or why it is left out."""
     tail = aircraft.modules.tail
     if tail is None:
         return None, f"shading is not modelled: {aircraft.name} has no modules.tail"
@@ -159,27 +122,8 @@ def lit_samples(
 ) -> tuple[Samples, list[str]]:
     """Sunlit samples with all models on them, and where their temperatures are from.
 
-    Parameters
-    ----------
-    log : FlightLog
-        The flight.
-    aircraft : Aircraft
-        Its modules.
-    mission : Mission
-        Clearness, and temperatures that the log does not have.
-    geometry : ModuleGeometry, optional
-        Surfaces for VM and FM; without, only CDM and CAM are computed.
-    shade : callable, optional
-        Shaded area of every surface.
-
-    Returns
-    -------
-    tuple of Samples and list of str
-
-    Raises
-    ------
-    InputError
-        If the sun never rises in the log.
+    ``mission``: clearness, and temperatures that the log does not have. ``geometry``: surfaces for
+    VM and FM; without, only CDM and CAM are computed.
     """
     sun = sun_position(log.time_s, log.latitude_deg, log.longitude_deg)
     index = np.flatnonzero(sun.elevation_rad > 0.0)
@@ -293,16 +237,7 @@ def _solar_day(log: FlightLog, index: IntArray, time_solar_h: FloatArray) -> Int
 def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
     """Number stretches of consecutive places within one segment.
 
-    Parameters
-    ----------
-    index : ndarray of int
-        Places in the log, ascending.
-    segment : ndarray of int
-        Number of the segment between gaps that each belongs to.
-
-    Returns
-    -------
-    ndarray of int
+    ``segment``: number of the segment between gaps that each belongs to.
     """
     breaks = (np.diff(index) > 1) | (np.diff(segment) > 0)
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)

@@ -52,18 +52,10 @@ class Fault(NamedTuple):
 class Faults:
     """What to put into a log; periods are hours since its start.
 
-    Attributes
-    ----------
-    mppt : tuple of float, optional
-        The MPPT loses the maximum power point while the irradiance is below 250 W/m2.
-    battery_full : tuple of float, optional
-        Power is limited to load and a dwindling charge, with the charge near full.
-    missing : tuple of float, optional
-        No rows.
-    shading : ShadedArea, optional
-        Direct light is lost on the area that this function says is shaded.
-    side_bias : tuple of (side, float), optional
-        Power is lower by this share with the sun on that side of the nose.
+    ``mppt``: the MPPT loses the maximum power point while the irradiance is below 250 W/m2.
+    ``battery_full``: power is limited to load and a dwindling charge, with the charge near full.
+    ``shading``: direct light is lost on the area that this function says is shaded. ``side_bias``:
+    power is lower by this share with the sun on that side of the nose.
     """
 
     mppt: Period | None = None
@@ -111,23 +103,7 @@ class SyntheticLog:
 def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> SyntheticLog:
     """Fly a loiter circle by the clock and write down what the instruments would.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Aircraft with module geometry.
-    mission : Mission
-        Position, altitude, air and wind; its flight path if it is a circle.
-    settings : Settings
-        Length, rate, noise and faults.
-
-    Returns
-    -------
-    SyntheticLog
-
-    Raises
-    ------
-    ValueError
-        If the aircraft has no module geometry.
+    ``mission``: position, altitude, air and wind; its flight path if it is a circle.
     """
     if aircraft.modules.geometry is None:
         raise ValueError(f"{aircraft.name} has no module geometry, so there is no Full Model of it")

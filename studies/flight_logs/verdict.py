@@ -16,18 +16,8 @@ AGREES_PERCENT, SCATTER_PERCENT = 3.0, 6.0
 def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float) -> str:
     """What a model is worth on this flight.
 
-    Parameters
-    ----------
-    model : str
-        Its name.
-    errors : ModelErrors or None
-        Errors over the whole log; None if no sample counts.
-    filter_s : float
-        Time to either side in the average before the RMS [s].
-
-    Returns
-    -------
-    str
+    ``errors``: errors over the whole log; None if no sample counts. ``filter_s``: time to either
+    side in the average before the RMS [s].
     """
     if errors is None:
         return f"{model}: nothing to compare, no sample counts"
@@ -52,17 +42,7 @@ def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float
 def log_sentences(found: Alignment, *, corrected: bool) -> Iterator[tuple[str, bool]]:
     """What the power says of the log itself, and whether it is an error.
 
-    Parameters
-    ----------
-    found : Alignment
-        Estimates.
-    corrected : bool
-        Whether the models are compared with the corrected log.
-
-    Yields
-    ------
-    text : str
-    wrong : bool
+    ``corrected``: whether the models are compared with the corrected log.
     """
     how = "compared as corrected" if corrected else "compared as logged"
     if found.power_unit != "W":

@@ -152,30 +152,7 @@ def prepare(
 ) -> MapStudy:
     """Check a map and divide it into chunks.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What flies.
-    mission : Mission
-        In which air and with which load.
-    latitudes : array_like
-        Latitudes [deg], north positive, ascending.
-    days : array_like
-        Days of year from 1 to 365, ascending.
-    solar : SolarModel
-        Model and correction.
-    endurance : bool
-        Whether the longest flight is searched as well.
-
-    Returns
-    -------
-    MapStudy
-        Chunks of the map, and how their results become a dataset.
-
-    Raises
-    ------
-    ValueError
-        If a number is out of what is allowed, or the model lacks surfaces or a flight path.
+    Returns chunks of the map, and how their results become a dataset.
     """
     grid = Grid.of(latitudes, days)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
@@ -246,19 +223,8 @@ def map_block(
     A cell does not depend on the others to its last digit: maps may be computed in parts of any
     size and put together.
 
-    Parameters
-    ----------
-    aircraft, mission, solar
-        What flies, in which air, with which load, and by which solar power model.
-    latitudes_deg, days : array_like
-        Latitudes [deg] and days of year.
-    endurance : bool, optional
-        Also the longest flight.
-
-    Returns
-    -------
-    dict of ndarray, shape (latitude, day)
-        The variables of :func:`feasibility_map`.
+    ``aircraft``, ``mission``, ``solar``: what flies, in which air, with which load, and by which
+    solar power model. Returns the variables of :func:`feasibility_map`.
     """
     grid = np.meshgrid(np.asarray(latitudes_deg, float), np.asarray(days, int), indexing="ij")
     latitude, day = (v.ravel() for v in grid)

@@ -53,21 +53,7 @@ class Grid:
     def of(cls, latitudes: ArrayLike, days: ArrayLike) -> Grid:
         """Check a grid.
 
-        Parameters
-        ----------
-        latitudes : array_like
-            Latitudes [deg], north positive, from -90 to 90.
-        days : array_like
-            Days of year, whole numbers from 1 to 365.
-
-        Returns
-        -------
-        Grid
-
-        Raises
-        ------
-        ValueError
-            If one of them is empty, not ascending or out of its range.
+        ``days``: days of year, whole numbers from 1 to 365.
         """
         north = np.atleast_1d(np.asarray(latitudes, float))
         date = np.atleast_1d(np.asarray(days, float))
@@ -95,17 +81,8 @@ class Grid:
     def laid_out(self, job: Job, outcome: Outcome) -> dict[str, NDArray[Any]]:
         """Columns of an outcome, shape ``(latitude, day)``.
 
-        Parameters
-        ----------
-        job : Job
-            What was computed, with the latitude [deg] and day of its cells.
-        outcome : Outcome
-            Columns in the order of the job's cells.
-
-        Returns
-        -------
-        dict of ndarray, shape (latitude, day)
-            By the names of the columns.
+        ``job``: what was computed, with the latitude [deg] and day of its cells. Returns by the
+        names of the columns.
         """
         cells = np.array(job.cells)
         row = np.searchsorted(self.latitudes_deg, cells[:, 0])
@@ -127,18 +104,10 @@ class Grid:
 class MapStudy:
     """A checked map, ready to be computed.
 
-    Attributes
-    ----------
-    job : Job
-        Its configuration has an aircraft, a mission and a solar model.
-    described : mapping
-        Unit and long name of every variable.
-    flags : type of IntEnum
-        What ``status`` may be.
-    attributes : mapping
-        Attributes of the result that other maps do not have.
-    extrapolated : callable or None
-        What lies outside the range of a model, of the columns laid out.
+    ``job``: its configuration has an aircraft, a mission and a solar model. ``described``: unit and
+    long name of every variable. ``flags``: what ``status`` may be. ``attributes``: attributes of
+    the result that other maps do not have. ``extrapolated``: what lies outside the range of a
+    model, of the columns laid out.
     """
 
     job: Job
@@ -171,24 +140,8 @@ class MapStudy:
 def cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> float:
     """Time that the solar power of a cell takes, roughly [s].
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What flies.
-    mission : Mission
-        In which air and with which load.
-    solar : SolarModel
-        Model and correction; those that follow the flight path take longer.
-
-    Returns
-    -------
-    float
-        Time on one core [s].
-
-    Raises
-    ------
-    ValueError
-        If the model needs a flight path or module surfaces that are not there.
+    ``solar``: model and correction; those that follow the flight path take longer. Returns time on
+    one core [s].
     """
     if solar.model not in ATTITUDE_MODELS and solar.correction != "loiter":
         return _CELL_S

@@ -125,30 +125,9 @@ def prepare(
 ) -> MapStudy:
     """Check a map and divide it into chunks.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What is sized, a parametric one.
-    mission : Mission
-        In which air and with which load, and the excess time that is required.
-    objective : str or Objective
-        What is as large or as small as possible.
-    latitudes : array_like
-        Latitudes [deg], north positive, ascending.
-    days : array_like
-        Days of year from 1 to 365, ascending.
-    solar : SolarModel
-        Model and correction.
-
-    Returns
-    -------
-    MapStudy
-        Chunks of the map, and how their results become a dataset.
-
-    Raises
-    ------
-    ValueError
-        If a name or a number is out of what is allowed, or the aircraft is measured.
+    ``mission``: in which air and with which load, and the excess time that is required.
+    ``objective``: what is as large or as small as possible. Returns chunks of the map, and how
+    their results become a dataset.
     """
     asked = resize_objective(objective)
     if isinstance(aircraft.airframe, MeasuredAirframe):

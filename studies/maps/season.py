@@ -41,17 +41,8 @@ class Season:
 def season_of(perpetual: Flags, latitude_deg: float) -> Season:
     """Season from a flag for each day of the year; the solstice is that of the hemisphere.
 
-    Parameters
-    ----------
-    perpetual : ndarray of bool, shape (365,)
-        Whether the flight is perpetual on each day of the year.
-    latitude_deg : float
-        Latitude [deg], north positive.
-
-    Returns
-    -------
-    Season
-        Days in all, and of the window around the summer solstice.
+    ``perpetual``: whether the flight is perpetual on each day of the year. Returns days in all, and
+    of the window around the summer solstice.
     """
     total = int(perpetual.sum())
     if total == DAYS_PER_YEAR:
@@ -71,21 +62,8 @@ def perpetual_flags(
 ) -> dict[SolarModel, Flags]:
     """For each model, on which of the 365 days of the year the aircraft can fly perpetually.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What flies.
-    mission : Mission
-        In which air and with which load.
-    latitude_deg : float
-        Latitude [deg], north positive, instead of the mission's own.
-    models : sequence of SolarModel
-        Models and corrections.
-
-    Returns
-    -------
-    dict
-        For each model an array of bool, shape ``(365,)``.
+    ``latitude_deg``: latitude [deg], north positive, instead of the mission's own. Returns for each
+    model an array of bool, shape ``(365,)``.
     """
     known: dict[int, tuple[bool, ...]] = {}
 

@@ -23,27 +23,16 @@ _MANY_NIGHTS = 10
 class Prediction:
     """What a model says of an aircraft in its worst scenario on a mission.
 
-    Attributes
-    ----------
-    scenario, latitude_deg, day_of_year
-        The worst scenario: its label, latitude [deg] and day.
-    several_scenarios : bool
-        Whether the mission has others.
-    status : Status
-        How the cycle of the worst scenario ends.
-    excess_time_h, excess_time_low_h, excess_time_high_h : float
-        Excess time [h], infinite where it is unlimited, and the same with the solar power one RMS
-        error of the model lower and higher.
-    minimum_state_of_charge : float
-        Of the cycle [-].
-    charge_margin_h, endurance_h : float
-        Charge margin, and endurance from the best launch [h]; infinite where unlimited.
-    nights : int
-        Nights that the longest flight survives.
-    polar_day, enough_sun : bool
-        Whether the sun does not set, and whether solar power rises above the load at any time.
-    solar_energy_wh, mean_solar_energy_wh : float
-        Solar energy of a day: of the worst scenario, and the mean of all [Wh].
+    ``scenario``, ``latitude_deg``, ``day_of_year``: the worst scenario: its label, latitude [deg]
+    and day. ``several_scenarios``: whether the mission has others. ``status``: how the cycle of the
+    worst scenario ends. ``excess_time_h``, ``excess_time_low_h``, ``excess_time_high_h``: excess
+    time [h], infinite where it is unlimited, and the same with the solar power one RMS error of the
+    model lower and higher. ``minimum_state_of_charge``: of the cycle [-]. ``charge_margin_h``,
+    ``endurance_h``: charge margin, and endurance from the best launch [h]; infinite where
+    unlimited. ``nights``: nights that the longest flight survives. ``polar_day``, ``enough_sun``:
+    whether the sun does not set, and whether solar power rises above the load at any time.
+    ``solar_energy_wh``, ``mean_solar_energy_wh``: solar energy of a day: of the worst scenario, and
+    the mean of all [Wh].
     """
 
     scenario: str
@@ -121,16 +110,7 @@ class Prediction:
 def predict(simulate: Callable[[SolarDay], Performance], day: SolarDay) -> Prediction:
     """Judge an aircraft by its worst scenario.
 
-    Parameters
-    ----------
-    simulate : callable
-        Performance of the aircraft under the sun of some scenarios.
-    day : SolarDay
-        Sun in all scenarios of the mission.
-
-    Returns
-    -------
-    Prediction
+    ``simulate``: performance of the aircraft under the sun of some scenarios.
     """
     perf = simulate(day)
     worst = perf.worst_scenario()
@@ -165,17 +145,9 @@ def predict(simulate: Callable[[SolarDay], Performance], day: SolarDay) -> Predi
 def nights_survived(launch_h: float, endurance_h: float, morning_h: float) -> int:
     """Nights within a flight, each flown from midnight or before to the morning's equal power.
 
-    Parameters
-    ----------
-    launch_h, morning_h : float
-        Solar times [h]; the flight starts on the day from 0 to 24 h. Without a morning of equal
-        power (NaN) no night ends.
-    endurance_h : float
-        Length of the flight [h]; of an unlimited one no nights are counted.
-
-    Returns
-    -------
-    int
+    ``launch_h``, ``morning_h``: solar times [h]; the flight starts on the day from 0 to 24 h.
+    Without a morning of equal power (NaN) no night ends. ``endurance_h``: length of the flight [h];
+    of an unlimited one no nights are counted.
     """
     if not np.all(np.isfinite([endurance_h, morning_h])):
         return 0
@@ -183,19 +155,7 @@ def nights_survived(launch_h: float, endurance_h: float, morning_h: float) -> in
 
 
 def duration(hours: float, day: str = " days") -> str:
-    """Length of a flight: hours up to three days, then days with two significant digits.
-
-    Parameters
-    ----------
-    hours : float
-        Length [h]; infinite if longer than a year.
-    day : str
-        Unit of days, with a space before it.
-
-    Returns
-    -------
-    str
-    """
+    """Length of a flight: hours up to three days, then days with two significant digits."""
     if not np.isfinite(hours):
         return "more than a year"
     return f"{hours:.1f} h" if hours < 72.0 else f"{float(f'{hours / 24.0:.1e}'):g}{day}"

@@ -16,34 +16,12 @@ BEST_WITHOUT_PATH = SolarModel("CAM", "report")
 
 
 def attitude_is_known(aircraft: Aircraft, mission: Mission) -> bool:
-    """Whether VM, FM and the loiter correction have what they need.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Needs surfaces in ``modules.geometry``.
-    mission : Mission
-        Needs a ``flight_path``.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether VM, FM and the loiter correction have what they need."""
     return aircraft.modules.geometry is not None and mission.flight_path is not None
 
 
 def reference_model(aircraft: Aircraft, mission: Mission) -> SolarModel:
-    """Model that comes closest to the truth.
-
-    Parameters
-    ----------
-    aircraft, mission
-        Decide whether the Full Model can be computed.
-
-    Returns
-    -------
-    SolarModel
-    """
+    """Model that comes closest to the truth."""
     return BEST if attitude_is_known(aircraft, mission) else BEST_WITHOUT_PATH
 
 
@@ -57,25 +35,9 @@ def combinations(
 
     FM corrected by the loiter is FM corrected by its measured error, and counts as that.
 
-    Parameters
-    ----------
-    models : iterable of str or SolarModel, optional
-        Names of models, all by default; a :class:`SolarModel` stands for itself, with its own
-        correction.
-    corrections : iterable of str, optional
-        Names of corrections, all by default.
-    attitude : bool
-        Whether the attitude is known. Without, what needs it is left out where nothing is named,
-        and refused where it is.
-
-    Returns
-    -------
-    list of SolarModel
-
-    Raises
-    ------
-    ValueError
-        If a name does not exist, or needs an attitude that is not known.
+    ``models``: names of models, all by default; a :class:`SolarModel` stands for itself, with its
+    own correction. ``attitude``: whether the attitude is known. Without, what needs it is left out
+    where nothing is named, and refused where it is.
     """
     models = None if models is None else list(models)
     corrections = None if corrections is None else list(corrections)

@@ -52,24 +52,8 @@ def transferred_errors(
 ) -> list[TransferredError]:
     """Errors of CDM and CAM over latitudes, days and winds; polar nights are left out.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Needs module surfaces.
-    mission : Mission
-        Needs a flight path.
-    latitudes_deg, days, winds_m_per_s : sequence of numbers
-        Latitudes [deg], days of the year and wind speeds [m/s], each with each.
-
-    Returns
-    -------
-    list of TransferredError
-
-    Raises
-    ------
-    ValueError
-        If the aircraft has no module geometry, the mission no flight path, or the wind is too
-        strong for it.
+    ``latitudes_deg``, ``days``, ``winds_m_per_s``: latitudes [deg], days of the year and wind
+    speeds [m/s], each with each.
     """
     time_h = day_axis_h(_STEP_H)
     grid = [(lat, day) for lat in latitudes_deg for day in days]

@@ -108,21 +108,9 @@ def draw_cells(
 ) -> QuadMesh:
     """Colour cells by their value.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    x, y : ndarray
-        Centres of the columns and rows of cells, ascending.
-    values : ndarray, shape (y, x)
-        NaN stays blank, infinity has a colour beyond the top of the scale.
-    norm : Normalize
-        Ends of the scale, for instance of :func:`finite_range`.
-
-    Returns
-    -------
-    QuadMesh
-        The cells, for :func:`draw_colour_bar`.
+    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``values``: naN stays blank,
+    infinity has a colour beyond the top of the scale. Returns the cells, for
+    :func:`draw_colour_bar`.
     """
     low, high = _ends(norm)
     shown = np.where(np.isposinf(values), high + (high - low), values)
@@ -141,16 +129,7 @@ def draw_colour_bar(
 ) -> None:
     """Draw the scale of :func:`draw_cells`.
 
-    Parameters
-    ----------
-    figure, axes
-        Figure, and axes beside which the scale stands.
-    mesh : QuadMesh
-        Cells of :func:`draw_cells`.
-    label : str
-        Quantity with its unit.
-    unlimited : bool
-        Whether there are infinite values, to which the tip of the scale belongs.
+    ``unlimited``: whether there are infinite values, to which the tip of the scale belongs.
     """
     bar = figure.colorbar(mesh, ax=axes, extend="max" if unlimited else "neither")
     bar.set_label(f"{label}; tip: unlimited" if unlimited else label)
@@ -166,23 +145,9 @@ def hatch_cells(
 ) -> list[Patch]:
     """Hatch cells by their status.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    x, y : ndarray
-        Centres of the columns and rows of cells, ascending.
-    status : ndarray, shape (y, x)
-        Status of each cell.
-    hatches : mapping
-        Hatch of each status, in the language of matplotlib; an empty one is filled with grey.
-    names : mapping
-        Name of each status in the legend.
-
-    Returns
-    -------
-    list of Patch
-        Entries of a legend, for those statuses that occur.
+    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``hatches``: hatch of each
+    status, in the language of matplotlib; an empty one is filled with grey. Returns entries of a
+    legend, for those statuses that occur.
     """
     across, up = cell_edges(x), cell_edges(y)
     entries = []
@@ -217,20 +182,9 @@ def _area(marked: NDArray[np.bool_], across: FloatArray, up: FloatArray) -> Path
 def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> list[Patch]:
     """Hatch the cells that have no result by the reason why.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    x, y : ndarray
-        Centres of the columns and rows of cells, ascending.
-    data : xarray.Dataset
-        With the status of each cell, over y and x, and the requirement that no design meets where
-        aircraft are sized.
-
-    Returns
-    -------
-    list of Patch
-        Entries of a legend, for the reasons that occur.
+    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``data``: with the status of
+    each cell, over y and x, and the requirement that no design meets where aircraft are sized.
+    Returns entries of a legend, for the reasons that occur.
     """
     names = status_names(data)
     status = data["status"].to_numpy()
@@ -250,14 +204,7 @@ def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> lis
 def requirement_label(name: str) -> str:
     """Requirement that no design meets, in words.
 
-    Parameters
-    ----------
-    name : str
-        As a sizing calls it, for instance ``energy_balance`` or ``wing_loading_maximum``.
-
-    Returns
-    -------
-    str
+    ``name``: as a sizing calls it, for instance ``energy_balance`` or ``wing_loading_maximum``.
     """
     if name in _REQUIREMENTS:
         return _REQUIREMENTS[name]
@@ -278,18 +225,9 @@ def draw_level_lines(
 ) -> None:
     """Draw labelled lines of equal value between neighbouring cells that have a value.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    x, y : ndarray
-        Centres of the columns and rows of cells, ascending.
-    values : ndarray, shape (y, x)
-        No line leads from a cell with a value to one without (NaN).
-    norm : Normalize
-        Scale of the colours: panels that share it have the same lines.
-    at_most : int
-        Number of lines that is not exceeded.
+    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``values``: no line leads
+    from a cell with a value to one without (NaN). ``norm``: scale of the colours: panels that share
+    it have the same lines.
     """
     if min(values.shape) < 2 or np.isfinite(values).sum() <= 3:
         return

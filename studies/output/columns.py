@@ -102,13 +102,7 @@ DESCRIBED: dict[str, tuple[str, str]] = {
 
 
 def resize_objective(name: str | Objective) -> Objective:
-    """Objective that every cell of a map and every point of a trade study can have.
-
-    Raises
-    ------
-    ValueError
-        If the name is none of them.
-    """
+    """Objective that every cell of a map and every point of a trade study can have."""
     if name not in RESIZE_NAMES:
         raise ValueError(f"unknown objective {str(name)!r}; allowed: {', '.join(RESIZE_NAMES)}")
     return Objective(name)
@@ -122,21 +116,8 @@ def variables(
 ) -> dict[str, Labelled]:
     """Variables of a dataset, with CF attributes.
 
-    Parameters
-    ----------
-    dims : tuple of str
-        Dimensions of all columns.
-    columns : mapping of ndarray
-        Values by name; what is not described is left out.
-    described : mapping
-        Unit and long name of every variable.
-    flags : type of IntEnum
-        What the variable ``status`` may be.
-
-    Returns
-    -------
-    dict of Labelled
-        By name; :class:`xarray.Dataset` takes them as well.
+    ``columns``: values by name; what is not described is left out. Returns by name;
+    :class:`xarray.Dataset` takes them as well.
     """
     found: dict[str, Labelled] = {}
     for name, (unit, text) in described.items():
@@ -155,21 +136,7 @@ def attributes(
 ) -> dict[str, Any]:
     """Attributes of a dataset: everything that it was computed from.
 
-    Parameters
-    ----------
-    title : str
-        What was computed.
-    aircraft : Aircraft
-        Kept as JSON.
-    mission : Mission
-        Kept as JSON.
-    solar : SolarModel
-        Model and correction.
-
-    Returns
-    -------
-    dict
-        Texts by name, those of CF among them.
+    Returns texts by name, those of CF among them.
     """
     return {
         "Conventions": "CF-1.11",
@@ -188,19 +155,7 @@ def failed_cells(
 ) -> dict[str, str]:
     """Attribute that says which cells failed, and why; none where none did.
 
-    Parameters
-    ----------
-    cells : sequence of tuple
-        All cells: numbers, or names.
-    failures : mapping
-        Reasons by the number of the cell.
-    names : sequence of str
-        What the numbers of a cell are.
-
-    Returns
-    -------
-    dict
-        The attribute ``failed_cells``, one line for each cell, or nothing.
+    Returns the attribute ``failed_cells``, one line for each cell, or nothing.
     """
     if not failures:
         return {}
@@ -233,18 +188,7 @@ def told_of_cells(
 ) -> tuple[Extrapolation, ...]:
     """What the cells or points of a study tell, each quantity once with its worst value.
 
-    Parameters
-    ----------
-    columns : mapping of ndarray
-        With the status and the text of every cell.
-    described : sequence of int
-        Statuses of the cells that have a result.
-    what : str
-        What they are, in the plural.
-
-    Returns
-    -------
-    tuple of Extrapolation
+    ``columns``: with the status and the text of every cell.
     """
     known = np.isin(columns["status"], described)
     texts = np.asarray(columns["extrapolations"])[known]

@@ -45,19 +45,7 @@ def _told(reader: Callable[[str], Any]) -> Callable[[str], Any]:
 def figure_of_arguments(
     parser: argparse.ArgumentParser, given: argparse.Namespace
 ) -> FigureOptions:
-    """What the options of :func:`add_figure_arguments` ask for.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Tells what is wrong.
-    given : Namespace
-        What it parsed.
-
-    Returns
-    -------
-    FigureOptions
-    """
+    """What the options of :func:`add_figure_arguments` ask for."""
     try:
         return FigureOptions(
             given.figure_size, given.dpi, given.style or "default", not given.no_title
@@ -75,19 +63,9 @@ def write_figure(
 ) -> int:
     """Write the figure to the file that ``--out`` names; the exit code is 1 where it cannot.
 
-    Parameters
-    ----------
-    draw : callable
-        Makes the image in a format, ``png``, ``svg`` or ``pdf``, as the options ask for.
-    arguments : list of str, optional
-        Arguments of the command line, by default those of the process.
-    prog, description : str
-        Name and purpose of the command, for its help.
-
-    Returns
-    -------
-    int
-        Exit code.
+    ``draw``: makes the image in a format, ``png``, ``svg`` or ``pdf``, as the options ask for.
+    ``arguments``: arguments of the command line, by default those of the process. ``prog``,
+    ``description``: name and purpose of the command, for its help.
     """
     parser = argparse.ArgumentParser(prog=prog, description=description)
     parser.add_argument("--out", required=True, type=Path, help="PNG, SVG or PDF file to write")

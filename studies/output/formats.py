@@ -46,27 +46,7 @@ def missing_writer(file_format: str | None) -> str | None:
 
 
 def table_bytes(table: pd.DataFrame, path: str | None, *, title: str = "table") -> bytes:
-    """Table without its index in the format that the name of its file asks for.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-    path : str or None
-        Of one of :data:`TABLE_FORMATS`; anything else gives CSV.
-    title : str
-        Name of the sheet of a workbook.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    ImportError
-        For a format whose library is not installed.
-    OutputError
-        For a table with more rows than a sheet of Excel has.
-    """
+    """Table without its index in the format that the name of its file asks for."""
     file_format = None if path is None else table_format(path)
     if file_format == "xlsx":
         return workbook_bytes({title: table})
@@ -78,24 +58,7 @@ def table_bytes(table: pd.DataFrame, path: str | None, *, title: str = "table") 
 
 
 def workbook_bytes(tables: Mapping[str, pd.DataFrame]) -> bytes:
-    """Tables as the sheets of an Excel workbook; text stays text, whatever it begins with.
-
-    Parameters
-    ----------
-    tables : mapping
-        Tables by the names of their sheets.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    ImportError
-        Without xlsxwriter.
-    OutputError
-        For a table with more rows than a sheet of Excel has.
-    """
+    """Tables as the sheets of an Excel workbook; text stays text, whatever it begins with."""
     import pandas as pd
 
     from missions.files.writing import OutputError  # help texts import this module alone

@@ -95,17 +95,8 @@ def can_be_result(
 ) -> Callable[[Mapping[str, Any]], bool]:
     """Check of columns that an earlier run is said to have kept.
 
-    Parameters
-    ----------
-    statuses : enumeration
-        What ``status`` may be.
-    computed : collection of that enumeration
-        With which of them the excess time is a number.
-
-    Returns
-    -------
-    callable
-        Whether columns can be what a computation without failures gives.
+    ``computed``: with which of them the excess time is a number. Returns whether columns can be
+    what a computation without failures gives.
     """
 
     def check(columns: Mapping[str, Any]) -> bool:

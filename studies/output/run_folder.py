@@ -64,17 +64,7 @@ class InputFile:
 
 @dataclass(frozen=True)
 class RunInputs:
-    """What a command computed from.
-
-    Parameters
-    ----------
-    aircraft, mission : mapping
-        Content of the files with overrides applied.
-    solar : SolarModel
-        Model and correction that were chosen.
-    files : mapping
-        The files themselves, by what they are.
-    """
+    """What a command computed from."""
 
     aircraft: Mapping[str, Any]
     mission: Mapping[str, Any]
@@ -97,13 +87,7 @@ class RunFolder:
 
     @classmethod
     def at(cls, path: str) -> RunFolder | None:
-        """Read a folder of results; None where the path is not one.
-
-        Raises
-        ------
-        InputError
-            If its ``run.json`` is not the record of a run.
-        """
+        """Read a folder of results; None where the path is not one."""
         folder = Path(path)
         if not os.path.isfile(folder / RUN):  # noqa: PTH113 - takes any text for a path
             return None
@@ -142,24 +126,9 @@ def write_run_folder(
 
     Existing files of these names are replaced; what an earlier run wrote besides is removed.
 
-    Parameters
-    ----------
-    folder : Path
-        Made if need be.
-    inputs : RunInputs
-        What the command computed from, or made: a sized aircraft.
-    record : JSON-ready
-        Content of ``results.json``.
-    extra : mapping
-        Further files, such as tables, by name.
-    figures : mapping
-        Functions that draw figures, by the names of their files. What one of them raises is raised
-        again when everything else is written.
-
-    Raises
-    ------
-    OutputError
-        If the folder cannot be written.
+    ``inputs``: what the command computed from, or made: a sized aircraft. ``figures``: functions
+    that draw figures, by the names of their files. What one of them raises is raised again when
+    everything else is written.
     """
     aircraft, named = _with_named_files(inputs.aircraft)
     files = dict(inputs.files)
@@ -247,20 +216,7 @@ def _content(path: Path) -> bytes:
 
 
 def run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, Any]:
-    """What ``run.json`` tells of a run, except for the files that it wrote.
-
-    Parameters
-    ----------
-    solar : SolarModel
-        Model and correction.
-    files : mapping
-        Files that went in, by what they are.
-
-    Returns
-    -------
-    dict
-        JSON-ready.
-    """
+    """What ``run.json`` tells of a run, except for the files that it wrote."""
     return {
         "command": shlex.join(["solar-uav", *sys.argv[1:]]),
         **software_record(),

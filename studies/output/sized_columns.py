@@ -114,17 +114,7 @@ def sized_flight(
 ) -> Performance | None:
     """Fly the best design of a single cell.
 
-    Parameters
-    ----------
-    aircraft, mission, objective, solar
-        As for :func:`size_cells`.
-    cell : (float, int)
-        Latitude [deg] and day of year.
-
-    Returns
-    -------
-    Performance or None
-        None where there is no design.
+    None where there is no design.
     """
     scenario = Scenarios(np.array([cell[0]]), np.array([cell[1]]))
     problems = _programs(aircraft)

@@ -30,18 +30,8 @@ _NOT_OF_A_RECORD = ("launch", "clearness", "required_excess_time_h")
 def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
     """What a folder of results keeps: the sized aircraft, on the mission that it was sized for.
 
-    Parameters
-    ----------
-    study : SizingStudy
-        With an optimum.
-    inputs : RunInputs
-        What was sized.
-
-    Returns
-    -------
-    RunInputs
-        Analysed, they give the excess time of the sizing: the mission has the payload that the
-        optimum carries, and the range of days or latitudes that it covers.
+    Returns analysed, they give the excess time of the sizing: the mission has the payload that the
+    optimum carries, and the range of days or latitudes that it covers.
     """
     mission = _at_the_site(_on_range(inputs.mission, study.coverage), study)
     carried = study.sized_mission().payload
@@ -82,15 +72,7 @@ def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[
 def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
     """Tables of an optimum, by the names of their files.
 
-    Parameters
-    ----------
-    study : SizingStudy
-        With an optimum.
-
-    Returns
-    -------
-    dict
-        Contents of the files.
+    Returns contents of the files.
     """
     contents = {
         "scenarios.csv": csv_bytes(study.scenarios()),
@@ -111,17 +93,7 @@ def sizing_figures(
 
     Sensitivities, where there are any, come as a tornado plot.
 
-    Parameters
-    ----------
-    study : SizingStudy
-        With an optimum.
-    figure : FigureOptions
-        How the figures look.
-
-    Returns
-    -------
-    dict
-        Functions that return the contents of the files.
+    Returns functions that return the contents of the files.
     """
     result, worth, solar = study.result, study.sensitivities, study.solar
     assert result.design is not None

@@ -32,12 +32,7 @@ def line_width() -> int:
 
 
 def show(shown: Result | Summary | Table) -> None:
-    """Print a result, a summary or a table to standard output, as wide as the terminal is.
-
-    Parameters
-    ----------
-    shown : Result, Summary or Table
-    """
+    """Print a result, a summary or a table to standard output, as wide as the terminal is."""
     from sizing.results.tables import Result
 
     summary = shown.summary() if isinstance(shown, Result) else shown
@@ -46,14 +41,7 @@ def show(shown: Result | Summary | Table) -> None:
 
 
 def tell_line(text: str, emphasis: Emphasis = "plain") -> None:
-    """Print a line with its emphasis, which only terminals show.
-
-    Parameters
-    ----------
-    text : str
-    emphasis : str
-        ``plain``, ``strong``, ``faint`` or ``warning``.
-    """
+    """Print a line with its emphasis, which only terminals show."""
     styles = {} if "NO_COLOR" in os.environ else _STYLES[emphasis]
     click.echo(click.style(_printable(text), **styles) if styles and text else _printable(text))
 

@@ -43,21 +43,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Bars:
-    """Amounts that add up, as a table with a bar each.
-
-    Parameters
-    ----------
-    title : str
-        Caption.
-    unit : str
-    form : str
-        Format of the amounts.
-    rows : sequence of (label, amount)
-    total : str
-        Label of the sum; empty for none.
-    note : str
-        Line below.
-    """
+    """Amounts that add up, as a table with a bar each."""
 
     title: str
     unit: str
@@ -127,15 +113,7 @@ Block: TypeAlias = "Text | Items | Figure | Bars | Strip | Listing | Tables"
 
 @dataclass(frozen=True)
 class Section:
-    """A section under a heading.
-
-    Parameters
-    ----------
-    key : str
-        Its id on the page.
-    title : str
-    blocks : sequence of Block
-    """
+    """A section under a heading."""
 
     key: str
     title: str

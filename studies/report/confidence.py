@@ -118,18 +118,7 @@ def inputs_section(subject: Subject) -> Section:
 
 
 def provenance_section(subject: Subject, run: dict[str, Any]) -> Section:
-    """Command line, software and files that the report was made from.
-
-    Parameters
-    ----------
-    subject : Subject
-    run : dict
-        As ``run.json`` has it.
-
-    Returns
-    -------
-    Section
-    """
+    """Command line, software and files that the report was made from."""
     solar = subject.solar
     made = [
         ("date (UTC)", run["date_utc"].replace("T", " ").removesuffix("+00:00")),

@@ -127,13 +127,7 @@ def _as_file(described: Aircraft | Mission) -> dict[str, Any]:
 
 
 def render(subject: Subject) -> str:
-    """Page of a subject.
-
-    Raises
-    ------
-    InputError, ValueError, ImpossibleDesignError
-        As :func:`make_report`.
-    """
+    """Page of a subject."""
     run = run_record(subject.solar, subject.inputs.files)
     if sys.argv[:1] and not sys.argv[0].endswith("solar-uav"):
         run["command"] = shlex.join(["python", *sys.argv]) if sys.argv[0] else "python"

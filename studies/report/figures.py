@@ -49,19 +49,7 @@ _DRAWN_WHITE = re.compile(r"(stroke:\s*)#ffffff", re.IGNORECASE)
 
 
 def page_options(width_in: float, height_in: float | None = None) -> FigureOptions:
-    """How a figure is drawn for a page: without a title, which is left to the caption.
-
-    Parameters
-    ----------
-    width_in : float
-        Width [in].
-    height_in : float, optional
-        Height [in], by default what the content takes.
-
-    Returns
-    -------
-    FigureOptions
-    """
+    """How a figure is drawn for a page: without a title, which is left to the caption."""
     style = resources.files("studies.report").joinpath("templates", "page.mplstyle")
     return FigureOptions(
         size_in=(width_in, height_in),
@@ -72,21 +60,7 @@ def page_options(width_in: float, height_in: float | None = None) -> FigureOptio
 
 
 def figure_markup(figure: Figure, *, title: str, description: str, key: str) -> str:
-    """Make a figure an element of a page.
-
-    Parameters
-    ----------
-    figure : Figure
-        Drawn with :func:`page_options`.
-    title, description : str
-        What a screen reader reads.
-    key : str
-        Beginning of the ids, unique on the page.
-
-    Returns
-    -------
-    str
-    """
+    """Make a figure an element of a page."""
     _rasterise_cells(figure)
     buffer = io.BytesIO()
     figure.savefig(
@@ -106,21 +80,7 @@ def _rasterise_cells(figure: Figure) -> None:
 
 
 def inline_svg(svg: bytes, *, title: str, description: str, key: str) -> str:
-    """Make a drawing of matplotlib's part of a page.
-
-    Parameters
-    ----------
-    svg : bytes
-        As matplotlib writes it.
-    title, description : str
-        What a screen reader reads.
-    key : str
-        Beginning of the ids, unique on the page.
-
-    Returns
-    -------
-    str
-    """
+    """Make a drawing of matplotlib's part of a page."""
     root = ElementTree.fromstring(svg)
     for parent in root.iter():
         for child in list(parent):

@@ -43,18 +43,7 @@ _ON_CELLS = "#111111"
 def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block]:
     """Blocks of a result's own summary.
 
-    Parameters
-    ----------
-    summary : Summary
-        As a terminal shows it.
-    title : str
-        Of tables that have none.
-    skip : int
-        Blocks at its beginning that the page has already.
-
-    Returns
-    -------
-    list of Block
+    ``skip``: blocks at its beginning that the page has already.
     """
     looks = {"strong": "plain", "faint": "faint", "warning": "warning", "plain": "plain"}
     found: list[Block] = []

@@ -41,26 +41,14 @@ class Rectangle(NamedTuple):
 class Drawing:
     """What is drawn of an aircraft; positions are from the leading edge of the wing root [m].
 
-    Attributes
-    ----------
-    wingspan_m, chord_m, thickness_ratio : float
-        Wing, a rectangle, and its section.
-    incidence_deg : float
-        Pitch of the chord line to the body [deg].
-    dihedral_deg, dihedral_from_m : float
-        Rise of the outer wing, and where it begins.
-    spar_m : float
-        Spar behind the leading edge.
-    modules : tuple of Rectangle
-        Solar modules on the wing.
-    tail : TailGeometry
-        Tail planes and the height of the boom.
-    nose_m, pod_m, pod_depth_m, boom_m : float
-        Nose ahead of the leading edge, length and depth of the pod, diameter of the boom.
-    schematic : frozenset of str
-        Parts that no model has numbers for: ``modules``, ``tail``, ``spar``, ``section``, ``pod``.
-    notes : tuple of str
-        Where every part comes from.
+    ``wingspan_m``, ``chord_m``, ``thickness_ratio``: wing, a rectangle, and its section.
+    ``incidence_deg``: pitch of the chord line to the body [deg]. ``dihedral_deg``,
+    ``dihedral_from_m``: rise of the outer wing, and where it begins. ``spar_m``: spar behind the
+    leading edge. ``modules``: solar modules on the wing. ``tail``: tail planes and the height of
+    the boom. ``nose_m``, ``pod_m``, ``pod_depth_m``, ``boom_m``: nose ahead of the leading edge,
+    length and depth of the pod, diameter of the boom. ``schematic``: parts that no model has
+    numbers for: ``modules``, ``tail``, ``spar``, ``section``, ``pod``. ``notes``: where every part
+    comes from.
     """
 
     wingspan_m: float

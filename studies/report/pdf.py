@@ -25,20 +25,7 @@ def has_weasyprint() -> bool:
 def to_pdf(page: str) -> bytes:
     """Print a report.
 
-    Parameters
-    ----------
-    page : str
-        As :func:`studies.make_report` makes it.
-
-    Returns
-    -------
-    bytes
-        A4, with an outline.
-
-    Raises
-    ------
-    ImportError
-        Without WeasyPrint, which the extra ``report`` brings.
+    Returns a4, with an outline.
     """
     if not has_weasyprint():
         raise ImportError(MISSING)

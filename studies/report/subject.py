@@ -33,24 +33,12 @@ _MOST_LATITUDES = 3
 class Subject:
     """What a report is about; results are computed when a section asks for them.
 
-    Attributes
-    ----------
-    aircraft, mission, solar
-        What is reported on, and by which solar power model.
-    inputs : RunInputs
-        Files as they went in.
-    sizing : mapping or None
-        Record of the sizing that the aircraft came from.
-    verification : Verification or None
-        Models against a flight log; the report is then about that.
-    weather_record : Weather or None
-        Record to fly through.
-    with_uncertainty : bool or None
-        Whether inputs scatter; None where aircraft or mission has uncertain inputs.
-    overrides : tuple of str
-        Values that replaced those of the files, as ``--set`` has them.
-    mission_is_default : bool
-        Whether nobody chose the mission.
+    ``aircraft``, ``mission``, ``solar``: what is reported on, and by which solar power model.
+    ``inputs``: files as they went in. ``sizing``: record of the sizing that the aircraft came from.
+    ``verification``: models against a flight log; the report is then about that.
+    ``weather_record``: record to fly through. ``with_uncertainty``: whether inputs scatter; None
+    where aircraft or mission has uncertain inputs. ``overrides``: values that replaced those of the
+    files, as ``--set`` has them. ``mission_is_default``: whether nobody chose the mission.
     """
 
     aircraft: Aircraft

@@ -18,18 +18,7 @@ def element(
 ) -> str:
     """Write an SVG element.
 
-    Parameters
-    ----------
-    name : str
-        Its tag.
-    content : str
-        What it holds, as markup already.
-    attributes : mapping, optional
-        By name; None leaves one out. Texts are escaped.
-
-    Returns
-    -------
-    str
+    ``attributes``: by name; None leaves one out. Texts are escaped.
     """
     written = "".join(
         f' {key}="{html.escape(_text(value))}"'
@@ -48,12 +37,7 @@ def _text(value: str | float) -> str:
 class Canvas:
     """A drawing in pixels, x to the right and y down.
 
-    Parameters
-    ----------
-    width : float
-        Width [px].
-    height : float
-        Height [px]; may be set when everything is drawn.
+    ``height``: height [px]; may be set when everything is drawn.
     """
 
     width: float
@@ -63,43 +47,18 @@ class Canvas:
     def shape(self, points: Iterable[Point], kind: str, *, closed: bool = True) -> None:
         """Draw a polygon, or a line through points.
 
-        Parameters
-        ----------
-        points : iterable of (float, float)
-        kind : str
-            Class, whose looks the page's style sheet gives.
-        closed : bool
-            Whether the last point is joined to the first.
+        ``closed``: whether the last point is joined to the first.
         """
         places = " ".join(f"{_text(x)},{_text(y)}" for x, y in points)
         name = "polygon" if closed else "polyline"
         self.parts.append(element(name, "", {"class": kind, "points": places}))
 
     def line(self, start: Point, end: Point, kind: str) -> None:
-        """Draw a straight line.
-
-        Parameters
-        ----------
-        start, end : (float, float)
-        kind : str
-            Class.
-        """
+        """Draw a straight line."""
         self.shape((start, end), kind, closed=False)
 
     def text(self, place: Point, text: str, kind: str = "label", *, anchor: str = "middle") -> None:
-        """Write a text.
-
-        Parameters
-        ----------
-        place : (float, float)
-            Its anchor on the base line.
-        text : str
-            What is written; escaped here.
-        kind : str
-            Class.
-        anchor : str
-            ``start``, ``middle`` or ``end``.
-        """
+        """Write a text."""
         attributes: dict[str, str | float | None] = {
             "class": kind,
             "x": place[0],
@@ -109,15 +68,7 @@ class Canvas:
         self.parts.append(element("text", html.escape(text), attributes))
 
     def dimension(self, start: Point, end: Point, text: str) -> None:
-        """Draw a dimension, level or upright, with arrows and its text beside it.
-
-        Parameters
-        ----------
-        start, end : (float, float)
-            Ends of the dimension line.
-        text : str
-            Value with its unit.
-        """
+        """Draw a dimension, level or upright, with arrows and its text beside it."""
         (x0, y0), (x1, y1) = start, end
         length = ((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5
         along = ((x1 - x0) / length, (y1 - y0) / length) if length else (1.0, 0.0)
@@ -137,21 +88,7 @@ class Canvas:
         self.shape([tip, *sides], "arrow")
 
     def markup(self, *, title: str, description: str, key: str, classes: Sequence[str]) -> str:
-        """Write the drawing as an element of a page.
-
-        Parameters
-        ----------
-        title, description : str
-            What a screen reader reads.
-        key : str
-            Beginning of the ids, unique on the page.
-        classes : sequence of str
-            Classes of the drawing.
-
-        Returns
-        -------
-        str
-        """
+        """Write the drawing as an element of a page."""
         told = element("title", html.escape(title), {"id": f"{key}-title"})
         told += element("desc", html.escape(description), {"id": f"{key}-desc"})
         attributes: dict[str, str | float | None] = {

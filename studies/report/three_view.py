@@ -42,22 +42,7 @@ class _View:
 def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str) -> str:
     """Three views with dimensions and a scale bar, as SVG.
 
-    Parameters
-    ----------
-    drawing : Drawing
-        What is drawn.
-    name : str
-        Aircraft, for its title.
-    key : str
-        Beginning of the ids, unique on the page.
-    width : float
-        Width of the drawing [px]; texts keep their size.
-    kind : str
-        Class of the drawing besides ``drawing``.
-
-    Returns
-    -------
-    str
+    ``width``: width of the drawing [px]; texts keep their size.
     """
     canvas = Canvas(width)
     ahead = max(drawing.nose_m, 0.0)

@@ -95,16 +95,10 @@ _LABELS = {
 class Axis:
     """A varied key.
 
-    Attributes
-    ----------
-    key : str
-        Key of the aircraft file, or of the mission file behind ``mission.``.
-    values : tuple of float
-        Its values; two ends where only a range was given.
-    is_range : bool
-        Whether the values are the ends of a range and nothing between them was chosen.
-    names : tuple of str
-        Entries of a catalogue, whose places from 0 are then the values; none for numbers.
+    ``key``: key of the aircraft file, or of the mission file behind ``mission.``. ``values``: its
+    values; two ends where only a range was given. ``is_range``: whether the values are the ends of
+    a range and nothing between them was chosen. ``names``: entries of a catalogue, whose places
+    from 0 are then the values; none for numbers.
     """
 
     key: str
@@ -173,13 +167,7 @@ def _short(key: str) -> str:
 
 
 def axes_of(vary: Mapping[str, ArrayLike]) -> list[Axis]:
-    """Axes from values by key, see :func:`studies.sweeps.study.sweep`.
-
-    Raises
-    ------
-    ValueError
-        If a key has no values, a value twice, or one that is no finite number.
-    """
+    """Axes from values by key, see :func:`studies.sweeps.study.sweep`."""
     axes = []
     for key, values in vary.items():
         if key.removeprefix("aircraft.") in NAMED_KEYS:
@@ -202,13 +190,7 @@ def _axis(key: str, values: tuple[float, ...], *, is_range: bool = False) -> Axi
 
 
 def _named_axis(key: str, given: Sequence[str]) -> Axis:
-    """Axis over entries of a catalogue.
-
-    Raises
-    ------
-    ValueError
-        If there is no such entry.
-    """
+    """Axis over entries of a catalogue."""
     full = key.removeprefix("aircraft.")
     names = tuple(name.strip() for name in given)
     allowed = entry_names(NAMED_KEYS[full])
@@ -228,15 +210,7 @@ def _named_axis(key: str, given: Sequence[str]) -> Axis:
 def shown_value(axis: Axis, value: float) -> Any:
     """Value as results have it: a number, or the name at a place; empty for the file's own name.
 
-    Parameters
-    ----------
-    axis : Axis
-    value : float
-        One of its values, or -1 for the file's own name.
-
-    Returns
-    -------
-    float or str
+    ``value``: one of its values, or -1 for the file's own name.
     """
     if not axis.names:
         return value
@@ -249,11 +223,6 @@ def parse_axis(text: str) -> Axis:
     Keys that name an entry of a catalogue take names: ``modules.cell=sunpower-c60,sunpower-e60``.
 
     Steps begin at ``first`` and do not lead beyond ``last``.
-
-    Raises
-    ------
-    ValueError
-        If the text is none of these, or a value is given twice.
     """
     key, equals, values = text.partition("=")
     key = key.strip().removeprefix("aircraft.")
@@ -305,33 +274,10 @@ def points(
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """Points of a study, shape ``(point, axis)``, and the axis each point varies (-1 for all).
 
-    Parameters
-    ----------
-    axes : sequence of Axis
-        What is varied.
-    sample : {"grid", "lhs", "sobol", "one-at-a-time"}
-        All combinations of values; a Latin hypercube or a scrambled Sobol sequence between the
-        least and the largest values; or every value of each axis with the others at the base,
-        behind the base itself.
-    base : sequence of float, optional
-        Values of the files, for ``one-at-a-time``.
-    samples, seed : int
-        Number of drawn points, and where the drawing starts.
-
-    Returns
-    -------
-    points : ndarray, shape (point, axis)
-        Values in the units of the keys.
-    varied : ndarray of int, shape (point,)
-        Axis that a point varies, -1 for all.
-
-    Raises
-    ------
-    ValueError
-        If there are too many points, or a grid's values are missing.
-
-    Notes
-    -----
+    ``sample``: all combinations of values; a Latin hypercube or a scrambled Sobol sequence between
+    the least and the largest values; or every value of each axis with the others at the base,
+    behind the base itself. ``samples``, ``seed``: number of drawn points, and where the drawing
+    starts. Returns values in the units of the keys. Returns axis that a point varies, -1 for all.
     McKay, M. D., Beckman, R. J. and Conover, W. J. (1979), Technometrics 21, 239-245 (Latin
     hypercube); Owen, A. B. (1998), Journal of Complexity 14, 466-489 (scrambled Sobol sequence).
     """

@@ -28,22 +28,6 @@ def to_bytes(data: xr.Dataset, file_format: str) -> bytes:
 
     A CSV file has the configuration as JSON in its first line, behind ``#``; a Parquet file in the
     table's attributes; a workbook in a sheet of its own.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Trade study.
-    file_format : {"nc", "csv", "parquet", "xlsx"}
-        NetCDF, or the points as a table.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    ImportError
-        For Parquet without pyarrow, and Excel without xlsxwriter.
     """
     if file_format == "nc":
         from studies.output.gridded import to_netcdf_bytes

@@ -273,13 +273,7 @@ _LIMITED = {True: "not perpetual"}
 
 
 def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
-    """Each point as a line over the varied keys and the first variable, coloured by the latter.
-
-    Raises
-    ------
-    ValueError
-        If no point has a result.
-    """
+    """Each point as a line over the varied keys and the first variable, coloured by the latter."""
     variable = _variables(data)[0]
     table = to_table(data).assign(good=np.asarray(feasible(data)).ravel())
     table = table[np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])]
@@ -323,13 +317,7 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
 
 
 def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
-    """Range of the first variable over the values of each key, the widest on top.
-
-    Raises
-    ------
-    ValueError
-        If the point of the files has no result, or names are varied.
-    """
+    """Range of the first variable over the values of each key, the widest on top."""
     odd = [str(name) for name in data.coords if name != "varied" and _has_names(data, str(name))]
     if odd:
         raise ValueError(f"{odd[0]} has names: this chart is one of less and more of numbers")

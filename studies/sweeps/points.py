@@ -143,23 +143,8 @@ def varied_files(
 ) -> tuple[Aircraft, Mission]:
     """Aircraft and mission with values put in, checked like files.
 
-    Parameters
-    ----------
-    aircraft, mission : Document
-        Plain data of files, see :func:`plain_data`.
-    keys, values : sequence
-        What is put in; keys of the mission begin with ``mission.``.
-    names : mapping
-        What values of a key stand for, by key; a value below 0 leaves what the file has.
-
-    Returns
-    -------
-    (Aircraft, Mission)
-
-    Raises
-    ------
-    InputError
-        If a key is unknown or a value is not allowed.
+    ``keys``, ``values``: what is put in; keys of the mission begin with ``mission.``. ``names``:
+    what values of a key stand for, by key; a value below 0 leaves what the file has.
     """
     texts = [
         f"{key}={names[key][int(value)] if key in names else _text(value)}"
@@ -202,18 +187,9 @@ def _groups(
 def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
     """Fly the designs of some points; points that differ in design variables alone are a batch.
 
-    Parameters
-    ----------
-    configuration : SweepConfiguration
-        What all points have in common.
-    cells : sequence of tuple of float
-        Values of the varied keys at each point, in the order of ``configuration.keys`` and their
-        units.
-
-    Returns
-    -------
-    dict
-        Values of all points by the names of :data:`BLANKS`, in the units of :data:`DESCRIBED`.
+    ``cells``: values of the varied keys at each point, in the order of ``configuration.keys`` and
+    their units. Returns values of all points by the names of :data:`BLANKS`, in the units of
+    :data:`DESCRIBED`.
     """
     rows: list[dict[str, Any]] = [{} for _ in cells]
     aircraft_file = Document("aircraft", dict(configuration.aircraft))
@@ -347,17 +323,8 @@ def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
 
     Bounds that coincide make the solver take a variable out of the problem.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        A parametric one.
-    variables : mapping
-        Values by the short names of design variables, such as ``wingspan_m``.
-
-    Returns
-    -------
-    Aircraft
-        With these values, and a design space that leaves no choice of them.
+    ``variables``: values by the short names of design variables, such as ``wingspan_m``. Returns
+    with these values, and a design space that leaves no choice of them.
     """
     space: dict[str, Any] = {
         name: Range.model_construct(minimum=value, maximum=value)
@@ -387,19 +354,9 @@ _PLACES = {
 def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
     """Size some points, with what is varied held.
 
-    Parameters
-    ----------
-    configuration : SweepConfiguration
-        What all points have in common.
-    cells : sequence of tuple of float
-        Values of the varied keys at each point, in the order of ``configuration.keys`` and their
-        units.
-
-    Returns
-    -------
-    dict
-        Values of all points by the names of :data:`SIZED_BLANKS`, in the units of
-        :data:`SIZED_DESCRIBED`.
+    ``cells``: values of the varied keys at each point, in the order of ``configuration.keys`` and
+    their units. Returns values of all points by the names of :data:`SIZED_BLANKS`, in the units of
+    :data:`SIZED_DESCRIBED`.
     """
     # The optimiser, for those who size.
     from sizing.optimisation.problem import SizingProblems

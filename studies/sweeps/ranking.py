@@ -47,15 +47,6 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
 
     Points that fly perpetually, or were sized, come first; of these the objective decides, or the
     excess time where nothing was sized. Equal points remain in the order of the study.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Trade study.
-
-    Returns
-    -------
-    (DataFrame, str)
     """
     objective = data.attrs["objective"]
     column = _COLUMN_OF[Objective(objective)] if objective else "excess_time"
@@ -71,21 +62,7 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
 def sorted_by(data: xr.Dataset, key: str) -> tuple[pd.DataFrame, str]:
     """Points of a study in the order of one column, and that order in words.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Trade study.
-    key : str
-        Column of its table, the least first; the largest first with a minus in front.
-
-    Returns
-    -------
-    (DataFrame, str)
-
-    Raises
-    ------
-    ValueError
-        If there is no such column.
+    ``key``: column of its table, the least first; the largest first with a minus in front.
     """
     table = to_table(data)
     column = key.removeprefix("-")
@@ -110,15 +87,7 @@ def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
 
     Less is better in both; NaN is never on the front.
 
-    Parameters
-    ----------
-    x, y : ndarray, shape (point,)
-        Two numbers of each point.
-
-    Returns
-    -------
-    ndarray of bool, shape (point,)
-        Whether a point is on the front; of equal points all are.
+    Returns whether a point is on the front; of equal points all are.
     """
     front: NDArray[np.bool_] = np.isfinite(x) & np.isfinite(y)
     order = np.lexsort((y, x))
@@ -134,24 +103,10 @@ def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
 def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
     """Feasible points, and which of them are on the front over two variables or varied keys.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Trade study.
-    x, y : str
-        Numeric columns of its table; more is better of excess times, margins and payloads, less of
-        everything else.
-
-    Returns
-    -------
-    DataFrame
-        One row for each feasible point, those of the front first, in the order of ``x``; with the
-        columns ``pareto_front`` and ``point``, the names of the front's points: A, B, C, ...
-
-    Raises
-    ------
-    ValueError
-        If a name is none of them.
+    ``x``, ``y``: numeric columns of its table; more is better of excess times, margins and
+    payloads, less of everything else. Returns one row for each feasible point, those of the front
+    first, in the order of ``x``; with the columns ``pareto_front`` and ``point``, the names of the
+    front's points: A, B, C, ...
     """
     table = to_table(data)[np.asarray(feasible(data)).ravel()].copy()
     allowed = [str(n) for n in table.columns if pd.api.types.is_numeric_dtype(table[n])]

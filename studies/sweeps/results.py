@@ -52,20 +52,7 @@ def _counts(data: xr.Dataset) -> dict[str, int]:
 
 
 def front_record(data: xr.Dataset, x: str, y: str) -> dict[str, Any]:
-    """Key ``pareto_front`` of the record: the front's points with their names.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Trade study.
-    x, y : str
-        Columns of its table.
-
-    Returns
-    -------
-    dict
-        JSON-ready.
-    """
+    """Key ``pareto_front`` of the record: the front's points with their names."""
     front = pareto_table(data, x, y)
     rows = front[front["pareto_front"]][
         list(dict.fromkeys(["point", *_varied(data), x, y]))
@@ -83,20 +70,8 @@ def points_summary(
 ) -> Summary:
     """How many points end in which way, and the best of them, or those of a Pareto front.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Trade study.
-    sort : str, optional
-        Column to sort by, see :func:`studies.sweeps.ranking.sorted_by`; the best first without it.
-    top : int
-        Rows that are shown.
-    front : (str, str), optional
-        Columns whose front is shown instead.
-
-    Returns
-    -------
-    Summary
+    ``sort``: column to sort by, see :func:`studies.sweeps.ranking.sorted_by`; the best first
+    without it.
     """
     counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
     count = data["status"].size

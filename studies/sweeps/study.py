@@ -194,34 +194,9 @@ def prepare(
 ) -> Study:
     """Check a trade study and divide it into chunks.
 
-    Parameters
-    ----------
-    aircraft, mission : Aircraft, Mission
-        The files' own values.
-    axes : sequence of Axis
-        What is varied.
-    solar : SolarModel
-        Model and correction.
-    sample : {"grid", "lhs", "sobol", "one-at-a-time"}
-        Which points, see :func:`studies.sweeps.axes.points`.
-    samples, seed : int
-        Number of drawn points, and where the drawing starts.
-    resize : str or Objective, optional
-        Objective that every point is sized for.
-    cover : bool, optional
-        Whether the module area is the largest that the wing takes.
-
-    Returns
-    -------
-    Study
-        Points in chunks, and how their results become a dataset.
-
-    Raises
-    ------
-    InputError
-        If a key or a value is wrong (a ValueError).
-    ValueError
-        If a name is none of those allowed.
+    ``samples``, ``seed``: number of drawn points, and where the drawing starts. ``cover``: whether
+    the module area is the largest that the wing takes. Returns points in chunks, and how their
+    results become a dataset.
     """
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
@@ -445,17 +420,7 @@ def _points_per_chunk(
 def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
     """Columns of a study with their units, on a grid or along the samples.
 
-    Parameters
-    ----------
-    study : Study
-        What was computed.
-    outcome : Outcome
-        Columns in the order of the job's cells.
-
-    Returns
-    -------
-    xarray.Dataset
-        On the varied keys as dimensions for a grid, else on ``sample``.
+    Returns on the varied keys as dimensions for a grid, else on ``sample``.
     """
     import xarray as xr
 

@@ -18,26 +18,13 @@ from sizing.structures.rib_wing import RibWingStructure
 class BuiltAircraft:
     """Published numbers of an aircraft.
 
-    Attributes
-    ----------
-    name : str
-        Name of the aircraft.
-    wingspan_m, aspect_ratio
-        Wing [m, -].
-    total_mass_kg, battery_mass_kg
-        Masses [kg].
-    module_area_m2
-        Area of the solar modules [m2].
-    span_load_kg
-        What lies along the span: modules, and the battery if it is in the wing [kg].
-    lift_coefficient, density_kg_per_m3
-        Level flight [-, kg/m3].
-    level_flight_w : float
-        Published electric power [W]: of propulsion (AtlantikSolar), of all consumers (Sky-Sailor).
-    wing_battery_kg
-        Battery along the span; the rest of it is in the pod [kg].
-    structure_kg : float, optional
-        Published mass of the structure [kg]; none of an aircraft that was not built.
+    ``name``: name of the aircraft. ``wingspan_m``, ``aspect_ratio``: wing [m, -].
+    ``module_area_m2``: area of the solar modules [m2]. ``span_load_kg``: what lies along the span:
+    modules, and the battery if it is in the wing [kg]. ``lift_coefficient``, ``density_kg_per_m3``:
+    level flight [-, kg/m3]. ``level_flight_w``: published electric power [W]: of propulsion
+    (AtlantikSolar), of all consumers (Sky-Sailor). ``wing_battery_kg``: battery along the span; the
+    rest of it is in the pod [kg]. ``structure_kg``: published mass of the structure [kg]; none of
+    an aircraft that was not built.
     """
 
     name: str

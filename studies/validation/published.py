@@ -131,20 +131,7 @@ def published() -> Published:
 
 
 def window_mean_w(model: ModelName, *, corrected: bool) -> float:
-    """Mean power of AS-2's modules over the report's window.
-
-    Parameters
-    ----------
-    model : str
-        CDM or CAM.
-    corrected : bool
-        Whether with the report's correction.
-
-    Returns
-    -------
-    float
-        Power [W].
-    """
+    """Mean power of AS-2's modules over the report's window."""
     time_h = np.linspace(*PERIOD_H, 2001)
     power = horizontal_specific_power(
         47.6,

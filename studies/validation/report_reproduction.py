@@ -75,16 +75,10 @@ class Varied:
 class Reproduction(Result):
     """Computed mean powers beside the report's.
 
-    Attributes
-    ----------
-    aircraft, mission
-        What flew, and where, with everything that the report does not publish.
-    models_w : dict
-        Mean of every model over the whole period [W].
-    windows_w : tuple of float
-        Mean of the Full Model in each window [W].
-    varied : tuple of Varied
-        The same with one assumption changed at a time, if that was asked for.
+    ``aircraft``, ``mission``: what flew, and where, with everything that the report does not
+    publish. ``models_w``: mean of every model over the whole period [W]. ``windows_w``: mean of the
+    Full Model in each window [W]. ``varied``: the same with one assumption changed at a time, if
+    that was asked for.
     """
 
     aircraft: Aircraft
@@ -183,22 +177,7 @@ def reference() -> tuple[Aircraft, Mission]:
 
 
 def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: FloatArray) -> Any:
-    """Solar power of a model on the mission's (single) day.
-
-    Parameters
-    ----------
-    aircraft, mission
-        What flies, and where.
-    model : str
-        CDM, CAM, VM or FM.
-    time_h : ndarray
-        Solar time [h].
-
-    Returns
-    -------
-    ndarray
-        Power [W].
-    """
+    """Solar power of a model on the mission's (single) day."""
     scenarios: Scenarios = mission.scenarios()
     return aircraft.modules.area_m2 * modelled_power(aircraft, mission, model, scenarios, time_h)[0]
 
@@ -206,16 +185,7 @@ def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: Floa
 def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Reproduction:
     """Means of all models over the report's period and of FM in its windows.
 
-    Parameters
-    ----------
-    aircraft, mission
-        What flies, and where; see :func:`reference`.
-    vary : bool
-        Whether to repeat it with one assumption changed at a time.
-
-    Returns
-    -------
-    Reproduction
+    ``vary``: whether to repeat it with one assumption changed at a time.
     """
     period = _axis(*PERIOD_H)
     models = {m: _mean(power_w(aircraft, mission, m, period), period) for m in MODEL_NAMES}
@@ -282,15 +252,7 @@ def assumptions(mission: Mission) -> dict[str, Any]:
 def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Figure:
     """All models over solar time, with the report's windows and the flight's means in them.
 
-    Parameters
-    ----------
-    result : Reproduction
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
+    ``figure``: how the figure looks, or one that is drawn on.
     """
     aircraft, mission, time_h = result.aircraft, result.mission, _axis(4.0, 10.0)
     wind = f"loiter in {mission.wind_m_per_s:g} m/s of easterly wind"

@@ -1,4 +1,4 @@
-"""Public functions of two or more arguments list their parameters and what they return."""
+"""Docstrings for readers: whole ones for what users call and for formulas, a sentence elsewhere."""
 
 from __future__ import annotations
 
@@ -9,36 +9,58 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("solar", "missions", "sizing", "studies")
+# Formulas of the physics, whose shapes, units and sources matter to whoever checks them.
+FORMULAS = (
+    "solar",
+    "missions/air.py",
+    "missions/flight_path.py",
+    "missions/loiter_power.py",
+    "sizing/aerodynamics",
+    "sizing/energy",
+    "sizing/structures",
+)
+SECTION = re.compile(r"^(Parameters|Returns|Raises|Yields|Attributes)\n-{4,}$", re.M)
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
+Definition = Function | ast.ClassDef
 
 
-def public_modules() -> Iterator[Path]:
+def offered_names() -> set[str]:
+    """Names that the packages offer, as ``dir()`` shows them."""
+    trees = (ast.parse((ROOT / p / "__init__.pyi").read_text(encoding="utf-8")) for p in PACKAGES)
+    imports = (
+        node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
+    )
+    return {alias.asname or alias.name for node in imports for alias in node.names}
+
+
+def definitions(body: list[ast.stmt], prefix: str) -> Iterator[tuple[str, Definition]]:
+    """Functions, classes and methods, with their dotted names."""
+    for node in body:
+        if isinstance(node, Definition):
+            yield f"{prefix}.{node.name}", node
+            if isinstance(node, ast.ClassDef):
+                yield from definitions(node.body, f"{prefix}.{node.name}")
+
+
+def all_definitions() -> Iterator[tuple[Path, str, Definition]]:
+    """Every definition: its file, the dotted name and the node."""
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
-            names = path.relative_to(ROOT).with_suffix("").parts
-            if not any(name.startswith("_") and name != "__init__" for name in names):
-                yield path
+            relative = path.relative_to(ROOT)
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            for name, node in definitions(tree.body, ".".join(relative.with_suffix("").parts)):
+                yield relative, name, node
 
 
-def public_functions(body: list[ast.stmt], prefix: str) -> Iterator[tuple[str, Function]]:
-    """Functions and methods of public classes, with their dotted names."""
-    for node in body:
-        if not isinstance(node, Function | ast.ClassDef) or node.name.startswith("_"):
-            continue
-        name = f"{prefix}.{node.name}"
-        if isinstance(node, ast.ClassDef):
-            yield from public_functions(node.body, name)
-        elif not is_exempt(node):
-            yield name, node
+def is_formula(path: Path) -> bool:
+    return path.as_posix().startswith(FORMULAS)
 
 
-def is_exempt(function: Function) -> bool:
-    """Tell whether the terminal's help (click) or another definition (overload) documents it."""
-    decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
-    return any(
-        re.search(r"\b(command|group|option|argument)\(|\boverload\b", text) for text in decorators
-    )
+def is_offered(path: Path, name: str, offered: set[str]) -> bool:
+    """Whether a name, or the class that it belongs to, is one that users get."""
+    inner = name.removeprefix(".".join(path.with_suffix("").parts) + ".")
+    return inner.partition(".")[0] in offered
 
 
 def argument_count(function: Function) -> int:
@@ -62,18 +84,36 @@ def missing_sections(function: Function) -> list[str]:
     ]
 
 
-def incomplete_functions() -> dict[str, list[str]]:
-    """Sections that are missing, by the dotted name of the function."""
-    found = {}
-    for path in public_modules():
-        module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        for name, function in public_functions(tree.body, module):
-            if argument_count(function) >= 2 and (missing := missing_sections(function)):
-                found[name] = missing
-    return found
+def is_private(name: str) -> bool:
+    return any(part.startswith("_") for part in name.split("."))
 
 
-def test_functions_of_two_or_more_arguments_are_documented() -> None:
-    incomplete = incomplete_functions()
+def is_exempt(function: Function) -> bool:
+    """Tell whether the terminal's help (click) or another definition (overload) documents it."""
+    decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
+    return any(
+        re.search(r"\b(command|group|option|argument)\(|\boverload\b", text) for text in decorators
+    )
+
+
+def test_what_users_call_lists_parameters_and_returns() -> None:
+    offered = offered_names()
+    incomplete = {
+        name: missing
+        for path, name, node in all_definitions()
+        if isinstance(node, Function) and is_offered(path, name, offered)
+        if not is_private(name) and not is_exempt(node) and argument_count(node) >= 2
+        if (missing := missing_sections(node))
+    }
     assert not incomplete, f"sections of the docstrings are missing: {incomplete}"
+
+
+def test_inner_names_have_a_sentence_and_no_sections() -> None:
+    offered = offered_names()
+    wordy = [
+        name
+        for path, name, node in all_definitions()
+        if not is_formula(path) and not is_offered(path, name, offered)
+        if SECTION.search(ast.get_docstring(node) or "")
+    ]
+    assert not wordy, f"inner names need a sentence, not sections: {wordy}"

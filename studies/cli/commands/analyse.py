@@ -34,24 +34,7 @@ class Latitude(ParamType[float]):
     ) -> float:
         """Read the number and check its range; NaN is outside.
 
-        Parameters
-        ----------
-        value : Any
-            Text of the terminal, or a default.
-        param : click.Parameter or None
-            Option that is read, for messages.
-        ctx : click.Context or None
-            Call that it belongs to, for messages.
-
-        Returns
-        -------
-        float
-            Latitude [deg], north positive, from -90 to 90.
-
-        Raises
-        ------
-        click.BadParameter
-            If the text is not allowed.
+        Returns latitude [deg], north positive, from -90 to 90.
         """
         try:
             if "_" in str(value):  # Python's own notation, nobody's latitude

@@ -47,17 +47,7 @@ class Names(ParamType["tuple[str, ...]"]):
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem[str]]:
-        """Names that may follow the last comma.
-
-        Parameters
-        ----------
-        ctx, param, incomplete
-            As click gives them.
-
-        Returns
-        -------
-        list of CompletionItem
-        """
+        """Names that may follow the last comma."""
         head, comma, tail = incomplete.rpartition(",")
         some = (name for name in self.allowed if name.lower().startswith(tail.lower()))
         return [CompletionItem(f"{head}{comma}{name}") for name in some]
@@ -67,24 +57,7 @@ class Names(ParamType["tuple[str, ...]"]):
     ) -> tuple[str, ...]:
         """Read the names in their usual order, without repetition.
 
-        Parameters
-        ----------
-        value : Any
-            Text of the terminal, or a default.
-        param : click.Parameter or None
-            Option that is read, for messages.
-        ctx : click.Context or None
-            Call that it belongs to, for messages.
-
-        Returns
-        -------
-        tuple of str
-            Names, those of ``allowed``.
-
-        Raises
-        ------
-        click.BadParameter
-            If the text is not allowed.
+        Returns names, those of ``allowed``.
         """
         by_lower = {name.lower(): name for name in self.allowed}
         found = []

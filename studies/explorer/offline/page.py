@@ -32,15 +32,7 @@ told here: solar-uav analyse does.</p>
 def offline_page(session: Session) -> str:
     """HTML of a page that needs no server, no other file and no network.
 
-    Parameters
-    ----------
-    session : Session
-        Aircraft on its mission, as the page begins.
-
-    Returns
-    -------
-    str
-        HTML. Its content security policy allows its own scripts alone and no connection.
+    Returns HTML. Its content security policy allows its own scripts alone and no connection.
     """
     record = offline_record(session)
     parts = _parts()
@@ -79,23 +71,8 @@ def offline_page(session: Session) -> str:
 def bundled(parts: dict[str, str], entry: str) -> str:
     """Modules as a single one: browsers load no module from another file without a server.
 
-    Parameters
-    ----------
-    parts : dict of str to str
-        Text of the modules by name; they import by lines ``import { a, b as c } from "./x.js";``
-        and export what they declare.
-    entry : str
-        Module that imports the others.
-
-    Returns
-    -------
-    str
-        One module, each part a function of its own.
-
-    Raises
-    ------
-    ValueError
-        For other forms of import or export.
+    ``parts``: text of the modules by name; they import by lines ``import { a, b as c } from
+    "./x.js";`` and export what they declare. Returns one module, each part a function of its own.
     """
     done: dict[str, str] = {}
 

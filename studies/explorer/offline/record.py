@@ -35,19 +35,10 @@ _CLOCK_POINTS = 401
 def offline_record(session: Session, *, checks: int = CHECKS) -> dict[str, Any]:
     """All that an offline page knows, JSON-ready.
 
-    Parameters
-    ----------
-    session : Session
-        Aircraft on its mission.
-    checks : int
-        Points at which the page compares itself with the analysis.
-
-    Returns
-    -------
-    dict
-        ``session`` as :meth:`~studies.explorer.session.Session.describe` gives it, with what is
-        fixed here; ``light`` and ``designs`` as :mod:`studies.explorer.offline.tables` makes them;
-        ``battery`` and ``load``; axes of ``season``; ``checks``.
+    ``checks``: points at which the page compares itself with the analysis. Returns ``session`` as
+    :meth:`~studies.explorer.session.Session.describe` gives it, with what is fixed here; ``light``
+    and ``designs`` as :mod:`studies.explorer.offline.tables` makes them; ``battery`` and ``load``;
+    axes of ``season``; ``checks``.
     """
     aircraft, mission = session.aircraft, session.mission
     fields = [_offline_field(one) for one in session.fields.values() if isinstance(one, Field)]

@@ -47,12 +47,8 @@ AXES: dict[str, tuple[str, int]] = {
 class Axis:
     """Values of a design variable in the table.
 
-    Attributes
-    ----------
-    key : str
-        Of the explorer's field.
-    values : ndarray
-        In rising order, in equal ratios where the least is above zero.
+    ``key``: of the explorer's field. ``values``: in rising order, in equal ratios where the least
+    is above zero.
     """
 
     key: str
@@ -62,18 +58,8 @@ class Axis:
     def between(cls, key: str, low: float, high: float, start: float) -> Axis:
         """Values of a slider's range, the one at the start among them.
 
-        Parameters
-        ----------
-        key : str
-            One of :data:`AXES`.
-        low, high : float
-            Ends of the range; the same for a single value.
-        start : float
-            Value in between that the table is to have exactly.
-
-        Returns
-        -------
-        Axis
+        ``low``, ``high``: ends of the range; the same for a single value. ``start``: value in
+        between that the table is to have exactly.
         """
         count = AXES[key][1] if high > low else 1
         spaced = np.geomspace if low > 0.0 else np.linspace
@@ -87,16 +73,9 @@ class Axis:
 def quantised(values: FloatArray) -> dict[str, Any]:
     """Table as integers of 16 bits, with what turns them back into numbers.
 
-    Parameters
-    ----------
-    values : ndarray
-        Of any shape; what is not finite has its own integer.
-
-    Returns
-    -------
-    dict
-        ``shape``; ``offset`` and ``scale``: a number is offset + scale times its integer;
-        ``base64``: the integers, least byte first; ``impossible``: the integer of what is none.
+    ``values``: of any shape; what is not finite has its own integer. Returns ``shape``; ``offset``
+    and ``scale``: a number is offset + scale times its integer; ``base64``: the integers, least
+    byte first; ``impossible``: the integer of what is none.
     """
     finite = np.isfinite(values)
     some = values[finite] if finite.any() else np.zeros(1)
@@ -116,19 +95,10 @@ def quantised(values: FloatArray) -> dict[str, Any]:
 def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict[str, Any]:
     """Solar power per module area over latitude, day of year and share of the daylight.
 
-    Parameters
-    ----------
-    aircraft, mission
-        Modules; air, wind and flight path. The mission's own place and date play no part.
-    solar : SolarModel
-        Model and correction.
-
-    Returns
-    -------
-    dict
-        ``latitudes_deg``, ``days`` and the table ``power_w_per_m2``, whose last axis runs evenly
-        from sunrise to sunset, or to noon where afternoons are ``mirrored`` mornings;
-        ``declinations_rad`` of all days of the year, from the first.
+    ``aircraft``, ``mission``: modules; air, wind and flight path. The mission's own place and date
+    play no part. Returns ``latitudes_deg``, ``days`` and the table ``power_w_per_m2``, whose last
+    axis runs evenly from sunrise to sunset, or to noon where afternoons are ``mirrored`` mornings;
+    ``declinations_rad`` of all days of the year, from the first.
     """
     from studies.explorer.season import follows_path
 
@@ -158,19 +128,10 @@ def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict
 def design_table(aircraft: Aircraft, mission: Mission, axes: Iterable[Axis]) -> dict[str, Any]:
     """Mass, power of level flight and airspeed over the design variables.
 
-    Parameters
-    ----------
-    aircraft, mission
-        Technology; air, payload and turbulence.
-    axes : iterable of Axis
-        Variables that change; others stay as the files give them.
-
-    Returns
-    -------
-    dict
-        ``axes`` and the tables of logarithms ``log_mass_kg``, ``log_power_w`` and, where airspeed
-        is known, ``log_airspeed_m_per_s``, with an axis for each; an aircraft that cannot carry
-        itself is ``impossible`` there.
+    ``axes``: variables that change; others stay as the files give them. Returns ``axes`` and the
+    tables of logarithms ``log_mass_kg``, ``log_power_w`` and, where airspeed is known,
+    ``log_airspeed_m_per_s``, with an axis for each; an aircraft that cannot carry itself is
+    ``impossible`` there.
     """
     axes = list(axes)
     grids = np.meshgrid(*(axis.values for axis in axes), indexing="ij")

@@ -30,15 +30,7 @@ _SHORTEST_STRETCH_S = 7200.0
 def load_channel(flown: Flown) -> Channel | str:
     """Load in level flight: by night if there is one, since thermals and work are of the day.
 
-    Parameters
-    ----------
-    flown : Flown
-        The flight.
-
-    Returns
-    -------
-    Channel or str
-        Or why there is none.
+    Returns or why there is none.
     """
     log = flown.log
     if log.load_w is None:
@@ -88,15 +80,7 @@ def charge_channel(flown: Flown) -> Channel | str:
     ``dE/dt = eta_charge (P_solar - P_load)`` by surplus, over ``eta_discharge`` by deficit: the
     balance of :mod:`sizing.energy.march`, integrated from sample to sample by the trapezoidal rule.
 
-    Parameters
-    ----------
-    flown : Flown
-        The flight.
-
-    Returns
-    -------
-    Channel or str
-        Or why there is none.
+    Returns or why there is none.
     """
     log = flown.log
     if log.state_of_charge is None or log.load_w is None:

@@ -12,21 +12,7 @@ BIN_S = 300.0
 
 
 def long_stretches(time_s: FloatArray, run: IntArray, shortest_s: float) -> BoolArray:
-    """Samples of stretches that are long enough.
-
-    Parameters
-    ----------
-    time_s : ndarray, shape (sample,)
-        Times [s].
-    run : ndarray of int, shape (sample,)
-        Number of the stretch that each belongs to.
-    shortest_s : float
-        Least length of a stretch [s].
-
-    Returns
-    -------
-    ndarray of bool, shape (sample,)
-    """
+    """Samples of stretches that are long enough."""
     first = np.concatenate(([0], np.flatnonzero(np.diff(run)) + 1))
     last = np.concatenate((first[1:], [len(run)])) - 1
     long = time_s[last] - time_s[first] >= shortest_s
@@ -45,18 +31,7 @@ class Bins:
     def of(cls, time_s: FloatArray, run: IntArray, use: BoolArray) -> Bins:
         """Bins of the samples that are used, none across the ends of a stretch.
 
-        Parameters
-        ----------
-        time_s : ndarray, shape (sample,)
-            Times of all samples [s].
-        run : ndarray of int, shape (sample,)
-            Number of the stretch that each belongs to.
-        use : ndarray of bool, shape (sample,)
-
-        Returns
-        -------
-        Bins
-            Of the used samples alone. A bin without samples ends a stretch as well.
+        Returns of the used samples alone. A bin without samples ends a stretch as well.
         """
         slot = np.floor(time_s[use] / BIN_S).astype(int)
         stretch = run[use]

@@ -25,22 +25,10 @@ Predict = Callable[[Aircraft, float], FloatArray]
 class Channel:
     """A measured quantity in bins, and a model of it.
 
-    Attributes
-    ----------
-    name : {"solar", "load", "charge"}
-    label, unit : str
-        For people.
-    time_s : ndarray, shape (bin,)
-        Mean time of each bin's samples [s since 1970, UTC].
-    measured : ndarray, shape (bin,)
-    run : ndarray of int, shape (bin,)
-        Number of the uninterrupted stretch.
-    predict : callable
-        Modelled value of each bin, from an aircraft and a factor on the light.
-    floating : bool
-        Whether only differences count: every stretch has a level of its own.
-    notes : tuple of str
-        What was left out.
+    ``time_s``: mean time of each bin's samples [s since 1970, UTC]. ``run``: number of the
+    uninterrupted stretch. ``predict``: modelled value of each bin, from an aircraft and a factor on
+    the light. ``floating``: whether only differences count: every stretch has a level of its own.
+    ``notes``: what was left out.
     """
 
     name: ChannelName
@@ -54,19 +42,7 @@ class Channel:
     notes: tuple[str, ...] = ()
 
     def residual(self, aircraft: Aircraft, light: float = 1.0) -> FloatArray:
-        """Measured less modelled; of a floating channel without the mean of each stretch.
-
-        Parameters
-        ----------
-        aircraft : Aircraft
-            That the model is made of.
-        light : float
-            Factor on the light of the sky [-].
-
-        Returns
-        -------
-        ndarray, shape (bin,)
-        """
+        """Measured less modelled; of a floating channel without the mean of each stretch."""
         apart = self.measured - self.predict(aircraft, light)
         return self.centred(apart) if self.floating else apart
 
@@ -94,16 +70,7 @@ class Flown:
     def of(cls, found: Verification, mission: Mission) -> Flown:
         """Mission in the place and the mean air of a log.
 
-        Parameters
-        ----------
-        found : Verification
-            Models against the log.
-        mission : Mission
-            Clearness, payload, turbulence, and air where the log has none.
-
-        Returns
-        -------
-        Flown
+        ``mission``: clearness, payload, turbulence, and air where the log has none.
         """
         return cls(found.log, mission_of_log(found.log, mission), found)
 
@@ -111,16 +78,7 @@ class Flown:
 def mission_of_log(log: FlightLog, mission: Mission) -> Mission:
     """Mission at the mean place, altitude and air temperature of a log.
 
-    Parameters
-    ----------
-    log : FlightLog
-    mission : Mission
-        Gives everything else: clearness, payload, turbulence.
-
-    Returns
-    -------
-    Mission
-        Without launch and climb; not validated.
+    Returns without launch and climb; not validated.
     """
     place = {
         "latitude_deg": float(np.median(log.latitude_deg)),
@@ -138,20 +96,7 @@ def mission_of_log(log: FlightLog, mission: Mission) -> Mission:
 
 
 def ambient_c(flown: Flown, index: IntArray) -> FloatArray:
-    """Air temperature at samples of a log: logged, else of the mission.
-
-    Parameters
-    ----------
-    flown : Flown
-        The flight.
-    index : ndarray of int, shape (sample,)
-        Places in the log.
-
-    Returns
-    -------
-    ndarray, shape (sample,)
-        Temperature [C].
-    """
+    """Air temperature at samples of a log: logged, else of the mission."""
     mean_c = float(flown.mission.air_state().temperature_c)
     logged = flown.log.ambient_temperature_c
     if logged is None:

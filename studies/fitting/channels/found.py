@@ -21,16 +21,7 @@ _FEWEST_BINS = 12  # an hour
 def channels(flown: Flown, aircraft: Aircraft) -> tuple[dict[ChannelName, Channel], list[str]]:
     """Channels that a log has, and why it has no others.
 
-    Parameters
-    ----------
-    flown : Flown
-        The flight.
-    aircraft : Aircraft
-        Its charge limit says where power may be held back.
-
-    Returns
-    -------
-    tuple of dict and list of str
+    ``aircraft``: its charge limit says where power may be held back.
     """
     found: dict[ChannelName, Channel] = {}
     missing = []

@@ -30,17 +30,8 @@ _MAY_BE_LIMITED = 0.9
 def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     """Solar power where the sun is up and nothing holds it back.
 
-    Parameters
-    ----------
-    flown : Flown
-        The flight.
-    aircraft : Aircraft
-        Its charge limit and modules say where power may be held back.
-
-    Returns
-    -------
-    Channel
-        Of the Full Model where attitude and module surfaces are known, else of CAM.
+    ``aircraft``: its charge limit and modules say where power may be held back. Returns of the Full
+    Model where attitude and module surfaces are known, else of CAM.
     """
     samples = flown.found.samples
     high = samples.elevation_deg >= LOWEST_SUN_DEG
@@ -110,17 +101,7 @@ def _may_be_limited(flown: Flown, aircraft: Aircraft) -> BoolArray:
 def solar_model(flown: Flown, index: IntArray) -> Predict:
     """Model of the power at samples of a log.
 
-    Parameters
-    ----------
-    flown : Flown
-        The flight.
-    index : ndarray of int, shape (sample,)
-        Places in the log.
-
-    Returns
-    -------
-    callable
-        Power of the modules at the samples [W], from an aircraft and a factor on the light.
+    Returns power of the modules at the samples [W], from an aircraft and a factor on the light.
     """
     log, mission = flown.log, flown.mission
     latitude = log.latitude_deg[index]

@@ -65,21 +65,11 @@ class Offset(NamedTuple):
 class Alignment:
     """What the power says of clock, heading and unit of a log.
 
-    Attributes
-    ----------
-    power_unit : str
-        Unit that the power is in.
-    level : float or None
-        Measured over modelled power at the best fit; None if nothing could be fitted.
-    clock_ahead_s : Offset or None
-        How far the clock is ahead of universal time [s]; None if the power does not tell.
-    heading_ahead_deg : Offset or None
-        How far the logged heading is clockwise of the true one [deg]; None if the power does not
-        tell.
-    clock_wrong, heading_wrong : bool
-        Whether that is an error of the log.
-    notes : tuple of str
-        Why something is not known.
+    ``power_unit``: unit that the power is in. ``level``: measured over modelled power at the best
+    fit; None if nothing could be fitted. ``clock_ahead_s``: how far the clock is ahead of universal
+    time [s]; None if the power does not tell. ``heading_ahead_deg``: how far the logged heading is
+    clockwise of the true one [deg]; None if the power does not tell. ``clock_wrong``,
+    ``heading_wrong``: whether that is an error of the log. ``notes``: why something is not known.
     """
 
     power_unit: Unit = "W"
@@ -130,20 +120,8 @@ def align(
 ) -> Alignment:
     """Estimate how far clock and heading of a log are off, and the unit of its power.
 
-    Parameters
-    ----------
-    log : FlightLog
-        The flight.
-    aircraft : Aircraft
-        Its modules.
-    mission : Mission
-        Clearness and temperature.
-    geometry : ModuleGeometry, optional
-        Module surfaces, where the log has the attitude; without, the heading is not known.
-
-    Returns
-    -------
-    Alignment
+    ``geometry``: module surfaces, where the log has the attitude; without, the heading is not
+    known.
     """
     measured = log.solar_power_w
     peak = _peak(measured)

@@ -24,21 +24,11 @@ _SCALE_FLOOR = 2e-3  # of the peak: below, the model's tables and rounding decid
 class Fit:
     """Best level, clock and heading, with what the errors are computed from.
 
-    Attributes
-    ----------
-    level, ahead_s, turned_rad : float
-        Measured over modelled power, clock ahead of universal time, logged heading clockwise of the
-        true one.
-    heading : bool
-        Whether the heading was fitted.
-    scale_w, cost : float
-        Robust standard deviation of the residuals [W], and their mean biweight loss.
-    independent : float
-        How many independent residuals the samples are worth.
-    modelled_w : ndarray
-        Fitted power.
-    covariance : ndarray
-        Of log level, clock [s] and heading [rad], shape (3, 3).
+    ``level``, ``ahead_s``, ``turned_rad``: measured over modelled power, clock ahead of universal
+    time, logged heading clockwise of the true one. ``heading``: whether the heading was fitted.
+    ``scale_w``, ``cost``: robust standard deviation of the residuals [W], and their mean biweight
+    loss. ``independent``: how many independent residuals the samples are worth. ``covariance``: of
+    log level, clock [s] and heading [rad], shape (3, 3).
     """
 
     level: float
@@ -60,16 +50,7 @@ class Fit:
 def biweight_cost(measured: FloatArray, modelled: FloatArray, scale_w: float) -> float:
     """Mean of Tukey's biweight loss, from 0 to 1.
 
-    Parameters
-    ----------
-    measured, modelled : ndarray
-        Power [W].
-    scale_w : float
-        Standard deviation of residuals that are no outliers [W].
-
-    Returns
-    -------
-    float
+    ``scale_w``: standard deviation of residuals that are no outliers [W].
     """
     u = np.minimum(np.abs(measured - modelled) / (_TUNING * scale_w), 1.0)
     return float(np.mean(1.0 - (1.0 - u**2) ** 3))
@@ -85,21 +66,9 @@ def fitted(
 ) -> Fit | None:
     """Fit level, clock and heading by iteratively reweighted least squares.
 
-    Parameters
-    ----------
-    model : ShiftedPower
-        Modelled power of the samples.
-    measured : ndarray
-        Measured power of the samples [W], in any unit.
-    ahead_s, turned_rad : float
-        Start: how far the clock is ahead [s], the heading clockwise [rad].
-    heading : bool
-        Whether the heading is fitted.
-
-    Returns
-    -------
-    Fit or None
-        None if no light falls at that clock, or the power does not tell the clock.
+    ``measured``: measured power of the samples [W], in any unit. ``ahead_s``, ``turned_rad``:
+    start: how far the clock is ahead [s], the heading clockwise [rad]. None if no light falls at
+    that clock, or the power does not tell the clock.
     """
     count = 3 if heading else 2
     theta = np.array([0.0, ahead_s, turned_rad])

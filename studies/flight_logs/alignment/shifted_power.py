@@ -26,12 +26,9 @@ from studies.flight_logs.samples import day_of_year
 class ShiftedPower:
     """Power of the Full Model, or of CAM without attitude or module surfaces, at some samples.
 
-    Attributes
-    ----------
-    time_s, latitude_deg, longitude_deg, altitude_m, ambient_c : ndarray
-        Samples: time as logged [s since 1970], place, temperature of the air [C].
-    angles_rad : ndarray or None
-        Roll, pitch and yaw as logged, shape (3, samples).
+    ``time_s``, ``latitude_deg``, ``longitude_deg``, ``altitude_m``, ``ambient_c``: samples: time as
+    logged [s since 1970], place, temperature of the air [C]. ``angles_rad``: roll, pitch and yaw as
+    logged, shape (3, samples).
     """
 
     aircraft: Aircraft
@@ -55,22 +52,8 @@ class ShiftedPower:
     ) -> ShiftedPower:
         """Take some samples of a log.
 
-        Parameters
-        ----------
-        log : FlightLog
-            The flight.
-        aircraft : Aircraft
-            Its modules.
-        mission : Mission
-            Clearness, and the temperature that the log does not have.
-        geometry : ModuleGeometry, optional
-            Module surfaces, where the Full Model can be computed.
-        index : ndarray of int
-            Places of the samples in the log.
-
-        Returns
-        -------
-        ShiftedPower
+        ``mission``: clearness, and the temperature that the log does not have. ``geometry``: module
+        surfaces, where the Full Model can be computed.
         """
         altitude = log.altitude_m[index]
         flown = np.clip(altitude, MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
@@ -107,17 +90,7 @@ class ShiftedPower:
         return self.geometry is not None
 
     def tilted(self, roll_rad: float, pitch_rad: float) -> ShiftedPower:
-        """Same samples with other angles of roll and pitch.
-
-        Parameters
-        ----------
-        roll_rad, pitch_rad : float
-            What is added [rad].
-
-        Returns
-        -------
-        ShiftedPower
-        """
+        """Same samples with other angles of roll and pitch."""
         assert self.angles_rad is not None  # the caller asked
         added = np.array([[roll_rad], [pitch_rad], [0.0]])
         return replace(self, angles_rad=self.angles_rad + added)
@@ -125,17 +98,9 @@ class ShiftedPower:
     def power_w(self, ahead_s: float, turned_rad: ArrayLike = 0.0) -> FloatArray:
         """Power [W] if clock and heading are wrong by so much.
 
-        Parameters
-        ----------
-        ahead_s : float
-            How far the clock of the log is ahead of universal time [s].
-        turned_rad : array_like
-            How far the logged heading is clockwise of the true one [rad].
-
-        Returns
-        -------
-        ndarray
-            Shape of ``turned_rad`` and one axis for the samples.
+        ``ahead_s``: how far the clock of the log is ahead of universal time [s]. ``turned_rad``:
+        how far the logged heading is clockwise of the true one [rad]. Returns shape of
+        ``turned_rad`` and one axis for the samples.
         """
         true_s = self.time_s - ahead_s
         sun = sun_position(true_s, self.latitude_deg, self.longitude_deg)

@@ -14,15 +14,7 @@ __all__ = ["StyledFigure"]
 
 
 class StyledFigure(Figure):
-    """Figure in a style.
-
-    Parameters
-    ----------
-    options : FigureOptions
-        How it looks.
-    size_in : (float, float)
-        Width and height [in].
-    """
+    """Figure in a style."""
 
     def __init__(self, options: FigureOptions, size_in: tuple[float, float]) -> None:
         super().__init__(figsize=size_in, layout=FittedLayout())
@@ -30,13 +22,7 @@ class StyledFigure(Figure):
         self.notes = ""
 
     def set_heading(self, title: str, notes: str) -> None:
-        """Write a title, and notes below it in smaller type.
-
-        Parameters
-        ----------
-        title, notes : str
-            In the language of matplotlib's texts.
-        """
+        """Write a title, and notes below it in smaller type."""
         self.suptitle(title)
         self.notes = notes
         engine = self.get_layout_engine()
@@ -46,12 +32,7 @@ class StyledFigure(Figure):
     def savefig(self, fname: Any, **kwargs: Any) -> None:
         """Write the figure as :meth:`matplotlib.figure.Figure.savefig` does, in its style.
 
-        Parameters
-        ----------
-        fname : str, path or file
-            Where to.
-        **kwargs
-            As there; the resolution is by default that of the options.
+        ``**kwargs``: as there; the resolution is by default that of the options.
         """
         kwargs.setdefault("dpi", self.options.dots_per_inch or drawing.DOTS_PER_INCH)
         with drawing.in_style(self.options):

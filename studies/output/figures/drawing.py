@@ -62,13 +62,7 @@ _NARROW_IN = 6.5  # in the usual type
 
 @contextmanager
 def in_style(options: FigureOptions) -> Iterator[None]:
-    """Draw in a style, whatever settings the machine has; one thread at a time.
-
-    Raises
-    ------
-    ValueError
-        If there is no such style.
-    """
+    """Draw in a style, whatever settings the machine has; one thread at a time."""
     from matplotlib import style
 
     with SETTINGS, style.context(["default", options.settings()]):
@@ -106,31 +100,11 @@ def new_figure(
 ) -> tuple[Figure, list[Axes]]:
     """Figure with panels.
 
-    Parameters
-    ----------
-    rows, columns : int
-        Number of panels.
-    canvas : FigureOptions or Figure
-        How the figure looks, or a figure that is drawn on.
-    title : str
-        Over all panels; names from files are text in it, never formulas.
-    notes : sequence of str
-        Line below the title, in smaller type; empty ones are left out.
-    size_in : tuple of float
-        Width and height [in] where the options have none.
-    grid : str
-        Lines of the grid: ``x``, ``y``, ``both``, or none if empty.
-    lines : bool
-        Whether the figure is lines of text, such as named bars: its height goes with the type.
-    **options
-        What :meth:`matplotlib.figure.Figure.subplots` takes besides, such as ``sharex``.
-
-    Returns
-    -------
-    figure : Figure
-        The figure.
-    panels : list of Axes
-        Row by row.
+    ``canvas``: how the figure looks, or a figure that is drawn on. ``title``: over all panels;
+    names from files are text in it, never formulas. ``notes``: line below the title, in smaller
+    type; empty ones are left out. ``size_in``: width and height [in] where the options have none.
+    ``grid``: lines of the grid: ``x``, ``y``, ``both``, or none if empty. ``lines``: whether the
+    figure is lines of text, such as named bars: its height goes with the type.
     """
     figure = _begun(canvas, size_in, lines=lines) if isinstance(canvas, FigureOptions) else canvas
     panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
@@ -177,24 +151,7 @@ def _write_heading(figure: Figure, title: str, notes: Sequence[str]) -> None:
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
-    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`.
-
-    Parameters
-    ----------
-    figure : Figure
-        What was drawn.
-    image_format : str
-        One of :data:`studies.output.formats.IMAGE_FORMATS`.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    TooManyDotsError
-        For an image that is larger than can be drawn.
-    """
+    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`."""
     buffer = io.BytesIO()
     options = getattr(figure, "options", DEFAULT)
     dots_per_inch = options.dots_per_inch or DOTS_PER_INCH
@@ -257,19 +214,7 @@ def objective_caption(objective: str | Objective) -> str:
 
 
 def is_narrow(canvas: Canvas, size_in: tuple[float, float]) -> bool:
-    """Whether panels should stand below each other: there is room for few words in a line.
-
-    Parameters
-    ----------
-    canvas : FigureOptions or Figure
-        How the figure looks, or the figure.
-    size_in : (float, float)
-        Its usual size.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether panels should stand below each other: there is room for few words in a line."""
     import matplotlib as mpl
 
     if isinstance(canvas, FigureOptions):
@@ -305,16 +250,7 @@ def shade(
 ) -> None:
     """Shade spans of the horizontal axis over the whole height, by default in grey.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    spans : iterable of (float, float)
-        Start and end of each span, in units of the axis.
-    label : str, optional
-        Name in the legend.
-    **style
-        Colour and other properties of :meth:`matplotlib.axes.Axes.axvspan`.
+    ``spans``: start and end of each span, in units of the axis.
     """
     looks: dict[str, Any] = {"color": night(), "zorder": 0, "linewidth": 0} | style
     for number, (start, end) in enumerate(spans):

@@ -38,12 +38,8 @@ _STEPS = (0.0, 0.7, -0.7, 1.4, -1.4, 2.1, -2.1, 2.8, -2.8)  # heights of a text 
 class FittedLayout(ConstrainedLayoutEngine):
     """Constrained layout, with a heading in two sizes and texts that fit.
 
-    Attributes
-    ----------
-    notes : str
-        Line below the title, in smaller type; left out where the title is taken away.
-    collapsed : bool
-        Whether the figure was too small for its axes when it was laid out last.
+    ``notes``: line below the title, in smaller type; left out where the title is taken away.
+    ``collapsed``: whether the figure was too small for its axes when it was laid out last.
     """
 
     def __init__(self) -> None:
@@ -55,12 +51,7 @@ class FittedLayout(ConstrainedLayoutEngine):
         self._thinned: dict[Axis, list[Text]] = {}
 
     def execute(self, fig: Figure) -> Any:
-        """Lay a figure out.
-
-        Parameters
-        ----------
-        fig : Figure
-        """
+        """Lay a figure out."""
         for restore in reversed(self._undo):
             restore()
         self._undo.clear()

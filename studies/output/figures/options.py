@@ -127,20 +127,7 @@ def ignore_settings_of_folder() -> None:
 
 
 def check_dots(width_in: float, height_in: float, dots_per_inch: float) -> None:
-    """Check that an image can be drawn.
-
-    Parameters
-    ----------
-    width_in, height_in : float
-        Its size [in].
-    dots_per_inch : float
-        Its resolution.
-
-    Raises
-    ------
-    TooManyDotsError
-        If it has too many dots along a side or in all.
-    """
+    """Check that an image can be drawn."""
     longest = max(width_in, height_in)
     if longest * dots_per_inch >= _MOST_DOTS:
         raise TooManyDotsError(
@@ -159,15 +146,7 @@ def check_dots(width_in: float, height_in: float, dots_per_inch: float) -> None:
 def read_size(text: str) -> tuple[float, float | None]:
     """Read ``170x100mm``, ``17x10cm``, ``7x4in``, or a width alone, such as ``85mm``.
 
-    Returns
-    -------
-    (float, float or None)
-        Width and height [in].
-
-    Raises
-    ------
-    ValueError
-        If the text is none of them, or out of range.
+    Returns width and height [in].
     """
     match = _SIZE.fullmatch(text.strip())
     if match is None:
@@ -183,13 +162,7 @@ def read_size(text: str) -> tuple[float, float | None]:
 
 
 def read_dots_per_inch(text: str) -> float:
-    """Read a resolution.
-
-    Raises
-    ------
-    ValueError
-        If the text is no number, or out of range.
-    """
+    """Read a resolution."""
     try:
         number = float(text)
     except ValueError:
@@ -201,13 +174,7 @@ def read_dots_per_inch(text: str) -> float:
 
 
 def read_style(text: str) -> str:
-    """Check that a style exists and can be read.
-
-    Raises
-    ------
-    ValueError
-        If not.
-    """
+    """Check that a style exists and can be read."""
     if text not in SHIPPED_STYLES:
         style_settings(text)
         _try_out(text)
@@ -233,13 +200,7 @@ def _try_out(style: str) -> None:
 
 
 def style_settings(style: str) -> dict[str, Any]:
-    """Settings of a shipped style, one of matplotlib's, or a file.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """Settings of a shipped style, one of matplotlib's, or a file."""
     if style in SHIPPED_STYLES:
         return _settings_of_file(_shipped(style), style)
     import matplotlib.style  # half a second, for those who ask for it only

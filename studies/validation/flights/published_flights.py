@@ -30,14 +30,8 @@ _STEP_H = 1.0 / 30.0
 class Trial:
     """What is flown to compute a published number.
 
-    Attributes
-    ----------
-    aircraft, mission
-        What flies, and where.
-    solar : SolarModel
-        Solar power model.
-    full_charge : float
-        State of charge that counts as full [-].
+    ``aircraft``, ``mission``: what flies, and where. ``solar``: solar power model. ``full_charge``:
+    state of charge that counts as full [-].
     """
 
     aircraft: Aircraft
@@ -112,14 +106,7 @@ class Fact:
 class Flight:
     """A published flight.
 
-    Attributes
-    ----------
-    name : str
-    aircraft, mission : str
-        Names of the shipped files that it is computed with.
-    facts : tuple of Fact
-    quantities : tuple of Quantity
-        Published numbers.
+    ``aircraft``, ``mission``: names of the shipped files that it is computed with.
     """
 
     name: str

@@ -115,17 +115,7 @@ class Seasons(Result):
 
 
 def seasons(conditions: Sequence[Condition] = CONDITIONS) -> Seasons:
-    """Compute the seasons of AtlantikSolar AS-2 at its airfield.
-
-    Parameters
-    ----------
-    conditions : sequence of Condition
-        What is changed, one after the other.
-
-    Returns
-    -------
-    Seasons
-    """
+    """Compute the seasons of AtlantikSolar AS-2 at its airfield."""
     aircraft = load_aircraft(AIRCRAFT)
     return Seasons(
         tuple(_season(aircraft, load_mission(MISSION, list(c.overrides)), c) for c in conditions)

@@ -31,15 +31,9 @@ _ENOUGH = 1e-6
 class Needed:
     """Value of a single input that gives the published number.
 
-    Attributes
-    ----------
-    spread : Spread
-    used : float
-        Value that the computation uses.
-    needed : float or None
-        Value that gives the published number; None where none between the ends of the search does.
-    others : dict
-        The flight's other quantities with that value.
+    ``used``: value that the computation uses. ``needed``: value that gives the published number;
+    None where none between the ends of the search does. ``others``: the flight's other quantities
+    with that value.
     """
 
     spread: Spread
@@ -243,15 +237,7 @@ def explain(
 ) -> Explanations:
     """Find for every miss what each single input would have to be.
 
-    Parameters
-    ----------
-    misses : sequence of Miss
-    progress : callable, optional
-        Called with the number of misses that are done and the number there are.
-
-    Returns
-    -------
-    Explanations
+    ``progress``: called with the number of misses that are done and the number there are.
     """
     tell = progress or (lambda done, total: None)
     tell(0, len(misses))
@@ -322,18 +308,7 @@ def nearest_root(
     refined, so that the function may have jumps, or be flat. Changes closer together than a step
     may be missed.
 
-    Parameters
-    ----------
-    function : callable
-    start : float
-        Where the search begins, within the ends.
-    ends : (float, float)
-        Between which places are looked for.
-
-    Returns
-    -------
-    float or None
-        None where the sign is the same everywhere.
+    None where the sign is the same everywhere.
     """
     at_start = function(start)
     sides = [np.linspace(start, end, _SCAN + 1).tolist() for end in ends if end != start]
