@@ -45,7 +45,7 @@ def _full_model_computed_once() -> Iterator[None]:
 def _coarse_images() -> Iterator[None]:
     """Figures are drawn with a fifth of their dots: nobody looks at those of tests."""
     with pytest.MonkeyPatch.context() as context:
-        context.setattr("studies.output.figures.drawing.DOTS_PER_INCH", 30)
+        context.setattr("studies.output.figures.options.DOTS_PER_INCH", 30)
         yield
 
 

@@ -334,7 +334,7 @@ def figure_options(command: Command) -> Command:
         click.option("--no-title", is_flag=True, help="Leave title and notes to the caption."),
         click.option(
             "--style",
-            type=Parsed("name|file", "studies.output.figures.options:read_style"),
+            type=Parsed("name|file", "studies.output.figures.drawing:read_style"),
             metavar="NAME|FILE",
             help=f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
             "an .mplstyle file.  [default: default]",

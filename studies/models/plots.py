@@ -15,8 +15,6 @@ from studies.models.solar_models import model_label
 from studies.output.figures.drawing import (
     BLUE,
     GREEN,
-    NAMES,
-    ROWS,
     VERMILLION,
     Canvas,
     ink,
@@ -25,7 +23,7 @@ from studies.output.figures.drawing import (
     outside_ranges,
     styled,
 )
-from studies.output.figures.options import DEFAULT
+from studies.output.figures.options import DEFAULT, NAMES, ROWS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from sizing.parameters import label
 from studies.output.columns import HATCHES, status_names
-from studies.output.figures.drawing import DARK_GREY, LEVELS, VERMILLION, night
+from studies.output.figures.drawing import DARK_GREY, VERMILLION, night
+from studies.output.figures.options import LEVELS
 from studies.output.gridded import OnGrid
 
 FloatArray = NDArray[np.float64]

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from missions.files.writing import OutputError, write_bytes_atomically
+from studies.output.figures.drawing import read_style
 from studies.output.figures.options import (
     SHIPPED_STYLES,
     FigureOptions,
     read_dots_per_inch,
     read_size,
-    read_style,
 )
 from studies.output.formats import IMAGE_FORMATS, image_format
 

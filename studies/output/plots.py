@@ -23,7 +23,6 @@ from studies.output.figures.drawing import (
     CHARGE_LINE,
     LOAD,
     LOAD_LINE,
-    NAMES,
     SUN,
     SUN_LINE,
     Canvas,
@@ -34,7 +33,7 @@ from studies.output.figures.drawing import (
     shade,
     styled,
 )
-from studies.output.figures.options import DEFAULT
+from studies.output.figures.options import DEFAULT, NAMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

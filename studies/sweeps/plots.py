@@ -35,7 +35,6 @@ from studies.output.figures.drawing import (
     DARK_GREY,
     GREY,
     LOAD,
-    NAMES,
     SUN,
     Canvas,
     dataset_caption,
@@ -46,7 +45,7 @@ from studies.output.figures.drawing import (
     paper,
     styled,
 )
-from studies.output.figures.options import DEFAULT
+from studies.output.figures.options import DEFAULT, NAMES
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.points import PointStatus
 from studies.sweeps.ranking import MORE_IS_BETTER, pareto_table

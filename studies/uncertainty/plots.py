@@ -11,7 +11,6 @@ from sizing.uncertainty.inputs import UncertainInput
 from studies.output.figures.drawing import (
     BLUE,
     DARK_GREY,
-    NAMES,
     ORANGE,
     VERMILLION,
     Canvas,
@@ -22,7 +21,7 @@ from studies.output.figures.drawing import (
     paper,
     styled,
 )
-from studies.output.figures.options import DEFAULT
+from studies.output.figures.options import DEFAULT, NAMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from studies.output.figures import drawing
+from studies.output.figures import options as settings
 from studies.output.figures.layout import FittedLayout
 from studies.output.figures.options import FigureOptions
 
@@ -34,6 +34,6 @@ class StyledFigure(Figure):
 
         ``**kwargs``: as there; the resolution is by default that of the options.
         """
-        kwargs.setdefault("dpi", self.options.dots_per_inch or drawing.DOTS_PER_INCH)
-        with drawing.in_style(self.options):
+        kwargs.setdefault("dpi", self.options.dots_per_inch or settings.DOTS_PER_INCH)
+        with settings.in_style(self.options):
             super().savefig(fname, **kwargs)

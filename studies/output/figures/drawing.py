@@ -9,9 +9,7 @@ import functools
 import io
 import math
 import os
-import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
 
 from missions.files.writing import write_bytes_atomically
@@ -20,7 +18,15 @@ from sizing.results.notes import extrapolation_caption
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from solar.names import ModelName
-from studies.output.figures.options import DEFAULT, FigureOptions, check_dots
+from studies.output.figures.options import (
+    DEFAULT,
+    DOTS_PER_INCH,
+    SHIPPED_STYLES,
+    FigureOptions,
+    check_dots,
+    in_style,
+    style_settings,
+)
 from studies.output.formats import IMAGE_FORMATS, image_format
 
 if TYPE_CHECKING:
@@ -47,26 +53,10 @@ MODEL_COLOURS: dict[ModelName, str] = {
     "FM": VERMILLION,
 }
 MODEL_LINES: dict[ModelName, str] = {"CDM": ":", "CAM": "-.", "VM": "--", "FM": "-"}
-DOTS_PER_INCH = 150
-# Group id of an axis whose ticks are names: none may be left out.
-NAMES = "names"
-# And of texts: what stands in rows, and labels of contour lines.
-ROWS, LEVELS = "rows", "levels"
 _DARK_NIGHT = "#404040"
-# Settings of matplotlib are those of the process: one figure at a time.
-SETTINGS = threading.RLock()
 _USUAL_TYPE = 10.0  # [pt], for which the sizes of figures are meant
 _SHORT_NOTE = 40  # characters
 _NARROW_IN = 6.5  # in the usual type
-
-
-@contextmanager
-def in_style(options: FigureOptions) -> Iterator[None]:
-    """Draw in a style, whatever settings the machine has; one thread at a time."""
-    from matplotlib import style
-
-    with SETTINGS, style.context(["default", options.settings()]):
-        yield
 
 
 def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
@@ -255,3 +245,27 @@ def shade(
     looks: dict[str, Any] = {"color": night(), "zorder": 0, "linewidth": 0} | style
     for number, (start, end) in enumerate(spans):
         axes.axvspan(start, end, label=label if number == 0 else None, **looks)
+
+
+def read_style(text: str) -> str:
+    """Check that a style exists and can be read."""
+    if text not in SHIPPED_STYLES:
+        style_settings(text)
+        _try_out(text)
+    return text
+
+
+def _try_out(style: str) -> None:
+    """Draw a small figure: matplotlib finds many a mistake of a style only when it draws."""
+    options = FigureOptions(size_in=(4.0, 3.0), dots_per_inch=50.0, style=style)
+    try:
+        with in_style(options):
+            figure, (axes,) = new_figure(canvas=options, title="Title", notes=("note",))
+            axes.plot([0.0, 1.0], [0.0, 1.0], "o-", label="line")
+            axes.bar([0.0], [1.0], label="bar")
+            axes.set(xlabel="x", ylabel="y")
+            axes.legend()
+            to_bytes(figure, "png")
+    except Exception as error:  # whatever matplotlib comes across in a user's settings
+        words = str(error).partition("\n")[0]
+        raise ValueError(f"{style}: matplotlib cannot draw with it: {words}") from None

@@ -22,7 +22,7 @@ from matplotlib.text import Annotation, Text
 from matplotlib.ticker import FuncFormatter
 from matplotlib.transforms import Bbox
 
-from studies.output.figures.drawing import LEVELS, NAMES, ROWS
+from studies.output.figures.options import LEVELS, NAMES, ROWS
 
 __all__ = ["FittedLayout"]
 

@@ -9,6 +9,9 @@ from __future__ import annotations
 import math
 import os
 import re
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -23,8 +26,15 @@ __all__ = [
     "ignore_settings_of_folder",
     "read_dots_per_inch",
     "read_size",
-    "read_style",
 ]
+
+DOTS_PER_INCH = 150
+# Group id of an axis whose ticks are names: none may be left out.
+NAMES = "names"
+# And of texts: what stands in rows, and labels of contour lines.
+ROWS, LEVELS = "rows", "levels"
+# Settings of matplotlib are those of the process: one figure at a time.
+SETTINGS = threading.RLock()
 
 SHIPPED_STYLES = ("default", "paper", "slides", "dark")
 
@@ -173,30 +183,13 @@ def read_dots_per_inch(text: str) -> float:
     return number
 
 
-def read_style(text: str) -> str:
-    """Check that a style exists and can be read."""
-    if text not in SHIPPED_STYLES:
-        style_settings(text)
-        _try_out(text)
-    return text
+@contextmanager
+def in_style(options: FigureOptions) -> Iterator[None]:
+    """Draw in a style, whatever settings the machine has; one thread at a time."""
+    from matplotlib import style
 
-
-def _try_out(style: str) -> None:
-    """Draw a small figure: matplotlib finds many a mistake of a style only when it draws."""
-    from studies.output.figures.drawing import in_style, new_figure, to_bytes
-
-    options = FigureOptions(size_in=(4.0, 3.0), dots_per_inch=50.0, style=style)
-    try:
-        with in_style(options):
-            figure, (axes,) = new_figure(canvas=options, title="Title", notes=("note",))
-            axes.plot([0.0, 1.0], [0.0, 1.0], "o-", label="line")
-            axes.bar([0.0], [1.0], label="bar")
-            axes.set(xlabel="x", ylabel="y")
-            axes.legend()
-            to_bytes(figure, "png")
-    except Exception as error:  # whatever matplotlib comes across in a user's settings
-        words = str(error).partition("\n")[0]
-        raise ValueError(f"{style}: matplotlib cannot draw with it: {words}") from None
+    with SETTINGS, style.context(["default", options.settings()]):
+        yield
 
 
 def style_settings(style: str) -> dict[str, Any]:

@@ -15,8 +15,8 @@ from command_line import Run
 import missions
 import sizing
 import studies
-from studies.output.figures.drawing import in_style, to_bytes
-from studies.output.figures.options import SHIPPED_STYLES, FigureOptions, read_size, read_style
+from studies.output.figures.drawing import read_style, to_bytes
+from studies.output.figures.options import SHIPPED_STYLES, FigureOptions, in_style, read_size
 
 AS2 = "atlantiksolar-as2"
 
