@@ -213,7 +213,6 @@ class _Judge:
                 self.objective,
                 self.solar,
                 required_excess_time_h=self.required_h,
-                day=self.day,
                 problems=problems,
                 start=_elsewhere(self.aircraft, fractions),
             ).simulated

@@ -7,7 +7,7 @@ tells what is missing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -67,10 +67,7 @@ def least_mission(mission: Mission, objective: Objective) -> Mission:
 
 
 def short_of_largest_excess(
-    aircraft: Aircraft,
-    largest: SizingResult,
-    required_h: float,
-    least_excess_h: Callable[[Performance], float],
+    aircraft: Aircraft, largest: SizingResult, required_h: float
 ) -> Verdict | None:
     """Verdict where even the largest excess time is too short; None where it is enough.
 
@@ -82,8 +79,6 @@ def short_of_largest_excess(
         Sizing for the largest excess time.
     required_h : float
         Required excess time [h].
-    least_excess_h : callable
-        Excess time of a design in its worst scenario [h].
 
     Returns
     -------
@@ -95,7 +90,7 @@ def short_of_largest_excess(
     # Where no design flies perpetually, what else is missing comes first.
     missed = [v for v in largest.violations if v.requirement != "excess_time"]
     if nearest is not None:
-        shortfall_h = required_h - least_excess_h(nearest)
+        shortfall_h = required_h - float(np.min(nearest.cycle.excess_time_h))
         if largest.simulated is not None and shortfall_h <= 0.0:
             return None
         # The nearest design may fly long enough and miss another requirement; where none is

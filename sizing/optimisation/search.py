@@ -57,7 +57,8 @@ __all__ = ["Search", "SizingResult", "run", "size_aircraft"]
 _FIRST_BLOCKS = 3
 _ROUNDS = 12
 _WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
-_WASTE = 1e-3  # of the objective, relative: what its excess time, and its margin, may cost
+_WASTE = 1e-3  # the same in what it costs of the objective, relative
+_MARGIN_COST = 0.003  # of the objective, relative
 # Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
 PENALTY = 300.0
 _NEXT_TO_NOTHING = 1e-3  # of a payload [kg, W]
@@ -423,7 +424,7 @@ def size_branches(
     list of Performance
         Of the branches that have a design; empty where every scenario has a night.
     """
-    solver = ProgramSolver(SizingProblems(aircraft), mission, solar, day)
+    solver = ProgramSolver(SizingProblems(aircraft), mission, solar, day, by_model=True)
     sets = growing_lit_sets(lowest_power(day))
     some = sorted({round(i) for i in np.linspace(0, len(sets) - 1, _BRANCHES)}) if sets else []
     found = [
@@ -649,7 +650,10 @@ class _Sizing:
         self.search.previous, self.search.solution = None, solution
         self._run()
         best = self.search.best
-        if best is not None and best.solution.cost(0.0, best.solution.instance.margin) > _WASTE:
+        if (
+            best is not None
+            and best.solution.cost(0.0, best.solution.instance.margin) > _MARGIN_COST
+        ):
             less = best.solution.instance.margin * _LESS_MARGIN
             self.search.instance = replace(best.solution.instance, margin=less)
             self.search.previous, self.search.solution = best.solution, None
@@ -704,9 +708,7 @@ class _Sizing:
         solver = ProgramSolver(own.problems, mission, own.solar, own.day, by_model=own.by_model)
         largest = self._largest_excess(solver)
         own.add(solver)
-        verdict = short_of_largest_excess(
-            self.aircraft, largest, self.required_h, solver.least_excess_h
-        )
+        verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
         if verdict is not None:
             return self._failed(verdict)
         assert largest.simulated is not None
@@ -717,7 +719,12 @@ class _Sizing:
             )
         self.lit = sorted(largest.optimum.instance.lit)
         self.search.instance = self._instance()
-        self.largest = Accepted(largest.optimum, self._simulated(largest.optimum))
+        # Its own time step judges it: no finer one takes back what the largest excess time allows.
+        assert largest.objective_value is not None
+        found = self._simulated(largest.optimum)
+        self.largest = Accepted(
+            largest.optimum, found._replace(excess_time_h=largest.objective_value)
+        )
         self.search.begin_below(self.largest)
         nearest = largest.simulated.design.variables.mapped(float)
         return self._restarted([nearest, *starts], largest.simulated)
