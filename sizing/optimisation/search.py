@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -316,7 +316,9 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
     return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
 
 
-def simulated(solver: ProgramSolver, perf: Performance, merit: float) -> Simulated:
+def simulated(
+    solver: ProgramSolver, perf: Performance, merit: float, required_h: float
+) -> Simulated:
     """What the simulator finds for one design.
 
     Parameters
@@ -327,6 +329,8 @@ def simulated(solver: ProgramSolver, perf: Performance, merit: float) -> Simulat
         Of the design in all scenarios.
     merit : float
         The larger the better.
+    required_h : float
+        Required excess time [h].
 
     Returns
     -------
@@ -336,7 +340,8 @@ def simulated(solver: ProgramSolver, perf: Performance, merit: float) -> Simulat
     met = meets_requirements(
         solver.aircraft, perf.design, solver.conditions, tolerance=_ROW_TOLERANCE
     )
-    return Simulated(solver.least_excess_h(perf), worst, merit, bool(np.all(met)), perf)
+    excess_h = solver.least_excess_h(perf, required_h)
+    return Simulated(excess_h, worst, merit, bool(np.all(met)), perf)
 
 
 # --- one sizing ------------------------------------------------------------------------------
@@ -514,6 +519,12 @@ def _merit(result: SizingResult) -> float:
     return result.objective_value if result.objective.maximised else -result.objective_value
 
 
+@lru_cache(maxsize=1)
+def _promising(solver: ProgramSolver) -> list[Promising]:
+    """Designs of a coarse grid that come nearest, kept: a verdict may ask for them again."""
+    return promising_designs(solver.aircraft, solver.mission, solver.solar, solver.day)
+
+
 class _Sizing:
     """One sizing: where it starts, its search, and the verdict."""
 
@@ -551,9 +562,9 @@ class _Sizing:
             solution = self._solve([self.start])
             return self._failure(self.first) if solution is None else self._settled(solution)
         if solution.missed():
-            self.missed = solution
+            self.missed = missed = solution
             if self.explain:
-                return self._explained([solution.design])
+                return self._explained(lambda: [missed.design])
             solution = self._met_after_all(solution)
         return self._given_up(self.first) if solution is None else self._settled(solution)
 
@@ -567,7 +578,8 @@ class _Sizing:
         self.explain = True
         if self.missed is None:
             return self._failure(self.first)
-        return self._explained([self.missed.design])
+        missed = self.missed
+        return self._explained(lambda: [missed.design])
 
     def next_of(self, lit_sets: Sequence[Sequence[int]], place: int) -> int | None:
         """First set of always lit scenarios in which a required excess time falls that limits.
@@ -643,7 +655,8 @@ class _Sizing:
     def _simulated(self, solution: Solution) -> Simulated:
         perf = self.solver.performance(solution.design)
         value = float(objective_value(self.objective, perf))
-        return simulated(self.solver, perf, value if self.objective.maximised else -value)
+        merit = value if self.objective.maximised else -value
+        return simulated(self.solver, perf, merit, self.required_h)
 
     def _settled(self, solution: Solution) -> SizingResult:
         """Best design that the simulator accepts, from a first solution on."""
@@ -690,19 +703,21 @@ class _Sizing:
     def _failure(self, nearest: Performance) -> SizingResult:
         if not self.explain:
             return self._given_up(nearest)
-        grid = [one.design for one in self._promising(self.solver)]
-        return self._explained(grid or [variables_of(self.aircraft)])
 
-    def _promising(self, solver: ProgramSolver) -> list[Promising]:
-        return promising_designs(self.aircraft, solver.mission, solver.solar, self.day)
+        def grid() -> list[DesignVariables]:
+            return [one.design for one in _promising(self.solver)] or [variables_of(self.aircraft)]
 
-    def _explained(self, starts: list[DesignVariables]) -> SizingResult:
+        return self._explained(grid)
+
+    def _explained(self, starts: Callable[[], list[DesignVariables]]) -> SizingResult:
         """Why there is no design; where nothing is found to be missing, the search starts again."""
         if self.required_h > 0.0 or self.objective is not Objective.max_excess_time:
             return self._explained_by_largest_excess(starts)
-        return self._explained_by_least_missed(starts)
+        return self._explained_by_least_missed(starts())
 
-    def _explained_by_largest_excess(self, starts: list[DesignVariables]) -> SizingResult:
+    def _explained_by_largest_excess(
+        self, starts: Callable[[], list[DesignVariables]]
+    ) -> SizingResult:
         own = self.solver
         mission = least_mission(own.mission, self.objective)
         solver = ProgramSolver(own.problems, mission, own.solar, own.day, by_model=own.by_model)
@@ -727,7 +742,7 @@ class _Sizing:
         )
         self.search.begin_below(self.largest)
         nearest = largest.simulated.design.variables.mapped(float)
-        return self._restarted([nearest, *starts], largest.simulated)
+        return self._restarted([nearest, *starts()], largest.simulated)
 
     def _largest_excess(self, solver: ProgramSolver) -> SizingResult:
         """Sizing for the largest excess time; too short a one is held against a grid of designs."""
@@ -735,7 +750,7 @@ class _Sizing:
         reached_h = largest.objective_value
         if reached_h is None or reached_h >= self.required_h:
             return largest
-        for one in self._promising(solver)[:1]:
+        for one in _promising(solver)[:1]:
             if one.missed == 0.0 and one.excess_time_h > reached_h:
                 again = _sized(solver, Objective.max_excess_time, 0.0, one.design, explain=False)
                 return max(largest, again, key=_merit)
@@ -754,7 +769,7 @@ class _Sizing:
             again = self._restarted([least.design, *starts], nearest.performance)
             if accepted or again.feasible:
                 return again
-        flying = [one.design for one in self._promising(self.solver) if one.excess_time_h > 0.0]
+        flying = [one.design for one in _promising(self.solver) if one.excess_time_h > 0.0]
         solution = self._solve(flying) if flying and not self.restarts else None
         if solution is not None:
             self.restarts += 1

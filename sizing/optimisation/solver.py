@@ -36,9 +36,9 @@ _FIRST_MARGIN = 1e-3  # of the recharge, to begin with
 # up to 0.003 h, the simulator's by another 0.002.
 GOAL_CUSHION_H = 0.006
 
-# Scenarios whose excess time is within this of the worst one's may be the worst with another step
-# [h]: each is off by 0.002 h at most.
-_NEARLY_WORST_H = 0.005
+# Another time step may take this from an excess time, or make another scenario the worst [h]: each
+# step is off by 0.002 h at most.
+_BY_STEP_H = 0.005
 _LEAST_PAYLOAD = 1e-3  # that a relative cost refers to, in the unit of the payload [kg, W]
 
 # Sequential quadratic programming ends where the point is feasible and the multipliers balance the
@@ -349,13 +349,17 @@ class ProgramSolver:
             self.aircraft, self.mission, variables, self.solar, day=self.day
         )
 
-    def least_excess_h(self, perf: Performance) -> float:
-        """Excess time of one design in its worst scenario, the less of two time steps [h]."""
+    def least_excess_h(self, perf: Performance, required_h: float) -> float:
+        """Excess time of one design in its worst scenario [h].
+
+        Where it is just enough, the less of two time steps.
+        """
         excess_h = perf.cycle.excess_time_h
         least_h = float(np.min(excess_h))
-        if not self.by_model or not (0.0 < least_h < math.inf):
+        to_spare_h = least_h - required_h
+        if not self.by_model or least_h <= 0.0 or not 0.0 <= to_spare_h <= _BY_STEP_H:
             return least_h
-        some = np.flatnonzero(excess_h <= least_h + _NEARLY_WORST_H).tolist()
+        some = np.flatnonzero(excess_h <= least_h + _BY_STEP_H).tolist()
         fine = performance_of_designs(
             *(self.aircraft, self.mission, perf.design.variables, self.solar),
             day=SolarDay.joined([self._fine_day(scenario) for scenario in some]),
