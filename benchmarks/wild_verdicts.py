@@ -20,6 +20,7 @@ from sizing.optimisation.relaxations import Relaxation, relaxations
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
+    ROW_TOLERANCE,
     SizingResult,
     SizingStatus,
 )
@@ -28,7 +29,6 @@ from sizing.performance import Performance
 from sizing.sunlight import DEFAULT_STEP_H
 
 _EDGE = 0.999  # of the largest excess time
-_PAYLOAD_TOLERANCE = 0.001  # of the total mass or load, as in the cross-check
 _SAME = 1e-6  # relative, of what the product's own design is simulated to
 
 # Verdicts; all but the first two speak against the product.
@@ -205,8 +205,8 @@ def _tolerance(judge: Judge, value: float, perf: Performance) -> float:
     """By how much a value must be better to count, in its unit; the cross-check's."""
     least = {
         Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
-        Objective.max_payload_mass: _PAYLOAD_TOLERANCE * float(perf.design.total_mass_kg[0]),
-        Objective.max_payload_power: _PAYLOAD_TOLERANCE * float(np.max(perf.nominal_load_w)),
+        Objective.max_payload_mass: ROW_TOLERANCE * float(perf.design.total_mass_kg[0]),
+        Objective.max_payload_power: ROW_TOLERANCE * float(np.max(perf.nominal_load_w)),
         # Whole members; the fraction is the search's own.
         Objective.longest_season: 1.0,
         Objective.widest_latitude_band: 1.0,

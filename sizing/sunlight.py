@@ -32,6 +32,7 @@ from solar.systematic_errors import correction
 from solar.types import FloatArray
 
 DEFAULT_STEP_H = 1.0 / 12.0
+FINE_STEP_H = 1.0 / 60.0  # confirms what the default step finds
 
 
 @dataclass(frozen=True)

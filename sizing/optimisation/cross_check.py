@@ -8,6 +8,7 @@ always lit. A search is no proof.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,11 +29,9 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.search import size_aircraft, size_branches
 from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.sunlight import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-_PAYLOAD_TOLERANCE = 0.001  # of the total mass or load
-_FINE_STEP_H = 1.0 / 60.0
 _GRID_STEP_H = 0.25
 # Points per axis of the grid, by the number of its axes: some 2000 to 3000 designs.
 _GRID_POINTS = {3: 13, 4: 7, 5: 5, 6: 4}
@@ -78,8 +77,7 @@ def cross_check(
         )
     judge = _Judge(aircraft, mission, solar, result)
     own = float(judge.value(result.simulated))
-    fine_day = solar_day(aircraft, mission, solar, step_h=_FINE_STEP_H)
-    fine = float(judge.value(judge.performance(result.design.variables, fine_day)))
+    fine = float(judge.value(judge.performance(result.design.variables, judge.fine_day)))
     found = {
         "optimum": own,
         "grid": judge.best_of_grid(),
@@ -115,6 +113,7 @@ class _Judge:
         assert result.design is not None
         self.optimum = result.design.variables
         self.day = result.simulated.day
+        self.fine_day = solar_day(aircraft, mission, solar, step_h=FINE_STEP_H)
         self.tried = 0
 
     def merit(self, values: ArrayLike) -> FloatArray:
@@ -123,11 +122,11 @@ class _Judge:
         return np.where(np.isnan(signed), -np.inf, signed)
 
     def tolerance(self, value: float, perf: Performance) -> float:
-        # A payload is what is left of a mass, or of a load, that may be many times larger.
+        # A payload is what is left of a mass, or of a load, that is known to a tolerance itself.
         least = {
             Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
-            Objective.max_payload_mass: _PAYLOAD_TOLERANCE * float(perf.design.total_mass_kg),
-            Objective.max_payload_power: _PAYLOAD_TOLERANCE * float(np.max(perf.nominal_load_w)),
+            Objective.max_payload_mass: ROW_TOLERANCE * float(perf.design.total_mass_kg),
+            Objective.max_payload_power: ROW_TOLERANCE * float(np.max(perf.nominal_load_w)),
         }
         return max(RELATIVE_TOLERANCE * abs(value), least.get(self.objective, 0.0))
 
@@ -147,9 +146,21 @@ class _Judge:
         return np.where(kept, objective_value(self.objective, perf), np.nan)
 
     def best_of(self, variables: DesignVariables) -> float:
-        if np.size(variables.wingspan_m) == 0:
+        """Best of a batch whose fine step confirms that it keeps the requirements."""
+        finalists = self._finalists(variables, self.day)
+        if np.size(finalists.wingspan_m) == 0:
             return float("nan")
-        return self._best(self.value(self.performance(variables, self.day)))
+        values, confirmed = (
+            self.value(self.performance(finalists, day)) for day in (self.day, self.fine_day)
+        )
+        return self._best(np.where(np.isnan(confirmed), np.nan, values))
+
+    def _finalists(self, variables: DesignVariables, day: SolarDay) -> DesignVariables:
+        """The few best of a batch with the time step of a day."""
+        merits = self.merit(self.value(self.performance(variables, day)))
+        order = np.argsort(-merits, kind="stable")[:_FINALISTS]
+        order = order[merits[order] > -np.inf]
+        return variables.mapped(lambda v: np.asarray(v)[order])
 
     def best_of_grid(self) -> float:
         """Best of a grid, screened with a coarse time step; the finalists with the usual one."""
@@ -161,41 +172,48 @@ class _Judge:
             scenarios=self.day.scenarios,
             step_h=_GRID_STEP_H,
         )
-        merits = self.merit(self.value(self.performance(variables, coarse)))
-        order = np.argsort(-merits, kind="stable")[:_FINALISTS]
-        order = order[merits[order] > -np.inf]
-        return self.best_of(variables.mapped(lambda v: np.asarray(v)[order]))
+        return self.best_of(self._finalists(variables, coarse))
 
     def best_of_starts(self) -> float:
         """Best of sizings that start elsewhere in the design space."""
         problems = SizingProblems(self.aircraft)
-        found = [
+        found = (
             size_aircraft(
                 self.aircraft,
                 self.mission,
                 self.objective,
                 self.solar,
                 required_excess_time_h=self.required_h,
-                day=self.day,
                 problems=problems,
                 start=_elsewhere(self.aircraft, fractions),
             ).simulated
             for fractions in _STARTS
-        ]
-        return self._best(np.array([self.value(one)[()] for one in found if one is not None]))
+        )
+        return self._best_of_sized([one for one in found if one is not None])
 
     def best_of_branches(self) -> float:
         """Best of sizings with other scenarios always lit, under a midnight sun."""
-        found = size_branches(
-            self.aircraft,
-            self.mission,
-            self.objective,
-            self.solar,
-            required_excess_time_h=self.required_h,
-            day=self.day,
-            start=self.optimum,
+        return self._best_of_sized(
+            size_branches(
+                self.aircraft,
+                self.mission,
+                self.objective,
+                self.solar,
+                required_excess_time_h=self.required_h,
+                day=self.day,
+                start=self.optimum,
+            )
         )
-        return self._best(np.array([self.value(one)[()] for one in found]))
+
+    def _best_of_sized(self, found: Sequence[Performance]) -> float:
+        """Best of a few optima."""
+        if not found:
+            return float("nan")
+        chosen = [one.design.variables.chosen() for one in found]
+        names = chosen[0]
+        return self.best_of(
+            DesignVariables(**{n: np.array([float(one[n]) for one in chosen]) for n in names})
+        )
 
     def _best(self, values: FloatArray) -> float:
         """Best value; NaN where all designs miss a requirement."""

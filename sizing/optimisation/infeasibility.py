@@ -58,6 +58,8 @@ def short_of_largest_excess(
     aircraft: Aircraft, largest: SizingResult, required_h: float
 ) -> Verdict | None:
     """Verdict where even the largest excess time is too short; None where it is enough."""
+    if not largest.feasible and largest.status is not SizingStatus.infeasible:
+        return Verdict(largest.status, (), largest.nearest)
     nearest = largest.nearest if largest.simulated is None else largest.simulated
     # Where no design flies perpetually, what else is missing comes first.
     missed = [v for v in largest.violations if v.requirement != "excess_time"]

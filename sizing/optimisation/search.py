@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -57,18 +57,18 @@ __all__ = ["Search", "SizingResult", "run", "size_aircraft"]
 _FIRST_BLOCKS = 3
 _ROUNDS = 12
 _WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
-_WASTE = 1e-3  # the same in what it costs in span or mass, relative
+_WASTE = 1e-3  # the same in what it costs of the objective, relative
+_MARGIN_COST = 0.003  # of the objective, relative
 # Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
 PENALTY = 300.0
 _NEXT_TO_NOTHING = 1e-3  # of a payload [kg, W]
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
+_LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _RESTARTS = 3
-_MARGIN_COST = 0.003  # of the objective, relative
 _LESS_MARGIN = 1.0 / 30.0
 _BRANCHES = 6  # that a cross-check tries at most, besides that by battery alone
-_LEAST_MISSED_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
 
 
 # --- the loop --------------------------------------------------------------------------------
@@ -77,8 +77,9 @@ _LEAST_MISSED_EFFORTS: tuple[Effort, ...] = ("quick", "steady", "patient")
 class Simulated(NamedTuple):
     """What the simulator finds for one solution.
 
-    ``worst`` is the scenario with the least excess time, ``merit`` the larger the better; ``sound``
-    tells whether the design keeps every requirement besides the excess time.
+    The excess time is that of ``worst``, the scenario with the least, confirmed with a fine step;
+    ``merit`` is the larger the better, and ``sound`` tells whether the design keeps every
+    requirement besides the excess time.
     """
 
     excess_time_h: float
@@ -93,6 +94,14 @@ class Accepted(NamedTuple):
 
     solution: Solution
     found: Simulated
+
+
+class _Bound(NamedTuple):
+    """Goal and margin of a program, and the excess time that its design turned out to have."""
+
+    goal_h: float
+    margin: float
+    excess_time_h: float
 
 
 class Search:
@@ -121,6 +130,9 @@ class Search:
         self.solution: Solution | None = None
         self.previous: Solution | None = None
         self.best: Accepted | None = None
+        # Programs of these scenarios whose designs the simulator rejected and accepted last.
+        self._short: _Bound | None = None
+        self._enough: _Bound | None = None
         # Design of the last program whose goal turned out too low: as good as any can be.
         self.rejected: DesignVariables | None = None
 
@@ -149,9 +161,12 @@ class Search:
             return False
         if accepted and self.instance.lit and np.isinf(found.excess_time_h):
             return False  # nothing is worse than the others
+        if found.worst in self.scenarios:
+            bound = _Bound(self.instance.goal_h, self.instance.margin, found.excess_time_h)
+            self._short, self._enough = (self._short, bound) if accepted else (bound, self._enough)
         if not accepted:
             self.rejected = self.current.design
-            if self.ceiling_h - self.instance.goal_h < _SAME_GOAL_H:
+            if self.ceiling_h - self.instance.goal_h < _SAME_GOAL_H or self.enclosed():
                 return False
         self._tighten(found)
         self.previous, self.solution = self.solution, None
@@ -166,17 +181,47 @@ class Search:
 
     def _wasteful(self, found: Simulated) -> bool:
         """Whether a design has more excess time than needed, and another goal may change that."""
-        if self.instance.best_excess or self.instance.goal_h <= 0.0:
+        if self.instance.best_excess or (self.instance.goal_h <= 0.0 and self._short is None):
             return False
         surplus_h = found.excess_time_h - self.required_h
-        if self._unchanged():
+        if self._unchanged() or self.enclosed():
             return False
         # Next to the largest excess time minutes cost much: what they are worth is known.
-        worth = self.current.cost_per_hour()
+        worth = self.current.cost(1.0)
         if surplus_h * worth > _WASTE:
             self.cushion_h = min(self.cushion_h, _WASTE / worth / 4.0)
             return True
         return surplus_h > _WASTE_H
+
+    def begin_below(self, enough: Accepted) -> None:
+        """Aim below a design of largest excess time, which is known to be enough.
+
+        The program counts otherwise than the simulator: it wants a margin on the recharge, and its
+        steps are longer. Near the largest excess time that decides whether it has any solution.
+        """
+        optimum, excess_h = enough.solution, enough.found.excess_time_h
+        to_spare_h = excess_h - self.required_h
+        if math.isinf(to_spare_h):
+            return
+        self.cushion_h = min(self.cushion_h, to_spare_h / 4.0)
+        self.scenarios = list(dict.fromkeys(optimum.scenarios))
+        self.blocks = len(optimum.scenarios)
+        self.ceiling_h, margin = optimum.value(WORST_EXCESS), optimum.instance.margin
+        self._short, self._enough = None, _Bound(self.ceiling_h, margin, excess_h)
+        goal_h = self.ceiling_h - to_spare_h + self.cushion_h
+        self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
+
+    def enclosed(self) -> bool:
+        """Whether what lies between a rejected program and an accepted one is worth nothing.
+
+        The excess time may leap there: a day that returns a little less lets the battery run empty.
+        """
+        last = self.solution or self.previous
+        if self._short is None or self._enough is None or last is None:
+            return False
+        hours = abs(self._enough.goal_h - self._short.goal_h)
+        margin = abs(self._enough.margin - self._short.margin)
+        return last.cost(hours, margin) < _WASTE / 4.0
 
     def _unchanged(self) -> bool:
         """Whether the last goal made no difference: another requirement decides."""
@@ -191,9 +236,12 @@ class Search:
             self.scenarios.append(found.worst)
             if len(self.scenarios) > self.blocks:
                 self.blocks = min(2 * self.blocks, self.count)
+            self._short = self._enough = None
             return
         goal_h, margin = self.instance.goal_h, self.instance.margin
-        if found.excess_time_h <= 0.0:
+        if self._short is not None and self._enough is not None:
+            goal_h, margin = self._between(self._short, self._enough)
+        elif found.excess_time_h <= 0.0:
             # The battery runs empty over many days: the day must return more.
             goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
         else:
@@ -202,6 +250,14 @@ class Search:
                 shifted_h = (goal_h + self.ceiling_h) / 2.0
             goal_h = max(shifted_h, 0.0)
         self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
+
+    def _between(self, short: _Bound, enough: _Bound) -> tuple[float, float]:
+        """Goal and margin between those that are too low and those that waste, by regula falsi."""
+        aim_h = self.required_h + self.cushion_h - short.excess_time_h
+        share = aim_h / (enough.excess_time_h - short.excess_time_h)
+        share = min(max(share, _LEAST_SHARE), 1.0 - _LEAST_SHARE)
+        goal_h = short.goal_h + share * (enough.goal_h - short.goal_h)
+        return goal_h, short.margin * (enough.margin / short.margin) ** share
 
 
 def run(
@@ -235,13 +291,15 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
     return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
 
 
-def simulated(solver: ProgramSolver, perf: Performance, merit: float) -> Simulated:
+def simulated(
+    solver: ProgramSolver, perf: Performance, merit: float, required_h: float
+) -> Simulated:
     """What the simulator finds for one design."""
     worst = perf.worst_scenario()
     met = meets_requirements(
         solver.aircraft, perf.design, solver.conditions, tolerance=_ROW_TOLERANCE
     )
-    excess_h = float(perf.cycle.excess_time_h[worst])
+    excess_h = solver.least_excess_h(perf, required_h)
     return Simulated(excess_h, worst, merit, bool(np.all(met)), perf)
 
 
@@ -277,7 +335,7 @@ def size_aircraft(
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    solver = ProgramSolver(problems, mission, solar, lit)
+    solver = ProgramSolver(problems, mission, solar, lit, by_model=day is None)
     return _sized(solver, objective, required, start, explain=explain)
 
 
@@ -295,7 +353,7 @@ def size_branches(
 
     Returns of the branches that have a design; empty where every scenario has a night.
     """
-    solver = ProgramSolver(SizingProblems(aircraft), mission, solar, day)
+    solver = ProgramSolver(SizingProblems(aircraft), mission, solar, day, by_model=True)
     sets = growing_lit_sets(lowest_power(day))
     some = sorted({round(i) for i in np.linspace(0, len(sets) - 1, _BRANCHES)}) if sets else []
     found = [
@@ -364,6 +422,12 @@ def _merit(result: SizingResult) -> float:
     return result.objective_value if result.objective.maximised else -result.objective_value
 
 
+@lru_cache(maxsize=1)
+def _promising(solver: ProgramSolver) -> list[Promising]:
+    """Designs of a coarse grid that come nearest, kept: a verdict may ask for them again."""
+    return promising_designs(solver.aircraft, solver.mission, solver.solar, solver.day)
+
+
 class _Sizing:
     """One sizing: where it starts, its search, and the verdict."""
 
@@ -400,10 +464,10 @@ class _Sizing:
         if solution is None:
             solution = self._solve([self.start])
             return self._failure(self.first) if solution is None else self._settled(solution)
-        if solution.missed() and self.explain:
-            return self._explained([solution.design])
         if solution.missed():
-            self.missed = solution
+            self.missed = missed = solution
+            if self.explain:
+                return self._explained(lambda: [missed.design])
             solution = self._met_after_all(solution)
         return self._given_up(self.first) if solution is None else self._settled(solution)
 
@@ -417,7 +481,8 @@ class _Sizing:
         self.explain = True
         if self.missed is None:
             return self._failure(self.first)
-        return self._explained([self.missed.design])
+        missed = self.missed
+        return self._explained(lambda: [missed.design])
 
     def next_of(self, lit_sets: Sequence[Sequence[int]], place: int) -> int | None:
         """First set of always lit scenarios in which a required excess time falls that limits.
@@ -493,15 +558,18 @@ class _Sizing:
     def _simulated(self, solution: Solution) -> Simulated:
         perf = self.solver.performance(solution.design)
         value = float(objective_value(self.objective, perf))
-        return simulated(self.solver, perf, value if self.objective.maximised else -value)
+        merit = value if self.objective.maximised else -value
+        return simulated(self.solver, perf, merit, self.required_h)
 
     def _settled(self, solution: Solution) -> SizingResult:
         """Best design that the simulator accepts, from a first solution on."""
         self.search.previous, self.search.solution = None, solution
         self._run()
-        if self._margin_costs():
-            best = self.search.best
-            assert best is not None
+        best = self.search.best
+        if (
+            best is not None
+            and best.solution.cost(0.0, best.solution.instance.margin) > _MARGIN_COST
+        ):
             less = best.solution.instance.margin * _LESS_MARGIN
             self.search.instance = replace(best.solution.instance, margin=less)
             self.search.previous, self.search.solution = best.solution, None
@@ -515,23 +583,6 @@ class _Sizing:
     def _run(self) -> None:
         run([self.search], lambda some: [self._simulated(one.current) for one in some])
 
-    def _margin_costs(self) -> bool:
-        """Whether the margin on the recharge costs more of the objective than it may.
-
-        At most what its multipliers say, with a battery that the night empties. It does where a
-        design is near the largest that there is, or a payload is what is left of a larger mass.
-        """
-        best = self.search.best
-        if best is None or best.solution.instance.best_excess:
-            return False
-        solution = best.solution
-        rows = zip(solution.constraints, solution.constraint_multipliers, strict=True)
-        cost = sum(abs(value) for row, value in rows if row.name == "energy_balance")
-        free = {v.name: x for v, x in zip(solution.variables, solution.x, strict=True)}
-        # The cost is a logarithm, or the payload.
-        scale = sum(abs(free[name]) for name in solution.instance.freed) or 1.0
-        return bool(solution.instance.margin * cost > _MARGIN_COST * scale)
-
     def _nothing_between(self) -> bool:
         """Whether the design of largest excess time is as good as one that falls just short.
 
@@ -540,6 +591,8 @@ class _Sizing:
         """
         if self.largest is None or self.search.rejected is None:
             return False
+        if self.search.enclosed():
+            return True
         own, short = self.largest.solution.design.chosen(), self.search.rejected.chosen()
         return all(
             math.isclose(
@@ -553,22 +606,24 @@ class _Sizing:
     def _failure(self, nearest: Performance) -> SizingResult:
         if not self.explain:
             return self._given_up(nearest)
-        grid = [one.design for one in self._promising(self.solver)]
-        return self._explained(grid or [variables_of(self.aircraft)])
 
-    def _promising(self, solver: ProgramSolver) -> list[Promising]:
-        return promising_designs(self.aircraft, solver.mission, solver.solar, self.day)
+        def grid() -> list[DesignVariables]:
+            return [one.design for one in _promising(self.solver)] or [variables_of(self.aircraft)]
 
-    def _explained(self, starts: list[DesignVariables]) -> SizingResult:
+        return self._explained(grid)
+
+    def _explained(self, starts: Callable[[], list[DesignVariables]]) -> SizingResult:
         """Why there is no design; where nothing is found to be missing, the search starts again."""
         if self.required_h > 0.0 or self.objective is not Objective.max_excess_time:
             return self._explained_by_largest_excess(starts)
-        return self._explained_by_least_missed(starts)
+        return self._explained_by_least_missed(starts())
 
-    def _explained_by_largest_excess(self, starts: list[DesignVariables]) -> SizingResult:
+    def _explained_by_largest_excess(
+        self, starts: Callable[[], list[DesignVariables]]
+    ) -> SizingResult:
         own = self.solver
         mission = least_mission(own.mission, self.objective)
-        solver = ProgramSolver(own.problems, mission, own.solar, own.day)
+        solver = ProgramSolver(own.problems, mission, own.solar, own.day, by_model=own.by_model)
         largest = self._largest_excess(solver)
         own.add(solver)
         verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
@@ -582,10 +637,15 @@ class _Sizing:
             )
         self.lit = sorted(largest.optimum.instance.lit)
         self.search.instance = self._instance()
-        self._aim_below(largest)
-        self.largest = Accepted(largest.optimum, self._simulated(largest.optimum))
+        # Its own time step judges it: no finer one takes back what the largest excess time allows.
+        assert largest.objective_value is not None
+        found = self._simulated(largest.optimum)
+        self.largest = Accepted(
+            largest.optimum, found._replace(excess_time_h=largest.objective_value)
+        )
+        self.search.begin_below(self.largest)
         nearest = largest.simulated.design.variables.mapped(float)
-        return self._restarted([nearest, *starts], largest.simulated)
+        return self._restarted([nearest, *starts()], largest.simulated)
 
     def _largest_excess(self, solver: ProgramSolver) -> SizingResult:
         """Sizing for the largest excess time; too short a one is held against a grid of designs."""
@@ -593,45 +653,26 @@ class _Sizing:
         reached_h = largest.objective_value
         if reached_h is None or reached_h >= self.required_h:
             return largest
-        for one in self._promising(solver)[:1]:
+        for one in _promising(solver)[:1]:
             if one.missed == 0.0 and one.excess_time_h > reached_h:
                 again = _sized(solver, Objective.max_excess_time, 0.0, one.design, explain=False)
                 return max(largest, again, key=_merit)
         return largest
 
-    def _aim_below(self, largest: SizingResult) -> None:
-        """Goal that the design of largest excess time meets, in its scenarios.
-
-        The program counts otherwise than the simulator: it wants a margin on the recharge, and its
-        steps are longer. Near the largest excess time that decides whether it has any solution.
-        """
-        assert largest.optimum is not None
-        assert largest.objective_value is not None
-        search, optimum = self.search, largest.optimum
-        to_spare_h = largest.objective_value - self.required_h
-        if math.isinf(to_spare_h):
-            return
-        search.cushion_h = min(search.cushion_h, to_spare_h / 4.0)
-        search.scenarios = list(dict.fromkeys(optimum.scenarios))
-        search.blocks = len(optimum.scenarios)
-        search.ceiling_h = optimum.value(WORST_EXCESS)
-        search.instance = replace(
-            search.instance,
-            goal_h=search.ceiling_h - to_spare_h + search.cushion_h,
-            margin=optimum.instance.margin,
-        )
-
     def _explained_by_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
-        instance = self.search.instance.least_missed()
-        found = (self._solve(starts, instance, effort=e) for e in _LEAST_MISSED_EFFORTS)
-        least = next((solution for solution in found if solution is not None), None)
+        instance, least = self.search.instance, self._least_missed(starts)
         if least is None:
             return self._restarted(starts, self.solver.performance(starts[0]))
         missed, nearest = least.missed(), self._simulated(least)
         assert nearest.performance is not None
-        if not missed or self.search.accepts(nearest):
-            return self._restarted([least.design, *starts], nearest.performance)
-        flying = [one.design for one in self._promising(self.solver) if one.excess_time_h > 0.0]
+        accepted, margin = not missed or self.search.accepts(nearest), instance.margin
+        if accepted or (not self.restarts and max(missed.values()) < margin):
+            # What the program asks for beyond the simulator may be all that it misses.
+            self.search.instance = replace(instance, margin=_LESS_MARGIN * margin)
+            again = self._restarted([least.design, *starts], nearest.performance)
+            if accepted or again.feasible:
+                return again
+        flying = [one.design for one in _promising(self.solver) if one.excess_time_h > 0.0]
         solution = self._solve(flying) if flying and not self.restarts else None
         if solution is not None:
             self.restarts += 1
@@ -643,6 +684,14 @@ class _Sizing:
             active_constraints(least, self.day),
         )
         return self._failed(verdict)
+
+    def _least_missed(self, starts: list[DesignVariables]) -> Solution | None:
+        """Solution that misses as little as possible, or all but that: by a penalty."""
+        instance = self.search.instance.least_missed()
+        least = self._solve(starts, instance)
+        if least is None and self.missed is not None:
+            least = self._solve([], instance, previous=self.missed)
+        return least or self._solve(starts, instance, effort="steady") or self.missed
 
     def _restarted(self, starts: list[DesignVariables], nearest: Performance) -> SizingResult:
         solution = self._solve(starts)

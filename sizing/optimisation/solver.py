@@ -26,7 +26,7 @@ from sizing.optimisation.problem import (
     Variable,
 )
 from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import SolarDay, SolarModel
+from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
 # A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
@@ -35,6 +35,11 @@ _FIRST_MARGIN = 1e-3  # of the recharge, to begin with
 # The goal is a little more than what is required [h]: the program's time step flatters a design by
 # up to 0.003 h, the simulator's by another 0.002.
 GOAL_CUSHION_H = 0.006
+
+# Another time step may take this from an excess time, or make another scenario the worst [h]: each
+# step is off by 0.002 h at most.
+_BY_STEP_H = 0.005
+_LEAST_PAYLOAD = 1e-3  # that a relative cost refers to, in the unit of the payload [kg, W]
 
 # Sequential quadratic programming ends where the point is feasible and the multipliers balance the
 # cost. Old ones do so still where a requirement has only become easier, though it no longer binds;
@@ -53,6 +58,9 @@ _COSTS: dict[Objective, dict[str, float]] = {
     Objective.max_payload_mass: {"payload_mass_kg": -1.0},
     Objective.max_payload_power: {"payload_power_w": -1.0},
 }
+
+# What an hour of excess time has a price in.
+_SIZES = {name for cost in _COSTS.values() for name in cost} - {WORST_EXCESS}
 
 
 @dataclass(frozen=True)
@@ -150,12 +158,25 @@ class Solution:
             if v.role is Role.slack and slack > _SLACK_TOLERANCE
         }
 
-    def cost_per_hour(self) -> float:
-        """What an hour of required excess time costs in span or mass, relative; 0 for others."""
-        if not {"wingspan_m", "total_mass_kg"} & set(self.instance.cost):
-            return 0.0
+    def cost(self, excess_time_h: float, margin: float = 0.0) -> float:
+        """What some required excess time and margin on the recharge cost, relative.
+
+        Of the objective, if that is a size or a payload; at most, with a battery that the night
+        empties.
+        """
+        by_hour, by_charge = self._cost_of("excess_time"), self._cost_of("energy_balance")
+        return excess_time_h * by_hour + margin * by_charge
+
+    def _cost_of(self, name: str) -> float:
+        """Multipliers of the rows of a name over their scale, relative to the objective."""
+        if not _SIZES & set(self.instance.cost):
+            return 0.0  # an excess time, or technology
         rows = zip(self.constraints, self.constraint_multipliers, strict=True)
-        return float(sum(abs(m) / row.scale for row, m in rows if row.name == "excess_time"))
+        cost = sum(abs(m) / row.scale for row, m in rows if row.name == name)
+        # The cost is a logarithm, or a payload over its scale.
+        payload = [v for v in self.variables if v.name in self.instance.cost and v.scale]
+        whole = sum(max(self.value(v.name), _LEAST_PAYLOAD) / (v.scale or 1.0) for v in payload)
+        return float(cost / (whole or 1.0))
 
     def free_bound_multipliers(self) -> dict[str, float]:
         """Multipliers of the bounds of all design variables that are not held at a value."""
@@ -195,13 +216,22 @@ class _Posed(NamedTuple):
 class ProgramSolver:
     """Solves the programs of an aircraft for one mission, and counts the work.
 
-    ``day``: sun in every scenario that may fill a block.
+    ``day``: sun in every scenario that may fill a block. ``by_model``: whether ``day`` is what the
+    solar power model gives, so that a finer step may confirm it.
     """
 
     def __init__(
-        self, problems: SizingProblems, mission: Mission, solar: SolarModel, day: SolarDay
+        self,
+        problems: SizingProblems,
+        mission: Mission,
+        solar: SolarModel,
+        day: SolarDay,
+        *,
+        by_model: bool = False,
     ) -> None:
         self.problems, self.mission, self.solar, self.day = problems, mission, solar, day
+        self.by_model = by_model
+        self._fine_days: dict[int, SolarDay] = {}
         self.conditions = FlightConditions.of(mission, problems.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
@@ -262,6 +292,32 @@ class ProgramSolver:
         return performance_of_designs(
             self.aircraft, self.mission, variables, self.solar, day=self.day
         )
+
+    def least_excess_h(self, perf: Performance, required_h: float) -> float:
+        """Excess time of one design in its worst scenario [h].
+
+        Where it is just enough, the less of two time steps.
+        """
+        excess_h = perf.cycle.excess_time_h
+        least_h = float(np.min(excess_h))
+        to_spare_h = least_h - required_h
+        if not self.by_model or least_h <= 0.0 or not 0.0 <= to_spare_h <= _BY_STEP_H:
+            return least_h
+        some = np.flatnonzero(excess_h <= least_h + _BY_STEP_H).tolist()
+        fine = performance_of_designs(
+            *(self.aircraft, self.mission, perf.design.variables, self.solar),
+            day=SolarDay.joined([self._fine_day(scenario) for scenario in some]),
+        )
+        return min(least_h, float(np.min(fine.cycle.excess_time_h)))
+
+    def _fine_day(self, scenario: int) -> SolarDay:
+        """Sun of one scenario with a fine time step."""
+        if scenario not in self._fine_days:
+            alone = self.day.at([scenario]).scenarios
+            self._fine_days[scenario] = solar_day(
+                *(self.aircraft, self.mission, self.solar), scenarios=alone, step_h=FINE_STEP_H
+            )
+        return self._fine_days[scenario]
 
     def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
         """Arguments of the program with these scenarios in its blocks."""

@@ -25,8 +25,8 @@ class Found:
     def design(self) -> DesignVariables:
         return DesignVariables(3.0 + self.instance.goal_h, 15.0, 2.0, 1.0)
 
-    def cost_per_hour(self) -> float:
-        return 0.02
+    def cost(self, excess_time_h: float, margin: float = 0.0) -> float:
+        return 0.02 * excess_time_h + margin
 
 
 class Simulator:
@@ -83,6 +83,26 @@ def test_battery_that_runs_empty_asks_for_more_recharge() -> None:
     search, _ = searched([5.0], rounds=1)
     assert search.best is None
     assert search.instance.margin == pytest.approx(3.0 * ProblemInstance({}, 0.0).margin)
+
+
+def test_leap_of_the_excess_time_is_enclosed_and_no_more() -> None:
+    # A day that returns a little less lets the battery run empty: no design lies in between.
+    edge_h, seen = 0.0101, list[float]()
+
+    def simulate(searches: Sequence[Search]) -> list[Simulated]:
+        (search,) = searches
+        goal_h = search.current.instance.goal_h
+        seen.append(goal_h)
+        excess_h = 0.5 + goal_h if goal_h > edge_h else goal_h - 0.5
+        return [Simulated(excess_h, 0, -goal_h, sound=True)]
+
+    search = Search(ProblemInstance({}, 0.006), 0.0, [0], solve, count=1)
+    run([search], simulate)
+    assert search.best is not None
+    # Within a quarter of the thousandth of the objective that the loop may waste.
+    assert -search.best.found.merit == pytest.approx(edge_h, abs=0.25e-3 / 0.02)
+    assert -search.best.found.merit > edge_h
+    assert len(seen) < 8
 
 
 def test_loop_ends_where_the_program_has_no_solution() -> None:
