@@ -29,6 +29,7 @@ from sizing.performance import Performance
 from sizing.sunlight import DEFAULT_STEP_H
 
 _EDGE = 0.999  # of the largest excess time
+_LESS = 0.01  # of a relaxation's value, without which it must not solve
 _SAME = 1e-6  # relative, of what the product's own design is simulated to
 
 # Verdicts; all but the first two speak against the product.
@@ -235,7 +236,7 @@ def _plain_design(design: DesignVariables | None) -> dict[str, float] | None:
 
 
 def checked_relaxations(problem: WildProblem, claim: Claim) -> list[dict[str, Any]]:
-    """Relaxations of an infeasible problem, each tried at its printed value.
+    """Relaxations of an infeasible problem, each tried at its printed value and with 1 % less.
 
     Parameters
     ----------
@@ -247,30 +248,45 @@ def checked_relaxations(problem: WildProblem, claim: Claim) -> list[dict[str, An
     Returns
     -------
     list of dict
-        Text and status of each; ``optimal`` is as it should be.
+        Text and status of each, where ``optimal`` is as it should be, and the status with the value
+        moved back by 1 %, where it is not; None where that is today's value or beyond.
     """
     if claim.result is None or claim.result.status is not SizingStatus.infeasible:
         return []
     given = (problem.aircraft, problem.mission, claim.result, problem.solar)
     try:
         return [
-            {"text": found.text, "status": _relaxed_status(problem, found)}
+            {
+                "text": found.text,
+                "status": _relaxed_status(problem, found, float(f"{found.value:g}")),
+                "with_less": _status_with_less(problem, found),
+            }
             for found in relaxations(*given)
         ]
     except Exception as error:  # any of them is a finding
-        return [{"text": f"{type(error).__name__}: {error}", "status": "error"}]
+        return [{"text": f"{type(error).__name__}: {error}", "status": "error", "with_less": None}]
 
 
-def _relaxed_status(problem: WildProblem, found: Relaxation) -> str:
-    """Status of the sizing with one parameter at the value that is printed."""
+def _status_with_less(problem: WildProblem, found: Relaxation) -> str | None:
+    """Status of the sizing with the value moved back by 1 %; latitudes move in steps."""
+    if found.parameter.startswith("mission.latitude_deg"):
+        return None
+    upwards = found.direction == "at least"
+    less = found.value * (1.0 - _LESS if upwards else 1.0 + _LESS)
+    if less <= found.present if upwards else less >= found.present:
+        return None
+    return _relaxed_status(problem, found, less)
+
+
+def _relaxed_status(problem: WildProblem, found: Relaxation, value: float) -> str:
+    """Status of the sizing with one parameter at another value."""
     aircraft, mission, required_h = problem.aircraft, problem.mission, problem.required_h
-    printed = float(f"{found.value:g}")
     if found.parameter == "mission.required_excess_time_h":
-        required_h = printed
+        required_h = value
     elif found.parameter.startswith("mission."):
-        mission = with_values(mission, {found.parameter.removeprefix("mission."): printed})
+        mission = with_values(mission, {found.parameter.removeprefix("mission."): value})
     else:
-        aircraft = with_values(aircraft, {found.parameter: printed})
+        aircraft = with_values(aircraft, {found.parameter: value})
     result = size_aircraft(
         aircraft, mission, problem.objective, problem.solar, required_excess_time_h=required_h
     )

@@ -54,13 +54,19 @@ _NORMAL = NormalDist()
 SEARCH_SAMPLES = 8192
 VERIFICATION_SAMPLES = 10_000
 _SEARCH_SEED, _VERIFICATION_SEED = 20_040, 1_999  # any two that differ
-# Shares of the permitted failures that income has; storage has the rest.
-_SHARES = (0.5, 0.2, 0.8)
-_BETWEEN = {0.5: (0.35, 0.65), 0.2: (0.1, 0.1), 0.8: (0.9, 0.9)}  # with less for income, with more
-_TRIALS = 7  # of a share
+# Steps of the search for the share of the permitted failures that income has, as a normal score;
+# storage has the rest.
+_SHARE_STEPS = (0.84, 0.42, 0.21)
+_SHARE_GAIN = 1e-3  # of the objective, relative, that another share must promise
+_LEAST_SHARE = 0.005
+_TRIALS = 10  # of a share
 _BAND = 0.06  # of the permitted failures, that may be left unused
 _INFEASIBLE_STEP = 0.4  # of the reliability index
-_LEAST_STEP = 0.03
+# Moves the probability by less than the search's draws leave open, whatever it is.
+_LEAST_STEP = 0.01
+_INCOME_STEP = 1.0  # of the margin on income, in standard deviations: brackets the most reliable
+_INCOME_TOLERANCE = 0.25  # of that margin: at the summit it moves the probability by 0.1 %
+_STEEPEST = 2.5  # rise of the reliability index with that of the margins
 _ROW_TOLERANCE = 1e-5  # of requirements, relative: the solver meets them to about 1e-8
 _LEAST_SPREAD = 0.003  # of income and storage, where no input moves them
 
@@ -191,28 +197,22 @@ class _ReliableSizing:
             return nominal, None
         self.start = nominal.design.variables
         everywhere = self.telling
-        self.nominal = self._judged(nominal)
-        if self.nominal.reliability < self.required:
-            study, inputs = self._study(self.nominal.performance)
+        self.nominal = found = self._judged(nominal)
+        if found.reliability < self.required:
+            study, inputs = self._study(found.performance)
             self.telling = np.unique(study.flights(inputs.values(self.shares)).worst).astype(int)
-            self._search()
-        best = self._best()
-        if best is not None and len(self.telling) < len(everywhere):
-            self.telling = everywhere
-            if self._judged(best.result).reliability < self.required:
-                self.trials = [self.nominal]
-                self._search()
-            best = self._best()
-        self.telling = everywhere
-        if best is None:
-            nearest = self._most_reliable()
-            return self._failed(nearest), self._verified(nearest)
-        return self._optimal(best), self._verified(best)
+            found = self._search()
+        if len(self.telling) < len(everywhere):
+            enough = min(found.reliability, self.required)
+            self.telling, self.trials = everywhere, [self.nominal]
+            found = self._judged(found.result)
+            if found.reliability < enough:
+                found = self._search()
+        result = self._optimal(found) if self._meets(found) else self._failed(found)
+        return result, self._verified(found)
 
-    def _best(self) -> _Trial | None:
-        """Best of the designs that are reliable enough."""
-        good = [one for one in self.trials if one.reliability >= self.required and one.sound]
-        return max(good, key=lambda one: one.merit, default=None)
+    def _meets(self, trial: _Trial) -> bool:
+        return trial.sound and trial.reliability >= self.required
 
     # --- margins ---------------------------------------------------------------------------
 
@@ -240,47 +240,106 @@ class _ReliableSizing:
         )
         return income, storage
 
-    def _search(self) -> None:
-        """Try divisions of the failures between income and storage; go on beside the best."""
-        index, merits = _NORMAL.inv_cdf(self.required), {}
-        half, less, more = _SHARES
-        index, merits[half] = self._on_share(half, index)
-        _, merits[less] = self._on_share(less, index)
-        if merits[less] <= merits[half]:
-            _, merits[more] = self._on_share(more, index)
-        best = max(merits, key=lambda share: merits[share])
-        if not math.isinf(merits[best]):
-            to_more = merits.get(more, -math.inf) > merits[less]
-            self._on_share(_BETWEEN[best][to_more], index)
+    def _search(self) -> _Trial:
+        """Best design that is reliable enough; where none is found, the most reliable one."""
+        score, steps = 0.0, _SHARE_STEPS
+        index, merit = self._on_share(score, _NORMAL.inv_cdf(self.required))
+        if math.isinf(merit):
+            most, score = self._most_reliable()
+            if not self._meets(most):
+                return most
+            steps = _SHARE_STEPS[1:]  # near the edge few shares have a design
+            index, merit = self._on_share(score, self._index(most.reliability))
+            merit = max(merit, most.merit)
+        self._try_shares(score, index, merit, steps)
+        return max(filter(self._meets, self.trials), key=lambda one: one.merit)
 
-    def _on_share(self, share: float, index: float) -> tuple[float, float]:
+    def _try_shares(
+        self, score: float, index: float, merit: float, steps: tuple[float, ...]
+    ) -> None:
+        """Move the share of income to where the merit is best, by ever smaller steps."""
+        for step in steps:
+            beside = []
+            for side in (score - step, score + step):
+                _, other = self._on_share(side, index)
+                beside.append(other)
+                if other > merit:
+                    score, merit = side, other
+                    break
+            else:
+                # The summit of a parabola through the three is higher by at most an eighth of what
+                # the lower neighbour lacks.
+                if (merit - min(beside)) / 8.0 < _SHARE_GAIN * abs(merit):
+                    break
+
+    def _most_reliable(self) -> tuple[_Trial, float]:
+        """Most reliable design, and the normal score of the share of its failures by income.
+
+        Of the designs that withstand a given income, that of largest excess time withstands the
+        lowest storage, whatever is required: one margin leads to all that are worth a flight.
+        """
+        from scipy.optimize import minimize_scalar
+
+        (median, sigma), _ = self._spread
+        found: dict[float, _Trial] = {}
+
+        def failing(deviations: float) -> float:
+            """Share of draws that fails with a margin on income of some standard deviations."""
+            trial = self._of_largest_excess(math.exp(median - deviations * sigma))
+            if trial is None:
+                return 1.0
+            found[deviations] = trial
+            return 1.0 - trial.reliability
+
+        margin, least = 0.0, failing(0.0)
+        while (beyond := failing(margin + _INCOME_STEP)) < least:
+            margin, least = margin + _INCOME_STEP, beyond
+        bounds = (margin - _INCOME_STEP, margin + _INCOME_STEP)
+        options = {"xatol": _INCOME_TOLERANCE}
+        minimize_scalar(failing, bounds=bounds, method="bounded", options=options)
+        sound = [one for one in (*found.values(), self.nominal) if one.sound]
+        most = max(sound, key=lambda one: one.reliability)
+        own = [margin for margin, one in found.items() if one is most]
+        failures = _NORMAL.cdf(-self._index(most.reliability))
+        by_income = _NORMAL.cdf(-own[0]) / failures if own else 0.5
+        return most, _NORMAL.inv_cdf(min(max(by_income, _LEAST_SHARE), 1.0 - _LEAST_SHARE))
+
+    def _on_share(self, score: float, index: float) -> tuple[float, float]:
         """Reliability index of the margins that just do, and the merit that they leave.
 
         Secants in the reliability index; where the margins leave no design, half the way back.
         """
-        wanted = _NORMAL.inv_cdf(self.required + 0.5 * _BAND * (1.0 - self.required))
+        wanted = _NORMAL.inv_cdf(self.required + 0.5 * self._band)
         tried: list[tuple[float, float]] = []
         infeasible, merit = math.inf, -math.inf
         for _ in range(_TRIALS):
-            one = self._trial(share, index)
+            one = self._trial(*self._margins(_NORMAL.cdf(score), index))
             if one is None:
-                infeasible = index
-                lower = [i for i, _ in tried if i < index]
-                index = (max(lower) + index) / 2.0 if lower else index - _INFEASIBLE_STEP
-                if lower and infeasible - index < _LEAST_STEP:
-                    break
+                infeasible, index = index, math.inf
+            else:
+                if self._meets(one):
+                    merit = max(merit, one.merit)
+                    if one.reliability - self.required <= self._band:
+                        break
+                tried.append((index, self._index(one.reliability)))
+                index = _next_index(tried, wanted)
+            if index < infeasible:
                 continue
-            if one.reliability >= self.required and one.sound:
-                merit = max(merit, one.merit)
-                if one.reliability - self.required <= _BAND * (1.0 - self.required):
-                    return index, merit
-            tried.append((index, self._index(one.reliability)))
-            index = _next_index(tried, wanted)
-            if index >= infeasible:
-                index = (max(i for i, _ in tried) + infeasible) / 2.0
-                if infeasible - index < _LEAST_STEP:
-                    break
+            if not tried:
+                index = infeasible - _INFEASIBLE_STEP
+                continue
+            highest, reached = max(tried)
+            step = (infeasible - highest) / 2.0
+            index = highest + step
+            if step < _LEAST_STEP or reached + 2.0 * _STEEPEST * step < wanted:
+                break  # the margins that would do leave no design
         return index, merit
+
+    @property
+    def _band(self) -> float:
+        """What may be left unused: no more than the draws themselves leave open."""
+        failures = 1.0 - self.required
+        return min(_BAND * failures, math.sqrt(self.required * failures / self.shares.shape[1]))
 
     def _index(self, reliability: float) -> float:
         least = 0.5 / self.shares.shape[1]
@@ -288,17 +347,19 @@ class _ReliableSizing:
 
     # --- sizing and flights ----------------------------------------------------------------
 
-    def _trial(
-        self, share: float, index: float, objective: Objective | None = None
-    ) -> _Trial | None:
+    def _trial(self, income: float, storage: float) -> _Trial | None:
         """Design that is sized with margins; None where there is none."""
-        income, storage = self._margins(share, index)
-        wanted = objective or self.objective
-        mission = self.mission if objective is None else least_mission(self.mission, self.objective)
-        capacity = storage * mission.uncertainty_margins.battery_capacity
+        capacity = storage * self.mission.uncertainty_margins.battery_capacity
         key = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
-        _, darker = with_parameter(self.aircraft, mission, key, capacity)
-        result = self._sized(darker, self.day.scaled(income), wanted)
+        _, darker = with_parameter(self.aircraft, self.mission, key, capacity)
+        result = self._sized(darker, self.day.scaled(income), self.objective)
+        return None if result.design is None else self._judged(result)
+
+    def _of_largest_excess(self, income: float) -> _Trial | None:
+        """Design of largest excess time with a margin on income; None where none flies."""
+        mission = least_mission(self.mission, self.objective)
+        free = mission.model_copy(update={"required_excess_time_h": 0.0})
+        result = self._sized(free, self.day.scaled(income), Objective.max_excess_time)
         return None if result.design is None else self._judged(result)
 
     def _sized(
@@ -359,13 +420,6 @@ class _ReliableSizing:
         objective = merit if self.objective.maximised else -merit
         return Reliability(self.required, found[0], VERIFICATION_SAMPLES, found[1], objective)
 
-    def _most_reliable(self) -> _Trial:
-        """Most reliable design that is found, among those of largest excess time as well."""
-        for share in _SHARES:
-            self._trial(share, _NORMAL.inv_cdf(self.required), Objective.max_excess_time)
-        sound = [one for one in self.trials if one.sound] or self.trials
-        return max(sound, key=lambda one: one.reliability)
-
     def _optimal(self, trial: _Trial) -> SizingResult:
         return replace(
             trial.result,
@@ -425,4 +479,4 @@ def _next_index(tried: list[tuple[float, float]], wanted: float) -> float:
     slope = 1.0
     if len(tried) > 1 and tried[-2][0] != index:
         slope = (found - tried[-2][1]) / (index - tried[-2][0])
-    return index + (wanted - found) / min(max(slope, 0.4), 2.5)
+    return index + (wanted - found) / min(max(slope, 0.4), _STEEPEST)

@@ -62,6 +62,8 @@ _BLOCKS = 2
 _AT_ONCE = 4  # latitudes that are sized together
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _STEPS_BEYOND = 3  # where the scenarios left out need a little more
+_MINIMAL = 0.01  # of the value told: with so much less of a change no design is feasible
+_BISECTED = 1e-3  # of the value, well within that
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
 
@@ -165,12 +167,10 @@ class _Relaxations:
             furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
         ends = (min(furthest, 1.0), max(furthest, 1.0))
         moved = self._moved_least(key, ends, upwards=upwards, furthest=furthest)
-        return (
-            None
-            if moved is None
-            else self._confirmed(
-                key, present, present * moved.solution.value(key), moved.solution.design
-            )
+        if moved is None:
+            return None
+        return self._confirmed(
+            key, present, present * moved.solution.value(key), moved.solution.design
         )
 
     def _payload(self, name: str) -> Relaxation | None:
@@ -196,10 +196,7 @@ class _Relaxations:
         moved = self._moved_least(name, (present, _WIDER * present), upwards=True)
         if moved is None:
             return None
-        value = rounded(moved.solution.value(name), "at least")
-        return Relaxation(
-            key, parameter(key).unit, present, "at least", value, moved.found.excess_time_h
-        )
+        return self._confirmed(key, present, moved.solution.value(name), moved.solution.design)
 
     def _moved_least(
         self,
@@ -300,14 +297,51 @@ class _Relaxations:
     def _confirmed(
         self, key: str, present: float, found: float, variables: DesignVariables
     ) -> Relaxation | None:
-        """Relaxation at the rounded value, if the simulator finds the design feasible there."""
-        direction: Direction = "at least" if parameter(key).relaxable == "up" else "at most"
+        """Relaxation of a parameter, from the value and the design that the program found."""
+        upwards = parameter(key).kind == "bound" or parameter(key).relaxable == "up"
+
+        def eased(value: float) -> tuple[Aircraft, Mission]:
+            return with_parameter(self.aircraft, self.mission, key, value)
+
+        told = self._told(present, found, variables, eased, upwards=upwards)
+        return told and Relaxation(key, parameter(key).unit, present, *told)
+
+    def _told(
+        self,
+        present: float,
+        found: float,
+        variables: DesignVariables,
+        eased: Callable[[float], tuple[Aircraft, Mission]],
+        *,
+        upwards: bool,
+    ) -> tuple[Direction, float, float] | None:
+        """Direction and value that the simulator confirms, and the worst excess time there.
+
+        The program may stop at a design that needs more of the parameter than others: a sizing with
+        a little less of a change tells, and then the value is bisected.
+        """
+        direction: Direction = "at least" if upwards else "at most"
         value = rounded(found, direction)
-        eased = with_parameter(self.aircraft, self.mission, key, value)
-        worst_h = self._reached_by(variables, *eased)
+        worst_h = self._reached_by(variables, *eased(value))
         if worst_h is None:
             return None
-        return Relaxation(key, parameter(key).unit, present, direction, value, worst_h)
+        step = _MINIMAL * (value or present)
+        enough, short = value + (-step if upwards else step), present
+        if (enough <= short if upwards else enough >= short) or not self._suffices(eased(enough)):
+            return direction, value, worst_h
+        while abs(enough - short) > _BISECTED * max(enough, _MINIMAL * present):
+            middle = (enough + short) / 2.0
+            if self._suffices(eased(middle)):
+                enough = middle
+            else:
+                short = middle
+        least = rounded(enough, direction)
+        least_h = self._reached_h(self._largest_excess(*eased(least)))
+        return (direction, value, worst_h) if least_h is None else (direction, least, least_h)
+
+    def _suffices(self, eased: tuple[Aircraft, Mission]) -> bool:
+        """Whether a sizing finds a design for another aircraft or mission."""
+        return self._reached_h(self._largest_excess(*eased)) is not None
 
     def _reached_by(
         self, variables: DesignVariables, aircraft: Aircraft, mission: Mission
@@ -469,14 +503,14 @@ class _Relaxations:
             return None
         space = self.aircraft.design_space
         present = getattr(space.all_limits()[quantity], end)
-        direction: Direction = "at least" if upwards else "at most"
-        value = rounded(present * moved.solution.value(name), direction)
-        eased = self._with_limit(quantity, end, value / present)
-        worst_h = self._reached_by(moved.solution.design, eased, self.mission)
-        if worst_h is None:
-            return None
+
+        def eased(value: float) -> tuple[Aircraft, Mission]:
+            return self._with_limit(quantity, end, value / present), self.mission
+
+        found = present * moved.solution.value(name)
+        told = self._told(present, found, moved.solution.design, eased, upwards=upwards)
         key = f"design_space.{space.key_of_limit(quantity, end)}"
-        return Relaxation(key, parameter(quantity).unit, present, direction, value, worst_h)
+        return told and Relaxation(key, parameter(quantity).unit, present, *told)
 
 
 def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:

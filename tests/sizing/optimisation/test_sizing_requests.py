@@ -14,6 +14,7 @@ from builders import AS2
 from builders import shipped_mission as mission
 
 from missions.files.errors import InputError
+from missions.files.overrides import with_values
 from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
 from missions.mission import Mission, Scenarios
@@ -533,6 +534,56 @@ def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
         update={"latitude_deg": hard.latitude_deg.model_copy(update={"to_deg": latitude.value})}  # type: ignore[union-attr]
     )
     assert size_aircraft(plane, moved, Objective.max_excess_time).feasible
+
+
+def test_limit_is_relaxed_no_further_than_another_aspect_ratio_needs() -> None:
+    """A mass limit and a Reynolds number contradict each other.
+
+    Along the aspect ratio there is more than one design from which no small step asks for less.
+    """
+    plane = builders.aircraft(
+        "atlantiksolar-design",
+        "airframe.structure={model: rib_wing, calibration: 1.0847, maximum_tip_deflection: "
+        "0.17634, torsion: {speed_margin: 1.2, aileron_start_fraction: 0.5, "
+        "elastic_axis_offset_chords: 0.1, pitching_moment_coefficient: 0.1}, "
+        "spar_battery_density_kg_per_m3: 2100, "
+        "pod_battery_mount_fraction: 0.05}",
+        "airframe.aerodynamics={model: wing_polar, airfoil: fx60126, design_aspect_ratio: 18.5, "
+        "design_reynolds: 123257}",
+        "airframe.avionics_mass_kg=0.3",
+        "airframe.other_mass_kg=0.322",
+        "airframe.distributed_battery_fraction=0.0",
+        "battery.specific_energy_wh_per_kg=476.455",
+        "battery.charge_limit={kind: none}",
+        "battery.ageing={seasons_flown: 2.0}",
+        "modules.efficiency_stc=0.2814",
+        "power.avionics_w=1.0",
+        "design_space={wingspan_m: {minimum: 0.25, maximum: 11}, battery_mass_kg: {minimum: 0.1, "
+        "maximum: 22}, module_area_m2: {minimum: 0.1, maximum: 15.125}, aspect_ratio: {minimum: 8, "
+        "maximum: 45}, maximum_total_mass_kg: 4.78154, "
+        "limits: {reynolds_number: {minimum: 215713}}}",
+    )
+    south = builders.mission(
+        latitude_deg={"from_deg": -60.2, "to_deg": -38.2, "count": 3},
+        dates={"from": "12-22", "to": "01-31"},
+        altitude_m=500.0,
+        clearness=1.0,
+        turbulence={"all_day": 0.0, "thermal": 0.0},
+        payload={"mass_kg": 0.0, "power_w": 0.0},
+    )
+    given = (south, Objective.min_mass, SolarModel("CDM", "none"))
+
+    def sized(lowest: float) -> SizingResult:
+        limit = {"design_space.limits.reynolds_number.minimum": lowest}
+        return size_aircraft(with_values(plane, limit), *given, required_excess_time_h=4.0)
+
+    result = size_aircraft(plane, *given, required_excess_time_h=4.0)
+    assert result.status is SizingStatus.infeasible
+    found = {one.parameter: one for one in relaxations(plane, south, result, given[-1])}
+    told = found["design_space.limits.reynolds_number.minimum"]
+    assert told.direction == "at most"
+    assert sized(told.value).feasible
+    assert not sized(1.01 * told.value).feasible
 
 
 def test_less_required_time_is_no_relaxation_for_another_requirement() -> None:
