@@ -142,5 +142,26 @@ def test_ulog_with_solar_power_on_a_second_battery_monitor(tmp_path: Path) -> No
     log = read_flight_log(file, layout(power))
     assert log.solar_power_w == pytest.approx(48.0)
     assert log.airspeed_m_per_s == pytest.approx(9.5)
+    assert "airspeed_m_per_s is the true airspeed of the autopilot" in log.notes
+    del content["airspeed"]
+    file.write_bytes(ulog_bytes(content))
+    assert not any("airspeed" in note for note in read_flight_log(file, layout(power)).notes)
     with pytest.raises(InputError, match="does not say where the solar power is"):
         read_flight_log(file)
+
+
+def test_a_quaternion_a_little_off_the_unit_is_the_same_attitude(tmp_path: Path) -> None:
+    pytest.importorskip("pyulog")
+    logs = []
+    for length in (1.0, 1.05):
+        content = topics()
+        for i in range(4):
+            content["vehicle_attitude"][f"q[{i}]"] = length * content["vehicle_attitude"][f"q[{i}]"]
+        file = tmp_path / f"{length}.ulg"
+        file.write_bytes(ulog_bytes(content))
+        logs.append(read_flight_log(file))
+    assert logs[0].attitude is not None
+    assert logs[1].attitude is not None
+    for one, other in zip(logs[0].attitude, logs[1].attitude, strict=True):
+        # A log holds single precision.
+        assert other == pytest.approx(one, abs=1e-5)
