@@ -190,7 +190,7 @@ def _rows(
     for mutant in mutants:
         before = known.get(mutant.key)
         same = before is not None and before.code == mutant.code
-        if before is not None and same and not (again and before.found is None):
+        if before is not None and same and not (again and before.survived):
             yield before
             continue
         row = row_of(tree, mutant, tests)

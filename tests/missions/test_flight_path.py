@@ -554,3 +554,10 @@ def test_bad_descriptions_are_refused(values: dict[str, Any]) -> None:
 def test_bad_winds_are_refused(changes: dict[str, float]) -> None:
     with pytest.raises(ValidationError):
         Wind(**{"speed_m_per_s": 1.0, "from_deg": 0.0, **changes})
+
+
+@pytest.mark.parametrize("path", [circle(), racetrack(), legs()])
+def test_a_path_is_flown_level_unless_its_pitch_is_given(path: MovingPath) -> None:
+    assert orbit(path, CALM).pitch_rad == pytest.approx(0.0, abs=1e-15)
+    pitched = path.model_copy(update={"pitch_deg": 4.0})
+    assert orbit(pitched, CALM).pitch_rad == pytest.approx(np.radians(4.0), rel=1e-12)

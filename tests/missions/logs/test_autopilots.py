@@ -24,11 +24,11 @@ def layout(power: str = SOLAR) -> ColumnMap:
     return ColumnMap().with_options(dict([parse_column(f"solar_power_w={power}")]), None)
 
 
-def dataflash(*, formats: bool = True) -> bytes:
+def dataflash(*, formats: bool = True, epoch_s: float = EPOCH_S, leap_s: float = 17.0) -> bytes:
     """Twelve seconds at 2 Hz of each message, booted 100 s before the first."""
     out = formats_of() if formats else b""
     # 2015-07-01T05:30:00Z, 17 s after GPS time had been set back by the leap second of that day.
-    gps_s = EPOCH_S + 17.0 - 315964800.0
+    gps_s = epoch_s + leap_s - 315964800.0
     week, seconds = divmod(gps_s, 604800.0)
     for i in range(COUNT):
         time_us = 100_000_000 + 500_000 * i
@@ -142,5 +142,47 @@ def test_ulog_with_solar_power_on_a_second_battery_monitor(tmp_path: Path) -> No
     log = read_flight_log(file, layout(power))
     assert log.solar_power_w == pytest.approx(48.0)
     assert log.airspeed_m_per_s == pytest.approx(9.5)
+    assert "airspeed_m_per_s is the true airspeed of the autopilot" in log.notes
+    del content["airspeed"]
+    file.write_bytes(ulog_bytes(content))
+    assert not any("airspeed" in note for note in read_flight_log(file, layout(power)).notes)
     with pytest.raises(InputError, match="does not say where the solar power is"):
         read_flight_log(file)
+
+
+def test_a_quaternion_a_little_off_the_unit_is_the_same_attitude(tmp_path: Path) -> None:
+    pytest.importorskip("pyulog")
+    logs = []
+    for length in (1.0, 1.05):
+        content = topics()
+        for i in range(4):
+            content["vehicle_attitude"][f"q[{i}]"] = length * content["vehicle_attitude"][f"q[{i}]"]
+        file = tmp_path / f"{length}.ulg"
+        file.write_bytes(ulog_bytes(content))
+        logs.append(read_flight_log(file))
+    assert logs[0].attitude is not None
+    assert logs[1].attitude is not None
+    for one, other in zip(logs[0].attitude, logs[1].attitude, strict=True):
+        # A log holds single precision.
+        assert other == pytest.approx(one, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("instant", "leap_s"),
+    [
+        # Leap seconds of 2005, 2008, 2012, 2015 and 2016, each at the end of June or December.
+        ("2008-12-31T20:00", 14.0),
+        ("2009-01-01T04:00", 15.0),
+        ("2012-06-30T20:00", 15.0),
+        ("2012-07-01T04:00", 16.0),
+        ("2015-06-30T20:00", 16.0),
+        ("2016-12-31T20:00", 17.0),
+        ("2017-01-01T04:00", 18.0),
+    ],
+)
+def test_time_of_gps_is_ahead_by_the_leap_seconds(
+    tmp_path: Path, instant: str, leap_s: float
+) -> None:
+    epoch_s = float(np.datetime64(instant, "s").astype(np.int64))
+    log = read(tmp_path, dataflash(epoch_s=epoch_s, leap_s=leap_s), layout())
+    assert log.time_s[0] == pytest.approx(epoch_s, abs=1e-3)

@@ -126,6 +126,15 @@ def test_times_without_a_zone_need_one(tmp_path: Path) -> None:
     assert log.time_s[0] == pytest.approx(1435655640.0 - 840.0 - 7200.0)
 
 
+def test_two_columns_of_time_are_one_too_many(tmp_path: Path) -> None:
+    seconds = 1435654800.0 + 0.5 * np.arange(COUNT)  # 2015-06-30T09:00:00Z
+    both = table().assign(time_utc_s=seconds)
+    told = refused(tmp_path, both.to_csv(index=False))
+    assert "time_utc_s: give time_utc or time_utc_s, not both" in told
+    log = read(tmp_path, both.drop(columns="time_utc").to_csv(index=False))
+    assert log.time_s == pytest.approx(seconds)
+
+
 def test_hour_that_does_not_exist(tmp_path: Path) -> None:
     text = table().assign(time_utc=[f"2015-03-29 02:30:{i / 10:06.3f}" for i in range(COUNT)])
     message = refused(tmp_path, text.to_csv(index=False), ColumnMap(timezone="Europe/Zurich"))

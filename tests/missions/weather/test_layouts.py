@@ -300,3 +300,12 @@ def test_what_is_no_regular_file_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(InputError, match="pipe: is no regular file"):
         load_weather(tmp_path / "pipe")
+
+
+def test_a_file_of_the_largest_size_is_read_and_one_byte_more_is_not(tmp_path, monkeypatch):
+    path = write_plain(tmp_path / "a.csv", clear_record(2))
+    monkeypatch.setattr("missions.weather.raw.MAXIMUM_BYTES", path.stat().st_size)
+    assert len(load_weather(path).ghi) == 48
+    monkeypatch.setattr("missions.weather.raw.MAXIMUM_BYTES", path.stat().st_size - 1)
+    with pytest.raises(InputError, match="is larger than"):
+        load_weather(path)

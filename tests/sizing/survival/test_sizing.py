@@ -10,6 +10,7 @@ from missions.library import load_mission
 from sizing.design import DesignVariables, FlightConditions, closed_design, design_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
+from sizing.survival.contour import fitted
 from sizing.survival.flights import Powers, SeasonFlights
 from sizing.survival.result import SeasonDays
 from tests.support.weather_files import clear_record
@@ -256,3 +257,19 @@ def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most)
 def test_what_cannot_be_asked(call, error, message):
     with pytest.raises(error, match=message):
         sized(**({"survive": 0.9} | call))
+
+
+def test_fitted_cost_of_a_quadratic_function_is_that_function():
+    places = np.random.default_rng(3).uniform(-0.3, 0.3, (40, 2))
+
+    def exact(at):
+        x, y = at[..., 0], at[..., 1]
+        return 2.0 + 3.0 * x - y + 0.5 * x * x - 2.0 * x * y + 4.0 * y * y
+
+    cost = fitted(places, exact(places), here=7)
+    # Exact but for the ridge of 1e-4 on forty weighted rows, which takes some per cent of the
+    # curvature of 4 over steps of 0.3.
+    for at in (places[7], places, places.reshape(5, 8, 2)):
+        assert cost(at).shape == at.shape[:-1]
+        assert cost(at) == pytest.approx(exact(at), abs=0.02)
+    assert cost(places[7]) == pytest.approx(exact(places[7]), rel=1e-12)
