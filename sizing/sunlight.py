@@ -52,6 +52,11 @@ class SolarModel:
                 raise ValueError(f"unknown {word} {name!r}; allowed: {', '.join(allowed)}")
 
     @property
+    def needs_path(self) -> bool:
+        """Whether module surfaces and a flight path are needed: VM, FM, or the loiter correction."""
+        return self.model in ATTITUDE_MODELS or self.correction == "loiter"
+
+    @property
     def rms_relative(self) -> float:
         """RMS error of the model relative to the mean measured power [-]."""
         return correction(self.model, self.correction).rms_relative

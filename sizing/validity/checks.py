@@ -21,7 +21,6 @@ from sizing.structures.rib_wing import RibWingStructure
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Check, experience, ranges
 from solar.clearsky import THIN_AIR_FROM_M
-from solar.names import ATTITUDE_MODELS
 from solar.sun import declination
 from solar.types import FloatArray
 
@@ -240,9 +239,8 @@ def _uses_reported_errors(mission: Mission, solar: SolarModel) -> bool:
 
 def _path_check(mission: Mission, solar: SolarModel, design: Design) -> Iterator[Check]:
     """Airspeed of the design beside that of the flight path, for solar power along the path."""
-    on_path = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
     flown = getattr(mission.flight_path, "airspeed_m_per_s", None)
-    if not on_path or flown is None or design.airspeed_m_per_s is None:
+    if not solar.needs_path or flown is None or design.airspeed_m_per_s is None:
         return
     ends = (flown * (1.0 - _AIRSPEED_TOLERANCE), flown * (1.0 + _AIRSPEED_TOLERANCE))
     yield Check.of("airspeed_m_per_s", "flight_path", design.airspeed_m_per_s, ends)

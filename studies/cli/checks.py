@@ -43,7 +43,7 @@ def require_path(case: Case, asked: str | None = None) -> None:
     """
     solar = case.solar
     if asked is None:
-        if solar.model not in ATTITUDE_MODELS and solar.correction != "loiter":
+        if not solar.needs_path:
             return
         attitude = solar.model in ATTITUDE_MODELS
         asked = f"--model {solar.model}" if attitude else "--correction loiter"

@@ -21,7 +21,6 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.performance import performance
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
-from solar.names import ATTITUDE_MODELS
 from solar.types import FloatArray
 
 __all__ = ["COARSE_STEP_H", "SeasonMaps", "follows_path"]
@@ -45,11 +44,6 @@ _KEYS_OF_LIGHT = (
 _KEPT = 6  # lights, of 4 MB at most each
 # Of filling a slow map, before others have their turn: while a slider moves, and when it rests.
 _SHORT_TURN_S, _TURN_S = 0.02, 0.12
-
-
-def follows_path(solar: SolarModel) -> bool:
-    """Whether light is averaged over the flight path, which takes long."""
-    return solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
 
 
 class _Key(NamedTuple):
@@ -98,7 +92,7 @@ class SeasonMaps:
         decimals, null where it is unlimited; a row that is not yet known is null. ``complete`` says
         whether there is none of these.
         """
-        on_path = follows_path(solar)
+        on_path = solar.needs_path
         step_h = COARSE_STEP_H if coarse or on_path else DEFAULT_STEP_H
         days = _DAYS_ON_PATH if on_path else DAYS
         light = self._light_of(aircraft, mission, solar, step_h)

@@ -143,7 +143,7 @@ def cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> floa
     ``solar``: model and correction; those that follow the flight path take longer. Returns time on
     one core [s].
     """
-    if solar.model not in ATTITUDE_MODELS and solar.correction != "loiter":
+    if not solar.needs_path:
         return _CELL_S
     asked = f"model {solar.model}" if solar.model in ATTITUDE_MODELS else "correction loiter"
     if aircraft.modules.geometry is None:

@@ -60,7 +60,7 @@ def combinations(
             raise ValueError(
                 f"{given} needs modules.geometry of the aircraft and flight_path of the mission"
             )
-    horizontal = (s for s in found if s.model not in ATTITUDE_MODELS and s.correction != "loiter")
+    horizontal = (s for s in found if not s.needs_path)
     return list(dict.fromkeys(horizontal))
 
 

@@ -13,7 +13,6 @@ from missions.mission import latitude_label
 from sizing.results.analysis import flight_record
 from sizing.results.analysis_summary import flight_table, scenario_table
 from sizing.results.tables import Line, Summary, Table
-from solar.names import ATTITUDE_MODELS
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
 from studies.report.figures import figure_markup, page_options
 from studies.report.subject import Subject
@@ -140,8 +139,7 @@ def season_section(subject: Subject) -> Section | None:
     if subject.climbs:
         return None
     solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
-    slow = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
-    rows, columns = SLOW_CELLS if slow else CELLS
+    rows, columns = SLOW_CELLS if solar.needs_path else CELLS
     farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
     latitudes = np.linspace(-farthest, farthest, rows)
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)

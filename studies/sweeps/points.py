@@ -24,7 +24,6 @@ from sizing.performance import Performance, performance, performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
 from sizing.validity.told import as_text, cell_texts, extrapolations
-from solar.names import ATTITUDE_MODELS
 from solar.schema import Record
 from solar.types import FloatArray
 from studies.engine.run import Cell
@@ -161,8 +160,7 @@ def varied_files(
 
 def _unflyable(solar: SolarModel, mission: Mission) -> str | None:
     """Why the flight path cannot be held in the wind, for the models that fly it."""
-    needed = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
-    if not needed or mission.flight_path is None:
+    if not solar.needs_path or mission.flight_path is None:
         return None
     trouble = path_trouble(mission.flight_path, mission.wind)
     return None if trouble is None else f"flight path: {trouble}"

@@ -26,7 +26,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
-from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
+from solar.names import CorrectionName, ModelName
 from studies.engine.run import Job, Outcome, compute, pieces
 from studies.output.columns import (
     SIZED,
@@ -403,9 +403,8 @@ def _order(axes: Sequence[Axis], table: Any) -> Any:
 def _points_per_chunk(
     mission: Mission, axes: Sequence[Axis], solar: SolarModel, resize: Objective | None
 ) -> int:
-    on_path = solar.model in ATTITUDE_MODELS or solar.correction == "loiter"
     scenarios = len(mission.scenarios())
-    day_s = scenarios * _SCENARIO_ON_PATH_S if on_path else 0.0
+    day_s = scenarios * _SCENARIO_ON_PATH_S if solar.needs_path else 0.0
     if resize is not None:
         point_s = _SIZING_S + day_s
     else:

@@ -100,9 +100,7 @@ def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict
     axis runs evenly from sunrise to sunset, or to noon where afternoons are ``mirrored`` mornings;
     ``declinations_rad`` of all days of the year, from the first.
     """
-    from studies.explorer.season import follows_path
-
-    on_path = follows_path(solar)
+    on_path = solar.needs_path
     latitudes = _LATITUDES_ON_PATH_DEG if on_path else _LATITUDES_DEG
     days = _DAYS_ON_PATH if on_path else _DAYS
     latitude, day = np.repeat(latitudes, len(days)), np.tile(days, len(latitudes))
