@@ -53,7 +53,7 @@ class SolarModel:
 
     @property
     def needs_path(self) -> bool:
-        """Whether module surfaces and a flight path are needed: VM, FM, or the loiter correction."""
+        """Whether module surfaces and a flight path are needed: VM, FM, loiter correction."""
         return self.model in ATTITUDE_MODELS or self.correction == "loiter"
 
     @property

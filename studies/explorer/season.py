@@ -23,7 +23,7 @@ from sizing.performance import performance
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-__all__ = ["COARSE_STEP_H", "SeasonMaps", "follows_path"]
+__all__ = ["COARSE_STEP_H", "SeasonMaps"]
 
 # Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.
 COARSE_STEP_H = 0.25
