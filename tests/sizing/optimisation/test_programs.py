@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from builders import aircraft, mission
 from pydantic import BaseModel
 
 from missions.mission import Mission
@@ -30,8 +31,8 @@ from sizing.optimisation.problem import (
 )
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import all_replaced, parameter_value
-from sizing.sunlight import solar_day
-from tests.support.builders import mission
+from sizing.performance import performance
+from sizing.sunlight import UNCORRECTED_CAM, solar_day
 
 STEP_H = 0.5
 MARGIN = 1e-3
@@ -244,3 +245,42 @@ def test_technology_that_is_eased_is_the_technology_times_a_factor() -> None:
         changed = all_replaced(aircraft, {one.name: 1.1 * value})
         assert rows == pytest.approx(by_the_formulas(changed, place), rel=1e-9, abs=1e-12)
         assert rows != own, one.name
+
+
+@pytest.mark.parametrize(
+    "limit",
+    [
+        "{kind: none}",
+        "{kind: rule, c_rate_per_h: 0.5, taper_start: 0.9, relative_rate_at_full: 0.046}",
+        "{kind: rule, c_rate_per_h: 0.15, taper_start: 0.5, relative_rate_at_full: 0.1}",
+    ],
+)
+@pytest.mark.parametrize(("latitude", "battery_kg"), [(47.6, 2.918), (20.0, 4.0), (60.0, 3.5)])
+def test_day_of_the_program_repeats_itself_where_that_of_the_simulator_does(
+    limit: str, latitude: float, battery_kg: float
+) -> None:
+    # The march on arrays and the rows on symbols say the same physics twice: the state of charge at
+    # dawn to which the march settles is the one that the rows' day leads back to.
+    plane = aircraft(
+        "atlantiksolar-design",
+        f"battery.charge_limit={limit}",
+        f"battery.mass_kg={battery_kg}",
+        "modules.area_m2=1.3",
+    )
+    place = mission(latitude_deg=latitude, turbulence={"all_day": 0.05, "thermal": 0.2})
+    day = solar_day(plane, place)
+    flown = performance(plane, place, UNCORRECTED_CAM, day=day)
+    dawn = float(flown.cycle.minimum_state_of_charge[0])
+    design, battery = flown.design, plane.battery
+    deficit, charged = (
+        float(value)
+        for value in cycle_function(battery.charge_limit)(
+            *(1.3, design.battery_energy_wh, design.nominal_load_w(place)),
+            *(design.propulsion_power_w, dawn),
+            [battery.mean_charge_efficiency, battery.mean_discharge_efficiency],
+            sun_parameters(day, place)[0],
+        )
+    )
+    assert dawn > 0.0
+    # The program's day has 97 nodes from sunrise to sunset, the simulator's one every few minutes.
+    assert min(charged, 1.0) - deficit == pytest.approx(dawn, abs=0.003)

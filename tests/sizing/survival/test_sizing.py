@@ -13,7 +13,7 @@ from sizing.limits import meets_requirements
 from sizing.survival.contour import fitted
 from sizing.survival.flights import Powers, SeasonFlights
 from sizing.survival.result import SeasonDays
-from tests.support.weather_files import clear_record
+from weather_files import clear_record
 
 pytestmark = pytest.mark.slow
 

@@ -1,0 +1,65 @@
+"""The architecture page names what there is, and its way of an analysis is the one walked."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+import pytest
+from documented import DOCS, ROOT
+
+import missions
+import sizing
+
+PAGE = (DOCS / "architecture.md").read_text(encoding="utf-8")
+NAMES = sorted(set(re.findall(r"`([a-z_.]+):([A-Za-z_.]+)`", PAGE)))
+
+
+@pytest.mark.parametrize(("module", "name"), NAMES, ids=lambda text: text)
+def test_name_exists(module: str, name: str) -> None:
+    if module == "module":  # how names are written
+        return
+    found: Any = importlib.import_module(module)
+    for part in name.split("."):
+        found = getattr(found, part)
+
+
+@pytest.mark.parametrize("path", sorted(set(re.findall(r"`([a-z_]+/[a-z_/.]+)`", PAGE))))
+def test_file_exists(path: str) -> None:
+    assert (ROOT / path).exists()
+
+
+def functions_entered(call: Callable[[], object]) -> list[str]:
+    """Functions of the project in the order in which they are first entered."""
+    entered: dict[str, None] = {}
+
+    def watch(frame: FrameType, event: str, _: object) -> None:
+        module = frame.f_globals.get("__name__", "")
+        if event == "call" and module.partition(".")[0] in ("solar", "missions", "sizing"):
+            entered.setdefault(f"{module}:{frame.f_code.co_qualname}")
+
+    sys.setprofile(watch)
+    try:
+        call()
+    finally:
+        sys.setprofile(None)
+    return list(entered)
+
+
+def test_way_of_an_analysis_is_walked_in_this_order() -> None:
+    aircraft = sizing.load_aircraft("atlantiksolar-design")
+    mission = missions.load_mission("rafz-july")
+    entered = functions_entered(lambda: str(sizing.analyse(aircraft, mission)))
+    way = PAGE.partition("## The way of an analysis")[2].partition("## The way of a sizing")[0]
+    named = [f"{module}:{name}" for module, name in re.findall(r"`([a-z_.]+):([A-Za-z_.]+)`", way)]
+    functions = [name for name in named if name.rpartition(":")[2].rpartition(".")[2].islower()]
+    # Reading the files is over by then, and VM and FM are not flown.
+    left_out = ("missions.files", "missions.loiter_power")
+    walked = [name for name in functions if not name.startswith(left_out)]
+    assert len(walked) >= 8
+    places = [entered.index(name) for name in walked]
+    assert places == sorted(places)
