@@ -3,6 +3,7 @@ import json
 
 import numpy as np
 import pytest
+from weather_files import clear_record
 
 import sizing
 from missions.files.errors import InputError
@@ -13,7 +14,6 @@ from sizing.limits import meets_requirements
 from sizing.survival.contour import fitted
 from sizing.survival.flights import Powers, SeasonFlights
 from sizing.survival.result import SeasonDays
-from weather_files import clear_record
 
 pytestmark = pytest.mark.slow
 
