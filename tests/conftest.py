@@ -13,9 +13,6 @@ from browser_pages import chromium, open_page, pytest_collection_modifyitems
 from command_line import Outcome, Run
 from computed_once import computed_once
 from hypothesis import settings
-from source_tree import make_benchmarks_importable
-
-make_benchmarks_importable()
 
 # Fixtures and hooks that pytest finds by their name here.
 __all__ = ["chromium", "open_page", "pytest_collection_modifyitems"]
