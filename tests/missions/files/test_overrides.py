@@ -98,9 +98,7 @@ def test_override_key_outside_unicode_is_printable() -> None:
 
 @pytest.mark.parametrize("wrong", [None, 3, "a=1", b"a=1", ["a=1", 2], {1: 2}, [("a", 1)]])
 def test_overrides_of_another_type_are_told(wrong: Any) -> None:
-    with pytest.raises(
-        TypeError, match=r"^overrides are (a mapping|texts, such)"
-    ):
+    with pytest.raises(TypeError, match=r"^overrides are (a mapping|texts, such)"):
         with_overrides(parse_yaml("a: 1", "a.yaml"), wrong)
 
 
