@@ -33,7 +33,7 @@ def tell(
     *,
     as_json: bool = False,
     out_dir: str | None = None,
-    files: Iterable[str | None] = (),
+    files: Iterable[str | os.PathLike[str] | None] = (),
     next_step: str | None = None,
 ) -> None:
     """Print a result: aircraft and mission first, which JSON has among its keys.
@@ -50,7 +50,7 @@ def tell(
         Whether JSON is asked for.
     out_dir : str, optional
         Folder that was written, to be named.
-    files : iterable of str or None
+    files : iterable of str, path or None
         Files that were written, to be named; None where one was not asked for.
     next_step : str, optional
         What to do next, for somebody at a terminal.
@@ -74,7 +74,7 @@ def told(
     *,
     as_json: bool = False,
     out_dir: str | None = None,
-    files: Iterable[str | None] = (),
+    files: Iterable[str | os.PathLike[str] | None] = (),
     next_step: str | None = None,
 ) -> Iterator[None]:
     """Print a result once its files are written, and also where one of them cannot be.
