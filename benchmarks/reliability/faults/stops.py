@@ -32,7 +32,7 @@ _LOG = "LOG"  # stands for a flight log, which :func:`arguments` makes
 # Commands that are not divided into chunks, and the files that they are asked for.
 COMMANDS: dict[str, tuple[str, ...]] = {
     "size": ("size", "atlantiksolar-design", "-m", "rafz-july", "--cross-check", "--out", "d"),
-    "fit": ("fit", "atlantiksolar-as2", _LOG, "--out", "d", "--write", "f.yaml"),
+    "fit": ("fit", "atlantiksolar-as2", _LOG, "--out", "d"),
     "sweep without a file": (*SWEEP.arguments, "--workers", "2"),
     "uncertainty": ("uncertainty", "atlantiksolar-as2", "-m", "rafz-july", "--plot", "f.png"),
     "report": ("report", "atlantiksolar-as2", "--out", "r.html"),
