@@ -5,7 +5,9 @@ amid a call into a library, because it finds the system's own handler.
 
 An exception that a signal handler raises may be lost: CasADi swallows about half of those that come
 amid its solvers, and Python drops those of finalisers. It is therefore raised again every second
-until somebody is seen to handle it.
+until somebody is seen to handle it. It is not raised while a native module is initialised: some
+call Python meanwhile and, left half-made, abort the process at its end (matplotlib's ft2font:
+``Fatal Python error: PyThreadState_Get``).
 """
 
 from __future__ import annotations
@@ -16,13 +18,16 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.machinery import ExtensionFileLoader
 from types import FrameType
 from typing import Any
 
 __all__ = ["Signals", "Stopped", "interruptible"]
 
 _REPEAT_S = 1.0
+_FIRST_REPEAT_S = 0.1
 _CAN_REPEAT = hasattr(signal, "setitimer")  # not on Windows
+_STARTS = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
 _SHOW_CURSOR = b"\x1b[?25h"
 
 
@@ -52,22 +57,40 @@ class Signals:
             raise Stopped(self.signum)
 
     def handle(self, signum: int, frame: FrameType | None) -> None:
+<<<<<<< HEAD
         """Note the signal, and raise it unless it is held."""
+=======
+        """Note the signal, and raise it unless it is held.
+
+        Parameters
+        ----------
+        signum : int
+            The signal.
+        frame : FrameType or None
+            Where it came.
+
+        Raises
+        ------
+        Stopped
+        """
+>>>>>>> w-inputs
         if self.signum is None:
             self.signum = signum
             for number in self.caught:
                 signal.signal(number, signal.SIG_DFL)
             if _CAN_REPEAT:
                 signal.signal(signal.SIGALRM, self._repeat)
-                signal.setitimer(signal.ITIMER_REAL, _REPEAT_S, _REPEAT_S)
+                signal.setitimer(signal.ITIMER_REAL, _FIRST_REPEAT_S, _REPEAT_S)
             # A second one might leave the terminal as a progress bar has it.
             if sys.stderr is not None and sys.stderr.isatty():
                 os.write(sys.stderr.fileno(), _SHOW_CURSOR)
-        if not self.held:
+        if not self.held and not (_CAN_REPEAT and _starts_native_module(frame)):
             raise Stopped(self.signum)
 
     def _repeat(self, signum: int, frame: FrameType | None) -> None:
-        if self.signum is not None and not self.held and not _being_handled():
+        if self.signum is None or self.held or _being_handled():
+            return
+        if not _starts_native_module(frame):
             raise Stopped(self.signum)
 
 
@@ -77,6 +100,15 @@ def _being_handled() -> bool:
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__context__
     return error is not None
+
+
+def _starts_native_module(frame: FrameType | None) -> bool:
+    """Whether a native module is being initialised where a signal came."""
+    while frame is not None:
+        if frame.f_code in _STARTS:
+            return True
+        frame = frame.f_back
+    return False
 
 
 @contextmanager

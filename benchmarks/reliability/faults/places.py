@@ -18,7 +18,7 @@ from pathlib import Path
 
 from benchmarks.reliability.faults.kept import MAP, SWEEP, Fault, Work
 from benchmarks.reliability.faults.processes import running, trouble
-from benchmarks.reliability.faults.stops import COMMANDS, undisturbed
+from benchmarks.reliability.faults.stops import arguments, undisturbed
 
 __all__ = ["faults"]
 
@@ -115,7 +115,7 @@ def _full_for(name: str, rng: random.Random, folder: Path) -> str | None:
     temporary = folder.parent / "tmp"
     temporary.mkdir()
     with _disk(folder, rng.randint(4, max(2 * total, 8))), _disk(temporary, rng.choice((4, 64))):
-        end = running(folder, *COMMANDS[name], environment={"TMPDIR": str(temporary)}).end()
+        end = running(folder, *arguments(name), environment={"TMPDIR": str(temporary)}).end()
         if (wrong := trouble(end, {0, 1}, folder)) is not None:
             return wrong
         found = {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
@@ -171,7 +171,7 @@ def _removed(what: str, rng: random.Random, folder: Path) -> str | None:
 def _removed_under(name: str, rng: random.Random, folder: Path) -> str | None:
     """Remove the folder in which a command runs."""
     _, took_s = undisturbed(name)
-    process = running(folder, *COMMANDS[name])
+    process = running(folder, *arguments(name))
     process.until(lambda: False, rng.uniform(0.0, took_s))
     shutil.rmtree(folder, ignore_errors=True)
     return trouble(process.end(), {0, 1, 2})
@@ -189,7 +189,7 @@ def _no_output(rng: random.Random, folder: Path) -> str | None:
         )
     )
     place = rng.choice(("/dev/full", "&-"))
-    process = running(
-        folder, *words, by=("sh", "-c", f'exec "$@" > {place}'.replace("> &", ">&"), "-")
-    )
+    redirected = f'exec "$@" > {place}'.replace("> &", ">&")
+    # Without a width the output is asked whether it is a terminal.
+    process = running(folder, *words, by=("sh", "-c", redirected, "-"), environment={"COLUMNS": ""})
     return trouble(process.end(), {0, 1} if place == "&-" else {1}, folder)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import atexit
 import functools
 import random
 import signal
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 from benchmarks.reliability.faults.kept import MAP, SWEEP, Fault, struck_and_finished
 from benchmarks.reliability.faults.processes import Running, own_folder, running, trouble
 
-__all__ = ["COMMANDS", "faults", "undisturbed"]
+__all__ = ["arguments", "faults", "undisturbed"]
 
 _EARLY = {-signal.SIGINT, -signal.SIGTERM}  # before the command itself is there, or the second time
 _CODES = {
@@ -26,9 +28,11 @@ _POOLS = {
     "two worker processes": ("--workers", "2"),
     "a dask cluster of the machine": ("--scheduler", "local-cluster", "--workers", "2"),
 }
+_LOG = "LOG"  # stands for a flight log, which :func:`arguments` makes
 # Commands that are not divided into chunks, and the files that they are asked for.
 COMMANDS: dict[str, tuple[str, ...]] = {
     "size": ("size", "atlantiksolar-design", "-m", "rafz-july", "--cross-check", "--out", "d"),
+    "fit": ("fit", "atlantiksolar-as2", _LOG, "--out", "d"),
     "sweep without a file": (*SWEEP.arguments, "--workers", "2"),
     "uncertainty": ("uncertainty", "atlantiksolar-as2", "-m", "rafz-july", "--plot", "f.png"),
     "report": ("report", "atlantiksolar-as2", "--out", "r.html"),
@@ -79,7 +83,7 @@ def _strike(name: str, process: Running, rng: random.Random) -> None:
 def _other(name: str, rng: random.Random, folder: Path) -> str | None:
     """Strike a command; what it was to write is there as a whole or not at all."""
     whole, took_s = undisturbed(name)
-    process = running(folder, *COMMANDS[name])
+    process = running(folder, *arguments(name))
     process.until(lambda: False, rng.uniform(0.0, took_s))
     attack = rng.choice(("SIGTERM", "Ctrl-C", "Ctrl-C twice"))
     _strike(attack, process, rng)
@@ -96,12 +100,33 @@ def _other(name: str, rng: random.Random, folder: Path) -> str | None:
     return f"{attack}: cut {small}" if small else None
 
 
+def arguments(name: str) -> tuple[str, ...]:
+    """Arguments of a command."""
+    return tuple(_log() if word == _LOG else word for word in COMMANDS[name])
+
+
+@functools.cache
+def _log() -> str:
+    """Short synthetic flight log, deleted when the process ends."""
+    from missions.library import load_mission
+    from sizing.library import load_aircraft
+    from studies.fitting.synthetic import Errors, Flight, fly
+
+    place = ExitStack()
+    atexit.register(place.close)
+    path = place.enter_context(own_folder()) / "flight.csv"
+    flight = Flight(seed=5, duration_h=10.0, step_s=300.0, errors=Errors(haze=0.01))
+    flown = fly(load_aircraft("atlantiksolar-as2"), load_mission("rafz-28h"), flight)
+    flown.table.to_csv(path, index=False)
+    return str(path)
+
+
 @functools.cache
 def undisturbed(name: str) -> tuple[dict[str, int], float]:
     """Sizes of the files of a command, and its time [s]."""
     with own_folder() as folder:
         begun = time.monotonic()
-        end = running(folder, *COMMANDS[name]).end()
+        end = running(folder, *arguments(name)).end()
         if end.code not in (0, 1):
             raise RuntimeError(f"{name}: {end.err}")
         return _sizes(folder), time.monotonic() - begun

@@ -186,7 +186,7 @@ def sweep(
         with told(
             *(case, record, lambda: points_summary(data, sort=sort, top=top, front=pareto)),
             as_json=as_json,
-            files=(str(name) for name in contents),
+            files=contents,
             next_step=f"{call('explore')} (the same with sliders)",
         ):
             if out_file is not None and file_format is not None:

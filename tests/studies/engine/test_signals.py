@@ -78,6 +78,42 @@ def test_a_signal_that_a_finaliser_has_swallowed_comes_again(
     assert capsys.readouterr().err == ""
 
 
+def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end() -> None:
+    """Half of the classes of ft2font, left to the end of the process, abort it."""
+    pytest.importorskip("matplotlib")
+    code = (
+        "import os, signal, sys, threading\n"
+        "from importlib.machinery import ExtensionFileLoader\n"
+        "from studies.engine.signals import Stopped, interruptible\n"
+        "count = 0\n"
+        "def starts(frame):\n"
+        "    while frame is not None:\n"
+        "        loader = frame.f_locals.get('self')\n"
+        "        if isinstance(loader, ExtensionFileLoader) and 'ft2font' in loader.name:\n"
+        "            return True\n"
+        "        frame = frame.f_back\n"
+        "    return False\n"
+        "def hook(frame, event, arg):\n"
+        "    global count\n"
+        "    if event == 'call' and starts(frame.f_back):\n"
+        "        count += 1\n"
+        "        if count == 300:\n"
+        "            sys.setprofile(None)\n"
+        "            os.kill(os.getpid(), signal.SIGTERM)\n"
+        "sys.setprofile(hook)\n"
+        "try:\n"
+        "    with interruptible():\n"
+        "        import matplotlib.ft2font\n"
+        f"        threading.Event().wait({WAIT_S})\n"
+        "except Stopped:\n"
+        "    print(count, 'matplotlib.ft2font' in sys.modules)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, timeout=2 * WAIT_S, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"300 True\n", b"")
+
+
 def test_other_errors_of_finalisers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
     monkeypatch.setattr(sys, "unraisablehook", lambda error: told.append(str(error.exc_value)))
