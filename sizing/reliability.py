@@ -20,6 +20,7 @@ and storage is chosen for the best objective.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from statistics import NormalDist
@@ -277,21 +278,19 @@ class _ReliableSizing:
 
     def _search(self) -> _Trial:
         """Best design that is reliable enough; where none is found, the most reliable one."""
-        score, steps = 0.0, _SHARE_STEPS
+        score, steps = 0.0, list(_SHARE_STEPS)
         index, merit = self._on_share(score, _NORMAL.inv_cdf(self.required))
         if math.isinf(merit):
             most, score = self._most_reliable()
             if not self._meets(most):
                 return most
-            steps = _SHARE_STEPS[1:]  # near the edge few shares have a design
+            del steps[0]  # near the edge few shares have a design
             index, merit = self._on_share(score, self._index(most.reliability))
             merit = max(merit, most.merit)
         self._try_shares(score, index, merit, steps)
         return max(filter(self._meets, self.trials), key=lambda one: one.merit)
 
-    def _try_shares(
-        self, score: float, index: float, merit: float, steps: tuple[float, ...]
-    ) -> None:
+    def _try_shares(self, score: float, index: float, merit: float, steps: Sequence[float]) -> None:
         """Move the share of income to where the merit is best, by ever smaller steps."""
         for step in steps:
             beside = []
@@ -330,8 +329,9 @@ class _ReliableSizing:
         while (beyond := failing(margin + _INCOME_STEP)) < least:
             margin, least = margin + _INCOME_STEP, beyond
         bounds = (margin - _INCOME_STEP, margin + _INCOME_STEP)
-        options = {"xatol": _INCOME_TOLERANCE}
-        minimize_scalar(failing, bounds=bounds, method="bounded", options=options)
+        minimize_scalar(
+            failing, bounds=bounds, method="bounded", options={"xatol": _INCOME_TOLERANCE}
+        )
         sound = [one for one in (*found.values(), self.nominal) if one.sound]
         most = max(sound, key=lambda one: one.reliability)
         own = [margin for margin, one in found.items() if one is most]

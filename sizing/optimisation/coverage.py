@@ -24,7 +24,7 @@ from sizing.design import DesignVariables, variables_of
 from sizing.optimisation.infeasibility import violations
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SizingStatus
+from sizing.optimisation.result import SizingResult, SizingStatus, limiting_rows
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
@@ -133,7 +133,11 @@ class _Growth:
         self.season = objective is Objective.longest_season
         self.members = DAYS.astype(float) if self.season else LATITUDES_DEG
         self.day = solar_day(aircraft, mission, solar, scenarios=self._scenarios())
+        self.each = len(self.day.scenarios) // len(self.members)
         self.start = variables_of(aircraft)
+        self.within: set[int] = set()  # members of runs that have a design
+        self.apart: list[frozenset[int]] = []  # members that have no design in common
+        self.failed: set[frozenset[int]] = set()  # runs of which the solver said nothing
 
     def _scenarios(self) -> Scenarios:
         """Every member, with all latitudes or dates of the mission: member by member."""
@@ -191,8 +195,8 @@ class _Growth:
             for way in (-step, step):
                 moved = False
                 while run := self._run(held, way, way):
-                    found = self._sized(run)
-                    if _reached_h(found) <= _reached_h(best) + _GAIN_H:
+                    found = self._covering(run)
+                    if found is None or _reached_h(found) <= _reached_h(best) + _GAIN_H:
                         break
                     best, held, moved = found, sorted(run), True
                 if moved:
@@ -247,8 +251,8 @@ class _Growth:
         while len(held) < len(self.members):
             for shift in _SHIFTS:
                 run = self._run(held, shift, shift + 1)
-                found = self._sized(run) if run else None
-                if found is not None and self._enough(found):
+                found = self._covering(run) if run else None
+                if found is not None:
                     best, held = found, sorted(run)
                     break
             else:
@@ -260,8 +264,10 @@ class _Growth:
         perf = performance_of_designs(
             self.aircraft, self.mission, variables, self.solar, day=self.day
         )
-        each = perf.cycle.excess_time_h.reshape(len(self.members), -1)
-        return np.asarray(each.min(axis=-1))
+        each = perf.cycle.excess_time_h.reshape(len(self.members), -1).min(axis=-1)
+        enough = (each > 0.0) & (each >= self.required_h)
+        self.within.update(int(i) for i in np.flatnonzero(enough))
+        return np.asarray(each)
 
     def _easiest(self, variables: DesignVariables) -> list[int]:
         """Members, that of the most excess time first; of those without a night, by their sun."""
@@ -303,30 +309,98 @@ class _Growth:
         return first, first + len(held) - 1
 
     def _largest(self, nested: list[int], held: int) -> tuple[int, SizingResult | None]:
-        """Largest number of members that one design covers, above those held already."""
-        low, high, best = held, len(nested) + 1, None
+        """Largest number of members that one design covers, above those held already.
+
+        A design for some of them may cover more, which needs no sizing.
+        """
+        low, high, best, sized = held, len(nested) + 1, None, held
         step = 1 if held > 1 else len(nested)
         while high - low > 1:
             # A run that has grown before will hardly grow by much.
             middle = min((low + high) // 2, low + step)
             step *= 2
-            found = self._sized(nested[:middle])
-            if self._enough(found):
-                low, best = middle, found
-            else:
+            found = self._covering(nested[:middle])
+            if found is None:
                 high = middle
-        return low, best
+                continue
+            best, sized = found, middle
+            low = max(middle, min(self._covered(found, nested), high - 1))
+        if low > sized:
+            found = self._covering(nested[:low])
+            best, sized = (best, sized) if found is None else (found, low)
+        return sized, best
+
+    def _covered(self, found: SizingResult, nested: list[int]) -> int:
+        """How many members, from the first on, a design covers."""
+        assert found.design is not None
+        excess_h = self._excess_h(found.design.variables)[nested]
+        enough = (excess_h > 0.0) & (excess_h >= self.required_h)
+        return int(np.argmin([*enough, False]))
+
+    def _covering(self, members: list[int]) -> SizingResult | None:
+        """Best design for a run of members; None where it is not enough.
+
+        A run has no design if some of its members have none in common. Once the solver has failed
+        without a reason the ends of a run, which are the hardest, are sized on their own first.
+        """
+        if self.failed:
+            self._try_ends(members)
+        if self._ruled_out(members):
+            return None
+        found = self._sized(members)
+        self._learn(members, found)
+        if self._enough(found):
+            return found
+        if found.status is SizingStatus.not_converged:
+            self._try_ends(members)
+        return None
+
+    def _try_ends(self, members: list[int]) -> None:
+        """Size the ends of a run on their own, as long as nothing rules it out."""
+        for end in self._ends(members):
+            alone = [end % len(self.members)]
+            known = not self.within.isdisjoint(alone) or self._ruled_out(alone)
+            if not known and not self._apart(members):
+                self._learn(alone, self._sized(alone, explain=True))
+
+    def _ruled_out(self, members: list[int]) -> bool:
+        return frozenset(members) in self.failed or self._apart(members)
+
+    def _apart(self, members: list[int]) -> bool:
+        return any(some <= frozenset(members) for some in self.apart)
+
+    def _learn(self, members: list[int], found: SizingResult) -> None:
+        """Remember which members have a design in common, or which have none."""
+        if self._enough(found):
+            self.within.update(members)
+        elif found.status is SizingStatus.not_converged:
+            self.failed.add(frozenset(members))
+        else:
+            limiting = self._limiting(members, found)
+            if limiting == members or not self._enough(self._sized(limiting)):
+                self.apart.append(frozenset(limiting))
+
+    def _limiting(self, members: list[int], found: SizingResult) -> list[int]:
+        """Members whose scenarios hold the best design back; all where they are not known."""
+        if found.optimum is None:
+            return members
+        scenarios = found.optimum.scenarios
+        places = {
+            scenarios[row.block] // self.each
+            for row in limiting_rows(found.optimum)
+            if row.block is not None
+        }
+        return [members[place] for place in sorted(places)] or members
 
     def _sized(self, members: list[int], *, explain: bool = False) -> SizingResult:
-        each = len(self.day.scenarios) // len(self.members)
-        indices = (np.asarray(members)[:, np.newaxis] * each + np.arange(each)).ravel()
+        places = np.asarray(members)[:, np.newaxis] * self.each + np.arange(self.each)
         found = size_aircraft(
             self.aircraft,
             self.mission,
             Objective.max_excess_time,
             self.solar,
             required_excess_time_h=0.0,
-            day=self.day.at(indices),
+            day=self.day.at(places.ravel()),
             problems=self.problems,
             start=self.start,
             explain=explain,
