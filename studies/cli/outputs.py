@@ -38,28 +38,9 @@ def tell(
 ) -> None:
     """Print a result: aircraft and mission first, which JSON has among its keys.
 
-<<<<<<< HEAD
     ``shown``: what is printed, or a function that makes it where it is. ``files``: files that were
     written, to be named; None where one was not asked for. ``next_step``: what to do next, for
     somebody at a terminal.
-=======
-    Parameters
-    ----------
-    case : Case
-        What the command was asked about.
-    record : JSON-ready
-        Result as :meth:`Case.named` made it.
-    shown : Result, Summary, Table or callable
-        What is printed, or a function that makes it where it is.
-    as_json : bool
-        Whether JSON is asked for.
-    out_dir : str, optional
-        Folder that was written, to be named.
-    files : iterable of str, path or None
-        Files that were written, to be named; None where one was not asked for.
-    next_step : str, optional
-        What to do next, for somebody at a terminal.
->>>>>>> w-inputs
     """
     if as_json:
         print_json(record)

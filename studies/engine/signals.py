@@ -57,23 +57,7 @@ class Signals:
             raise Stopped(self.signum)
 
     def handle(self, signum: int, frame: FrameType | None) -> None:
-<<<<<<< HEAD
         """Note the signal, and raise it unless it is held."""
-=======
-        """Note the signal, and raise it unless it is held.
-
-        Parameters
-        ----------
-        signum : int
-            The signal.
-        frame : FrameType or None
-            Where it came.
-
-        Raises
-        ------
-        Stopped
-        """
->>>>>>> w-inputs
         if self.signum is None:
             self.signum = signum
             for number in self.caught:
