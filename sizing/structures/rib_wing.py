@@ -58,7 +58,7 @@ class RibWingStructure(Record):
     safety_factor: PositiveReal = 1.5
     cruise_gust_m_per_s: NonNegativeReal = 15.25
     dive_gust_m_per_s: NonNegativeReal = 7.6
-    gusts_fall_with_altitude: bool = False
+    gusts_fall_with_altitude: Annotated[bool, Strict()] = False
     dive_speed_ratio: Annotated[float, Strict(), Field(ge=1.0, le=10.0)] = 1.5
     negative_load_ratio: UnitInterval = 0.4
     landing_load_factor: NonNegativeReal = 2.0
