@@ -25,7 +25,7 @@ from sizing.structures.loads import (
 from sizing.structures.parts import CapForces, LoadFactors, StructureParts, Wing, largest
 from sizing.structures.stations import Station, along_the_span
 from sizing.structures.torsion import NoseCell, Twisting, WingTorsion, closed_cell_nm2
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
+from solar.schema import Flag, Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 
 # Perimeter over chord of a cambered section, both sides, and area over thickness times chord.
 _PERIMETER = 2.04
@@ -58,7 +58,7 @@ class RibWingStructure(Record):
     safety_factor: PositiveReal = 1.5
     cruise_gust_m_per_s: NonNegativeReal = 15.25
     dive_gust_m_per_s: NonNegativeReal = 7.6
-    gusts_fall_with_altitude: Annotated[bool, Strict()] = False
+    gusts_fall_with_altitude: Flag = False
     dive_speed_ratio: Annotated[float, Strict(), Field(ge=1.0, le=10.0)] = 1.5
     negative_load_ratio: UnitInterval = 0.4
     landing_load_factor: NonNegativeReal = 2.0
