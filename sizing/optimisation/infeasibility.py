@@ -15,7 +15,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions
+from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
@@ -29,6 +29,8 @@ _GRID_POINTS = (9, 7, 6)
 _GRID_STEP_H = 0.5
 _FEW_POINTS = 3
 _PROMISING = 3
+# Masses that a design might have, as multiples of its payload and battery.
+_HEAVIER = np.geomspace(1.0, 100.0, 9)
 
 
 class Verdict(NamedTuple):
@@ -147,6 +149,21 @@ def promising_designs(
         )
         for i in best
     ]
+
+
+def least_unlifted(aircraft: Aircraft, mission: Mission) -> float:
+    """Part of its own mass that no design of the coarse grid can lift, at whatever mass it has.
+
+    Zero or less where a design of the grid can; relative to the mass that is lifted.
+    """
+    conditions = FlightConditions.of(mission, aircraft)
+    designs = _grid(aircraft).mapped(lambda v: np.asarray(v)[:, np.newaxis])
+    payload_kg = float(conditions.payload_mass_kg)
+    assumed_kg = (payload_kg + np.asarray(designs.battery_mass_kg)) * _HEAVIER
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        budget_kg = parametric_design(aircraft, conditions, designs, assumed_kg).masses.total_kg
+        unlifted = np.asarray(budget_kg) / assumed_kg - 1.0
+    return float(np.min(unlifted, initial=np.inf, where=np.isfinite(unlifted)))
 
 
 def _missed_of(aircraft: Aircraft, found: Performance) -> FloatArray:

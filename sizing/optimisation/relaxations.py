@@ -62,7 +62,7 @@ _BLOCKS = 2
 _AT_ONCE = 4  # latitudes that are sized together
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _STEPS_BEYOND = 3  # where the scenarios left out need a little more
-_MINIMAL = 0.01  # of the value told: with so much less of a change no design is feasible
+MINIMAL = 0.01  # of the value told: with so much less of a change no design is feasible
 _BISECTED = 1e-3  # of the value, well within that
 _LATITUDE_STEP_DEG = 0.25
 _LATITUDE_REACH_DEG = 60.0
@@ -325,11 +325,11 @@ class _Relaxations:
         worst_h = self._reached_by(variables, *eased(value))
         if worst_h is None:
             return None
-        step = _MINIMAL * (value or present)
+        step = MINIMAL * (value or present)
         enough, short = value + (-step if upwards else step), present
         if (enough <= short if upwards else enough >= short) or not self._suffices(eased(enough)):
             return direction, value, worst_h
-        while abs(enough - short) > _BISECTED * max(enough, _MINIMAL * present):
+        while abs(enough - short) > _BISECTED * max(enough, MINIMAL * present):
             middle = (enough + short) / 2.0
             if self._suffices(eased(middle)):
                 enough = middle
@@ -423,7 +423,8 @@ class _Relaxations:
                 low = int(some[first - 1])
             if first < len(some):
                 high = int(some[first])
-        for place in places[high : high + _STEPS_BEYOND]:
+        # Next to the edge the sizing of many cells at once may miss a design by minutes.
+        for place in places[max(high - _STEPS_BEYOND, 0) : high + _STEPS_BEYOND]:
             worst_h = self._confirmed_excess_h(as_latitude(float(place)))
             if worst_h is not None:
                 direction: Direction = "at most" if place < present else "at least"

@@ -27,6 +27,7 @@ from sizing.optimisation.infeasibility import (
     Promising,
     Verdict,
     least_mission,
+    least_unlifted,
     promising_designs,
     short_of_largest_excess,
     violations,
@@ -68,6 +69,8 @@ _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not sta
 _ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _RESTARTS = 3
 _LESS_MARGIN = 1.0 / 30.0
+# Part of its mass that no design of a coarse grid lifts: those between its points gain less.
+_HOPELESS = 1.0
 _BRANCHES = 6  # that a cross-check tries at most, besides that by battery alone
 
 
@@ -662,7 +665,7 @@ class _Sizing:
     def _explained_by_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
         instance, least = self.search.instance, self._least_missed(starts)
         if least is None:
-            return self._restarted(starts, self.solver.performance(starts[0]))
+            return self._without_least_missed(starts)
         missed, nearest = least.missed(), self._simulated(least)
         assert nearest.performance is not None
         accepted, margin = not missed or self.search.accepts(nearest), instance.margin
@@ -684,6 +687,15 @@ class _Sizing:
             active_constraints(least, self.day),
         )
         return self._failed(verdict)
+
+    def _without_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
+        """Verdict where the solver cannot tell what is missed: a coarse grid may show it."""
+        nearest = self.solver.performance(starts[0])
+        unlifted = least_unlifted(self.aircraft, self.solver.mission)
+        if unlifted <= _HOPELESS:
+            return self._restarted(starts, nearest)
+        missed = violations(self.aircraft, {"mass_budget": unlifted}, nearest, self.required_h)
+        return self._failed(Verdict(SizingStatus.infeasible, tuple(missed), nearest))
 
     def _least_missed(self, starts: list[DesignVariables]) -> Solution | None:
         """Solution that misses as little as possible, or all but that: by a penalty."""

@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import Relaxation, relaxations, rounded
+from sizing.optimisation.relaxations import MINIMAL, Relaxation, relaxations, rounded
 from sizing.optimisation.result import (
     SizingResult,
     SizingStatus,
@@ -49,7 +49,7 @@ _COARSE_STEP_S = 900.0
 _CORRECTIONS = 4  # where all days of the record tell otherwise than the search
 # Relaxations of the program's day that are none in a record.
 _OF_THE_SITE = ("mission.latitude_deg", "mission.required_excess_time_h")
-_FURTHER = (1.0, 1.05, 1.15, 1.3)  # than the program's day says
+_FURTHER = (1.0, 4.0, 16.0, 32.0)  # than the program's day says
 _WIDER = 4.0  # bounds, to find what is wanted of a design
 _MOST_STEPS = 1.5  # logarithm of how far income and storage may be from enough for a relaxation
 
@@ -287,22 +287,40 @@ class _SurvivalSizing:
         return None if math.isnan(step) else nearest.factors - step
 
     def _flown(self, one: Relaxation, factors: FloatArray) -> Relaxation | None:
-        """Relaxation with which a design closes enough days of the record, if it is near."""
+        """Relaxation with which a design closes enough days of the record, if it is near.
+
+        The value is moved on from the program's, further and further, and then bisected.
+        """
+        short, enough = one.present, None
         for further in _FURTHER:
             value = rounded(one.present + further * (one.value - one.present), one.direction)
-            try:
-                aircraft, mission = with_parameter(
-                    self.aircraft, self.mission, one.parameter, value
-                )
-                other = _SurvivalSizing(
-                    *(aircraft, mission, self.objective, self.solar, self.weather, self.required)
-                )
-            except (AttributeError, KeyError, ValueError):  # nothing that a file may say
-                return None
-            best = other.search.candidate(factors, Objective.max_excess_time)
-            if best is not None and int(other.record.that_close(best.powers)[0]) >= self.needed:
-                return replace(one, value=value, excess_time_h=math.nan)
-        return None
+            if self._closes_enough(one.parameter, value, factors):
+                enough = value
+                break
+            short = value
+        if enough is None:
+            return None
+        while abs(enough - short) > MINIMAL * abs(enough):
+            value = rounded((short + enough) / 2.0, one.direction)
+            if value in (short, enough):
+                break
+            if self._closes_enough(one.parameter, value, factors):
+                enough = value
+            else:
+                short = value
+        return replace(one, value=enough, excess_time_h=math.nan)
+
+    def _closes_enough(self, key: str, value: float, factors: FloatArray) -> bool:
+        """Whether the best design with another value of a parameter closes enough days."""
+        try:
+            aircraft, mission = with_parameter(self.aircraft, self.mission, key, value)
+            other = _SurvivalSizing(
+                *(aircraft, mission, self.objective, self.solar, self.weather, self.required)
+            )
+        except (AttributeError, KeyError, ValueError):  # nothing that a file may say
+            return False
+        best = other.search.candidate(factors, Objective.max_excess_time)
+        return best is not None and int(other.record.that_close(best.powers)[0]) >= self.needed
 
     def _report(self) -> SolverReport:
         """Work of all sizings."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from missions.files.shipped import find_document
+from missions.files.shipped import find_document, shipped_text
 from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.library import load_aircraft
@@ -249,8 +249,11 @@ def test_fields_are_those_of_the_catalogue() -> None:
             assert field.slider[1] <= field.maximum
 
 
-def test_impossible_design_is_refused_in_words() -> None:
-    heavy = {"airframe.wingspan_m": 40.0, "battery.mass_kg": 100.0, "mission.payload.mass_kg": 50.0}
+def test_impossible_design_is_refused_in_words(tmp_path: Path) -> None:
+    text = shipped_text("atlantiksolar-design").replace("calibration: 1.188", "calibration: 5")
+    (tmp_path / "heavy.yaml").write_text(text, encoding="utf-8")
+    heavy = session(str(tmp_path / "heavy.yaml"))
+    wide = {"airframe.wingspan_m": 40.0, "mission.payload.mass_kg": 50.0}
     with pytest.raises(RefusedError) as caught:
-        DESIGN.day(DESIGN.settings(heavy | {"airframe.aspect_ratio": 40.0}))
+        heavy.day(heavy.settings(wide | {"airframe.aspect_ratio": 40.0}))
     assert caught.value.kind == "impossible"
