@@ -424,7 +424,7 @@ class _Relaxations:
             if first < len(some):
                 high = int(some[first])
         # Next to the edge the sizing of many cells at once may miss a design by minutes.
-        for place in places[max(high - _STEPS_BEYOND, 0) : high + _STEPS_BEYOND]:
+        for place in places[max(high - 1, 0) : high + _STEPS_BEYOND]:
             worst_h = self._confirmed_excess_h(as_latitude(float(place)))
             if worst_h is not None:
                 direction: Direction = "at most" if place < present else "at least"
@@ -458,9 +458,13 @@ class _Relaxations:
 
     def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
         """Largest worst excess time over all scenarios; None if it is not enough."""
-        return self._reached_h(self._largest_excess(self.aircraft, self._moved(latitude)))
+        return self._reached_h(
+            self._largest_excess(self.aircraft, self._moved(latitude), explain=True)
+        )
 
-    def _largest_excess(self, aircraft: Aircraft, mission: Mission) -> SizingResult:
+    def _largest_excess(
+        self, aircraft: Aircraft, mission: Mission, *, explain: bool = False
+    ) -> SizingResult:
         """Sizing of another aircraft or mission for the largest excess time."""
         return size_aircraft(
             aircraft,
@@ -470,7 +474,7 @@ class _Relaxations:
             required_excess_time_h=0.0,
             problems=self.problems if aircraft is self.aircraft else None,
             start=self.start,
-            explain=False,
+            explain=explain,
         )
 
     def _reached_h(self, result: SizingResult) -> float | None:
