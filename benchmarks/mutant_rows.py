@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 __all__ = ["Key", "Row", "harmless", "kept", "table"]
 
-Key = tuple[str, int, str]
+Key = tuple[str, str, str]
 _COLUMNS = ("package", "tried", "found", "of these since", "harmless", "survived", "share found")
 _HARMLESS = Path(__file__).with_name("mutants_harmless.csv")
 
@@ -54,8 +54,8 @@ class Row(NamedTuple):
 
     @property
     def key(self) -> Key:
-        """What tells the change from every other one."""
-        return self.module, self.start, self.new
+        """What tells the change from others, wherever in its module the line stands."""
+        return self.module, self.code, self.change
 
     @property
     def package(self) -> str:
@@ -66,7 +66,7 @@ class Row(NamedTuple):
     @property
     def reason(self) -> str | None:
         """Why the change, which survived, cannot be observed; None if it can."""
-        known = harmless().get((self.module, self.code, self.change))
+        known = harmless().get(self.key)
         return known if self.found is None else None
 
     @property

@@ -23,10 +23,10 @@ where it stopped. Needs Linux or macOS, and ``coverage``, which comes with the e
 
 from __future__ import annotations
 
-import random
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import groupby, islice
+from collections.abc import Container, Iterable, Iterator, Mapping
+from hashlib import sha256
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
@@ -57,8 +57,8 @@ class Mutant(NamedTuple):
 
     @property
     def key(self) -> Key:
-        """What tells it from every other one."""
-        return self.module.as_posix(), self.change.start, self.change.new
+        """What tells it from others, wherever in its module the line stands."""
+        return self.module.as_posix(), self.code, self.words
 
     @property
     def words(self) -> str:
@@ -66,36 +66,29 @@ class Mutant(NamedTuple):
         return f"`{self.old}` to `{self.change.new}`" if self.change.new else f"no `{self.old}`"
 
 
-def drawn(project: Path, seed: int, only: str) -> Iterator[Mutant]:
-    """Draw mutants, each token once; a part of the modules has its part of the same series.
+def drawn(project: Path, seed: int, only: str, known: Container[Key] = ()) -> list[Mutant]:
+    """Mutants of the modules below ``only``, each token once, in an order that looks random.
 
-    Parameters
-    ----------
-    project : Path
-        Root of the project.
-    seed : int
-        Of the series.
-    only : str
-        How the path of the modules begins.
-
-    Yields
-    ------
-    Mutant
+    The order of two of them does not change with the rest of the code. Those that are known come
+    first: whatever else was drawn at the time, they are random too.
     """
-    places: list[tuple[Path, str, list[Mutation]]] = []
+    found: dict[bytes, Mutant] = {}
     for module in sources(project):
-        source = (project / module).read_text(encoding="utf-8")
-        for _, changes in groupby(mutations(source), key=lambda one: (one.start, one.end)):
-            places.append((module, source, list(changes)))
-    dice = random.Random(seed)
-    dice.shuffle(places)
-    for module, source, choices in places:
-        change = dice.choice(choices)
         if not module.as_posix().startswith(only):
             continue
-        old = source.encode()[change.start : change.end].decode()
-        code = source.splitlines()[change.line - 1].strip()
-        yield Mutant(module, change, old, code)
+        source = (project / module).read_text(encoding="utf-8")
+        lines, encoded = source.splitlines(), source.encode()
+        for (start, end), changes in groupby(
+            mutations(source), key=lambda one: (one.start, one.end)
+        ):
+            old, choices = encoded[start:end].decode(), list(changes)
+            code = lines[choices[0].line - 1].strip()
+            place = sha256("\n".join([str(seed), module.as_posix(), code, old]).encode()).digest()
+            mutants = [Mutant(module, change, old, code) for change in choices]
+            new = mutants[place[0] % len(mutants)]
+            # Of equal tokens of a line the first one.
+            found.setdefault(place, next((one for one in mutants if one.key in known), new))
+    return sorted((found[place] for place in sorted(found)), key=lambda one: one.key not in known)
 
 
 def files_of(tree: Path, module: Path) -> tuple[list[str], list[str]]:
@@ -156,8 +149,9 @@ def row_of(tree: Path, mutant: Mutant, tests: CoveredTests) -> Row:
                 break
     finally:
         path.write_text(source, encoding="utf-8")
-    module, start, new = mutant.key
-    return Row(module, mutant.change.line, start, new, mutant.code, mutant.words, found, tests=run)
+    line, start, new = mutant.change.line, mutant.change.start, mutant.change.new
+    module = mutant.module.as_posix()
+    return Row(module, line, start, new, mutant.code, mutant.words, found, tests=run)
 
 
 def _batches(tree: Path, mutant: Mutant, tests: CoveredTests) -> Iterator[list[str]]:
@@ -189,8 +183,7 @@ def _rows(
     tests = CoveredTests(tree, work / "covered", click.echo)
     for mutant in mutants:
         before = known.get(mutant.key)
-        same = before is not None and before.code == mutant.code
-        if before is not None and same and not (again and before.survived):
+        if before is not None and not (again and before.survived):
             yield before
             continue
         row = row_of(tree, mutant, tests)
@@ -220,8 +213,9 @@ def _rows(
 )
 def main(count: int, seed: int, only: str, rows_file: Path | None, again: bool, work: Path) -> None:
     """Change one token of the code at a time and run the tests; print what they do not find."""
-    mutants = islice(drawn(_PROJECT, seed, only), count)
-    for text in table(list(_rows(mutants, kept(rows_file), work, rows_file, again))):
+    known = kept(rows_file)
+    mutants = drawn(_PROJECT, seed, only, known)[:count]
+    for text in table(list(_rows(mutants, known, work, rows_file, again))):
         click.echo(text)
 
 
