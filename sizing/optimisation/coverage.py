@@ -198,9 +198,14 @@ class _Growth:
         variables = self.start if best.design is None else best.design.variables
         if len(held) == count or (held and len(self._peaks(self._excess_h(variables))) < 2):
             return []
+        # What the run holds already needs no sizing, and is no other centre.
+        inside = set(held)
         some = [int(i) for i in np.arange(0, count, count // _SAMPLES)]
-        sized = [self._sized([i]) for i in some]
-        peaks = self._peaks(np.array([_reached_h(one) for one in sized]))
+        sized = [best if i in inside else self._sized([i]) for i in some]
+        excess_h = [
+            np.inf if i in inside else _reached_h(one) for i, one in zip(some, sized, strict=True)
+        ]
+        peaks = self._peaks(np.array(excess_h))
         return [(some[i], sized[i]) for i in peaks]
 
     def _peaks(self, excess_h: FloatArray) -> list[int]:

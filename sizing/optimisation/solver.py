@@ -198,6 +198,11 @@ class SolverReport:
     message: str
 
 
+# Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
+# and what is then missed beyond doubt, relative or in hours.
+_STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
+
+
 class _Posed(NamedTuple):
     """An instance as arguments of a program, all but the start."""
 
@@ -360,9 +365,15 @@ class ProgramSolver:
         self.solves += 1
         self.message = str(stats["return_status"])
         x, rows, bounds = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
-        if not (stats["success"] and np.isfinite(x).all()):
-            return None
         problem, instance = posed.problem, posed.instance
+        stands = instance.penalty is not None and _stands_still(stats)
+        if not ((stats["success"] or stands) and np.isfinite(x).all()):
+            return None
+        if not stats["success"]:
+            slacks = [problem.index[v.name] for v in problem.of_role(Role.slack)]
+            x[slacks] = np.where(x[slacks] < _CLEARLY_MISSED, 0.0, x[slacks])
+            if not np.any(x[slacks]):
+                return None
         design = problem.design_variables(x, posed.ends)
         return Solution(
             *(instance, problem.variables, problem.constraints, posed.scenarios, design),
@@ -420,6 +431,19 @@ class ProgramSolver:
         guess |= {name: float(value) for name, value in variables.chosen().items()}
         guess["module_area_m2"] = max(guess["module_area_m2"], 1e-3)
         return np.array([v.to_program(guess.get(v.name, v.first_guess)) for v in problem.variables])
+
+
+def _stands_still(stats: Mapping[str, Any]) -> bool:
+    """Whether interior points have ended by their number only, at an optimum with a kink.
+
+    There steps go to and fro, and nothing but the derivative along the kink fails to vanish.
+    """
+    course = stats.get("iterations", {})
+    if stats["return_status"] != "Maximum_Iterations_Exceeded" or "obj" not in course:
+        return False
+    cost = np.array(course["obj"][-_STILL:])
+    kept = max(course["inf_pr"][-_STILL:]) < _STILL_KEPT
+    return bool(kept and np.ptp(cost) < _STILL_KEPT * abs(cost[-1]))
 
 
 def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
