@@ -17,15 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, variables_of
-from sizing.limits import meets_requirements
+from sizing.design import DesignVariables, parametric_design, variables_of
+from sizing.limits import Requirement, design_requirements, meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
+from sizing.optimisation.infeasibility import percent, texts_of_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, Role, SizingProblems
 from sizing.optimisation.result import (
@@ -66,7 +68,8 @@ class CellSizings:
     ``minimum_state_of_charge``: of the design, as the simulator finds them. ``airspeed_m_per_s``,
     ``load_w``: of level flight, and nominal load. ``requirement``: requirement that is missed most
     where the cell is infeasible, empty elsewhere. ``shortfall``: by how much, relative to its
-    limit; excess time in hours.
+    limit; excess time in hours. ``message``: the same in words, as a sizing of that cell alone says
+    it.
     """
 
     status: NDArray[np.int_]
@@ -80,6 +83,7 @@ class CellSizings:
     load_w: FloatArray
     requirement: NDArray[np.str_]
     shortfall: FloatArray
+    message: NDArray[np.str_]
 
 
 def size_cells(
@@ -328,11 +332,13 @@ class _Cells:
 
         status = np.full(self.count, SizingStatus.not_converged, int)
         requirement, shortfall = np.full(self.count, "", dtype="<U40"), blank()
+        message = np.full(self.count, "", dtype=object)
         for cell, slacks in missed.items():
             status[cell] = SizingStatus.infeasible
             requirement[cell] = name = max(slacks, key=lambda key: slacks[key])
             scales = {c.name: c.scale for c in self.solver.problems.of(self.each).constraints}
-            shortfall[cell] = scales[name] * slacks[name]
+            shortfall[cell] = short = scales[name] * slacks[name]
+            message[cell] = self._message(cell, name, short)
         names = self.own.chosen() | dict.fromkeys(self.payload)
         designs = {name: blank() for name in names}
         columns = {name: blank() for name in _NUMBERS}
@@ -362,8 +368,22 @@ class _Cells:
             variables=DesignVariables(**designs),
             requirement=requirement,
             shortfall=shortfall,
+            message=message,
             **columns,
         )
+
+    @cached_property
+    def _of_design(self) -> list[Requirement]:
+        """Requirements on a design, for their texts: whichever one it is."""
+        own = self.solver
+        design = parametric_design(own.aircraft, own.conditions, self.own, 1.0)
+        return design_requirements(own.aircraft, design, own.conditions)
+
+    def _message(self, cell: int, name: str, short: float) -> str:
+        """What a requirement that is missed in a cell says."""
+        required_h, where = float(self.required_h[cell]), self.day.scenarios.label(cell * self.each)
+        texts = texts_of_requirements(self._of_design, where, required_h, required_h - short)
+        return texts[name].format(missed=percent(short))
 
 
 def _stacked(designs: list[DesignVariables]) -> DesignVariables:

@@ -7,7 +7,7 @@ tells what is missing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, parametric_design
-from sizing.limits import design_requirements
+from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.parameters import with_parameter
@@ -85,28 +85,35 @@ def violations(
     ``missed``: shortfall by name of the requirement: relative, or in hours of excess time.
     """
     worst = nearest.worst_scenario()
-    where = nearest.day.scenarios.label(worst)
-    excess = float(nearest.cycle.excess_time_h[worst])
-    texts = {
-        one.name: one.text
-        for one in design_requirements(
-            aircraft, nearest.design, FlightConditions.of(nearest.mission, aircraft)
-        )
-    } | {
+    conditions = FlightConditions.of(nearest.mission, aircraft)
+    texts = texts_of_requirements(
+        design_requirements(aircraft, nearest.design, conditions),
+        nearest.day.scenarios.label(worst),
+        required_h,
+        float(nearest.cycle.excess_time_h[worst]),
+    )
+    return [
+        Violation(name, shortfall, texts[name].format(missed=percent(shortfall)))
+        for name, shortfall in missed.items()
+    ]
+
+
+def texts_of_requirements(
+    of_design: Iterable[Requirement], where: str, required_h: float, excess_h: float
+) -> dict[str, str]:
+    """What is wrong where a requirement is missed, by its name; ``{missed}`` is by how much."""
+    return {one.name: one.text for one in of_design} | {
         "battery_capacity": f"the battery cannot carry the night at {where}: short by {{missed}} "
         "of its capacity",
         "energy_balance": f"the day does not recharge the battery at {where}: short by {{missed}} "
         "of its capacity",
         "excess_time": f"an excess time of {required_h:g} h is out of reach at {where}: the "
-        f"nearest design has {excess:.2f} h",
+        f"nearest design has {excess_h:.2f} h",
     }
-    return [
-        Violation(name, shortfall, texts[name].format(missed=_percent(shortfall)))
-        for name, shortfall in missed.items()
-    ]
 
 
-def _percent(value: float) -> str:
+def percent(value: float) -> str:
+    """Shortfall in words, with two digits where it is small."""
     return f"{100.0 * value:.0f} %" if value > 0.1 else f"{100.0 * value:.2g} %"
 
 

@@ -151,7 +151,10 @@ def _columns(found: CellSizings) -> dict[str, Any]:
         "power": found.load_w,
         "shortfall": found.shortfall,
         "violated_requirement": found.requirement.tolist(),
-        "message": [_message(SizingStatus(one)) for one in found.status],
+        "message": [
+            "the solver did not converge" if status == SizingStatus.not_converged else text
+            for status, text in zip(found.status, found.message.tolist(), strict=True)
+        ],
     }
 
 
@@ -175,13 +178,6 @@ def _extrapolations(
         checks += charge_rate_check(aircraft, mission, design, peak_w)
     texts = cell_texts(checks, len(scenarios))
     return [text if there else "" for text, there in zip(texts, sized, strict=True)]
-
-
-def _message(status: SizingStatus) -> str:
-    return {
-        SizingStatus.infeasible: "no design meets every requirement",
-        SizingStatus.not_converged: "the solver did not converge",
-    }.get(status, "")
 
 
 # There is nothing to solve without any sun; the whole of the day's energy is missing.

@@ -63,6 +63,17 @@ def test_cells_are_sized_as_one_by_one(
     assert 0 < feasible < len(range(0, len(CELLS), 5))
 
 
+def test_a_cell_without_design_says_what_a_sizing_alone_says(
+    aircraft: Aircraft, mission: Mission
+) -> None:
+    cell = CELLS.label(place := int(np.argmax(LATITUDES == 60.0)) * len(DAYS))
+    found = size_cells(aircraft, mission, CELLS, Objective.min_wingspan)
+    alone = size_aircraft(aircraft, at(mission, place), Objective.min_wingspan)
+    (text,) = [one.text for one in alone.violations if one.requirement == found.requirement[place]]
+    assert cell in text
+    assert found.message[place] == text
+
+
 def test_no_cell_is_left_open_and_all_optima_are_cross_checked(
     aircraft: Aircraft, mission: Mission
 ) -> None:
