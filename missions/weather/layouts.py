@@ -18,6 +18,8 @@ from datetime import timedelta, timezone
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
 from missions.weather.plain import read_plain
 from missions.weather.raw import END, MIDDLE, START, RawTable, as_file, head_of, text_of
@@ -172,7 +174,6 @@ def _pvgis_hourly(path: Path, source: str, iotools: Any) -> RawTable:
             source,
             f"is the light on a surface of {slope:g} deg slope: ask PVGIS for a slope of 0",
         )
-    import numpy as np
 
     if "poa_direct" in table:
         beam, sky = table["poa_direct"], table["poa_sky_diffuse"]

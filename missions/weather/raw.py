@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import io
 import os
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -48,7 +49,6 @@ class RawTable(NamedTuple):
 def head_of(path: Path, source: str) -> list[str]:
     """First lines of a file, packed with gzip or not."""
     import gzip
-    import zlib
 
     try:
         if not path.is_file():

@@ -12,6 +12,8 @@ import click
 
 from missions.files.reading import read_plain_file
 from missions.files.writing import write_files_atomically
+from missions.mission import Mission
+from sizing.performance import performance
 from studies.cli.checks import check_outputs, uncertain_inputs_of
 from studies.cli.files import Case
 from studies.output.run_folder import RESULTS, RunFolder
@@ -74,8 +76,6 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
 
     ``case``: what it was read as; another mission or other values are not what was sized.
     """
-    from sizing.performance import performance
-
     if RunFolder.at(path) is None:
         return None
     try:
@@ -110,7 +110,6 @@ def report_on_sizing(
     overrides: tuple[str, ...],
 ) -> None:
     """Write the report of a sizing: the optimum on the mission that it was sized for."""
-    from missions.mission import Mission
     from studies.output.sizing_files import sized_inputs
 
     inputs = sized_inputs(study, case.inputs())

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 from sizing.aircraft import ParametricAirframe
 from sizing.design import FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.parameters import catalogue, parameter
+from sizing.parameters import catalogue, parameter, parameter_value
 from sizing.results.analysis import Analysis
+from sizing.results.records import finite_values
 from sizing.results.tables import MISSING, Column, Table
 
 if TYPE_CHECKING:
@@ -86,8 +87,6 @@ class DesignSheet:
 
     def to_dict(self) -> dict[str, Any]:
         """Values by key, JSON-ready."""
-        from sizing.results.records import finite_values
-
         return finite_values({q.key: q.value for q in self.quantities})
 
 
@@ -210,8 +209,6 @@ def _defined(value: Any) -> float | None:
 
 
 def _technology(analysis: Analysis) -> list[Quantity]:
-    from sizing.parameters import parameter_value
-
     known = [catalogue()[key] for key in _TECHNOLOGY]
     return [
         Quantity("technology", p.key, p.label, p.symbol, p.unit,

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from missions.files.overrides import with_values
+from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
@@ -72,7 +73,6 @@ class Subject:
     @cached_property
     def path_trouble(self) -> str | None:
         """Why VM and FM cannot fly the path in the wind; None if they can, or have none."""
-        from missions.flight_path import path_trouble
         from studies.models.solar_models import attitude_is_known
 
         path = self.mission.flight_path

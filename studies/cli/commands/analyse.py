@@ -22,6 +22,7 @@ from studies.cli.options import (
     table_option,
 )
 from studies.output.figures.options import FigureOptions
+from studies.output.formats import table_bytes
 
 
 class Latitude(ParamType[float]):
@@ -110,7 +111,6 @@ def analyse(
     )
     from studies.cli.files import load
     from studies.cli.outputs import told, write_results
-    from studies.output.formats import table_bytes
     from studies.output.plots import plot_cycle, plot_flight
 
     if day_of_year is not None and date is not None:
@@ -192,7 +192,6 @@ def _in_weather(
     from sizing.results.analysis import analyse as run_analysis
     from sizing.results.weather import analyse_weather
     from studies.cli.outputs import told, write_results
-    from studies.output.formats import table_bytes
     from studies.weather.plots import plot_weather
 
     weather = load_weather(weather_file)

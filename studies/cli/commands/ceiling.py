@@ -16,6 +16,7 @@ from studies.cli.options import (
     table_option,
 )
 from studies.output.figures.options import FigureOptions
+from studies.output.formats import table_bytes
 
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
@@ -64,7 +65,6 @@ def ceiling(
     from studies.cli.files import load
     from studies.cli.outputs import told, write_results
     from studies.cli.progress import progress_of
-    from studies.output.formats import table_bytes
 
     check_image(plot_file)
     check_outputs(table=table_file, plot=plot_file)

@@ -32,6 +32,7 @@ from studies.cli.options import (
     table_option,
 )
 from studies.output.figures.options import FigureOptions
+from studies.output.formats import csv_bytes, table_bytes
 
 DEFAULT_OBJECTIVE = "min_wingspan"
 
@@ -124,7 +125,6 @@ def compare(
     from studies.models.comparison import compare as compare_models
     from studies.models.plots import plot_comparison
     from studies.models.solar_models import attitude_is_known
-    from studies.output.formats import csv_bytes, table_bytes
     from studies.output.run_folder import write_run_folder
 
     if out_dir is not None and (table_file is not None or plot_file is not None):

@@ -15,6 +15,7 @@ from studies.cli.options import (
     solar_options,
     table_option,
 )
+from studies.output.formats import table_bytes
 
 
 @command(
@@ -97,7 +98,6 @@ def diff(
     from studies.cli.files import load
     from studies.cli.outputs import write_results
     from studies.exchange.difference import compare_designs
-    from studies.output.formats import table_bytes
     from studies.output.terminal import show, tell_line
 
     check_outputs(table=table_file)

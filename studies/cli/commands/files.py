@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from missions.files.errors import InputError, printable
 from studies.cli.help_texts import command
 from studies.cli.options import EXIT_BAD_INPUT, completes, print_json
 from studies.cli.telling import tell_error
+from studies.output import terminal
 
 if TYPE_CHECKING:
     from sizing.catalogues.files import Kind
@@ -32,7 +34,6 @@ def list_(cells: bool, batteries: bool, motors: bool, as_json: bool) -> None:
     if len(asked) > 1:
         raise click.UsageError(f"{' and '.join(f'--{kind}' for kind in asked)}: one at a time")
     if asked:
-        from studies.output import terminal
         from studies.output.catalogues import catalogue_record, catalogue_table
 
         if as_json:
@@ -95,7 +96,6 @@ def init(name: str) -> None:
 @click.argument("files", nargs=-1, required=True, shell_complete=completes("files"))
 def validate(files: tuple[str, ...]) -> None:
     """Check aircraft and mission FILES and say everything that is wrong with them."""
-    from missions.files.errors import InputError, printable
     from missions.files.shipped import document_kind
     from missions.files.validation import validate as check
     from missions.files.yaml import read_yaml

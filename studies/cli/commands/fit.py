@@ -19,6 +19,7 @@ from studies.cli.options import (
     json_option,
     mission_option,
     out_option,
+    print_json,
     set_option,
 )
 from studies.output.figures.options import FigureOptions
@@ -158,7 +159,6 @@ def calibrate(
     from missions.files.writing import write_text_atomically
     from studies.cli.checks import check_outputs, refuse_to_overwrite
     from studies.cli.files import open_aircraft
-    from studies.cli.options import print_json
     from studies.fitting.calibration import calibrate as make
     from studies.fitting.files import file_text
     from studies.output.terminal import show, tell_line

@@ -7,7 +7,13 @@ from typing import Any
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import aircraft_argument, completes, mission_option, solar_options
+from studies.cli.options import (
+    aircraft_argument,
+    completes,
+    mission_option,
+    print_json,
+    solar_options,
+)
 
 
 @command("solar-uav report atlantiksolar-as2 -m rafz-july --out report.html")
@@ -51,7 +57,6 @@ def report(
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
     from studies.cli.checks import require_climber, require_path
     from studies.cli.files import load
-    from studies.cli.options import print_json
     from studies.cli.reports import (
         check_report,
         check_uncertainty,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from missions.files.errors import InputError
 from solar.names import RESIZE_NAMES
 from studies.cli.help_texts import command
 from studies.cli.options import (
@@ -133,7 +134,6 @@ def sweep(
 
     The exit code is 1 if any point could not be computed.
     """
-    from missions.files.errors import InputError
     from missions.files.writing import write_files_atomically
     from studies.cli.checks import check_outputs, refuse_climb, require_path
     from studies.cli.files import load

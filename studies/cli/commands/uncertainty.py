@@ -14,6 +14,7 @@ from studies.cli.options import (
     table_option,
 )
 from studies.output.figures.options import FigureOptions
+from studies.output.formats import table_bytes
 
 
 @command("solar-uav uncertainty atlantiksolar-as2 --samples 1024")
@@ -66,7 +67,6 @@ def uncertainty(
     )
     from studies.cli.files import load
     from studies.cli.outputs import told, write_results
-    from studies.output.formats import table_bytes
     from studies.uncertainty.plots import plot_uncertainty
 
     check_image(plot_file)

@@ -25,6 +25,7 @@ from studies.cli.options import (
     table_option,
 )
 from studies.output.figures.options import FigureOptions
+from studies.output.formats import table_bytes
 
 
 @command("solar-uav published --explain")
@@ -48,7 +49,6 @@ def published(
     from missions.files.writing import write_files_atomically
     from studies.cli.checks import check_outputs
     from studies.cli.progress import progress_of
-    from studies.output.formats import table_bytes
     from studies.output.terminal import show
     from studies.validation import published as numbers
     from studies.validation.flights import season as of_season
@@ -134,7 +134,6 @@ def efficiencies(
     from studies.cli.files import load
     from studies.cli.outputs import told, write_results
     from studies.models import component_efficiencies as study
-    from studies.output.formats import table_bytes
 
     check_image(plot_file)
     check_outputs(table=table_file, plot=plot_file)
