@@ -184,13 +184,15 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
     if isinstance(path, Level):
         return _level_orbit()
     _check_wind(path, wind)
-    _check_bank(path, wind)
+    _check_bank_of(path, wind)
     motion = _Motion(
         path.airspeed_m_per_s, wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi
     )
     sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
     pitch = math.radians(path.pitch_deg)
-    return _joined([_fly(_segments(path, motion, side), motion, pitch, samples) for side in sides])
+    return _joined_laps(
+        [_fly(_segments(path, motion, side), motion, pitch, samples) for side in sides]
+    )
 
 
 def largest_wind_m_per_s(path: FlightPath) -> float:
@@ -265,7 +267,7 @@ def _check_wind(path: _MovingPath, wind: Wind) -> None:
         )
 
 
-def _check_bank(path: _MovingPath, wind: Wind) -> None:
+def _check_bank_of(path: _MovingPath, wind: Wind) -> None:
     """Refuse turns that are too tight: each orbit turns through the downwind course."""
     if isinstance(path, StraightLegs):
         return
@@ -482,7 +484,7 @@ def _fly(segments: list[_Leg | _Turn], motion: _Motion, pitch: float, samples: i
     )
 
 
-def _joined(laps: list[Orbit]) -> Orbit:
+def _joined_laps(laps: list[Orbit]) -> Orbit:
     """One orbit after the other, of one duration."""
 
     def every(name: str) -> FloatArray:

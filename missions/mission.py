@@ -79,7 +79,7 @@ class LatitudeRange(Record):
         return [float(v) for v in np.linspace(self.from_deg, self.to_deg, self.count)]
 
 
-def _moved(picks: list[int], wanted: int, kept: set[int]) -> bool:
+def _move_pick(picks: list[int], wanted: int, kept: set[int]) -> bool:
     """Move the nearest pick between the ends to the wanted one; false where none may move."""
     movable = [i for i in range(1, len(picks) - 1) if picks[i] not in kept]
     if not movable:
@@ -130,7 +130,7 @@ class Dates(Record):
         picks = np.unique(np.round(np.linspace(0, len(every) - 1, count)).astype(int)).tolist()
         inside = {every.index(day) for day in SOLSTICES if count > 1 and day in every}
         for solstice in sorted(inside - set(picks)):
-            if not _moved(picks, solstice, inside) and self.count is None:
+            if not _move_pick(picks, solstice, inside) and self.count is None:
                 picks.append(solstice)
         return [every[i] for i in sorted(set(picks))]
 

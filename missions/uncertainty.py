@@ -89,7 +89,7 @@ class Triangular(Record):
     mode: Real | None = None
 
     @model_validator(mode="after")
-    def _check_ends(self) -> Triangular:
+    def _check_corners(self) -> Triangular:
         if self.low >= self.high:
             raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
         if self.mode is not None and not self.low <= self.mode <= self.high:

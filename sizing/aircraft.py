@@ -229,7 +229,7 @@ class Range(Record):
     maximum: PositiveReal
 
     @model_validator(mode="after")
-    def _check_order(self) -> Range:
+    def _ends_in_order(self) -> Range:
         if self.minimum >= self.maximum:
             raise ValueError(
                 f"minimum must be below maximum (got {self.minimum:g} and {self.maximum:g})"
@@ -280,7 +280,7 @@ class Limit(Record):
     maximum: PositiveReal | None = None
 
     @model_validator(mode="after")
-    def _check_order(self) -> Limit:
+    def _ends_in_order(self) -> Limit:
         if self.minimum is None and self.maximum is None:
             raise ValueError("give a minimum, a maximum or both")
         if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:

@@ -125,19 +125,19 @@ class FlightConditions(NamedTuple):
         Returns numbers, or arrays where inputs are.
         """
         air = mission.air_state()
-        battery, air_c = aircraft.battery, _number(air.temperature_c)
+        battery, air_c = aircraft.battery, _scalar(air.temperature_c)
         return cls(
-            density_kg_per_m3=_number(air.density_kg_per_m3),
-            dynamic_viscosity=_number(air.dynamic_viscosity_pa_s),
+            density_kg_per_m3=_scalar(air.density_kg_per_m3),
+            dynamic_viscosity=_scalar(air.dynamic_viscosity_pa_s),
             payload_mass_kg=mission.payload.mass_kg,
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=mission.wind_m_per_s,
-            battery_capacity_fraction=_number(
+            battery_capacity_fraction=_scalar(
                 mission.uncertainty_margins.battery_capacity * battery.capacity_fraction(air_c)
             ),
-            battery_heater_w=_number(battery.heater_w(air_c)),
-            gust_fraction=_number(gust_speed_fraction(mission.altitude_m)),
+            battery_heater_w=_scalar(battery.heater_w(air_c)),
+            gust_fraction=_scalar(gust_speed_fraction(mission.altitude_m)),
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -149,7 +149,7 @@ class FlightConditions(NamedTuple):
         )
 
 
-def _number(value: Value) -> Value:
+def _scalar(value: Value) -> Value:
     """Array without a dimension as the number that it is; others as they are."""
     return float(value) if np.ndim(value) == 0 else value
 

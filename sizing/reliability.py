@@ -193,7 +193,7 @@ class _ReliableSizing:
         self.telling = np.arange(len(self.day.scenarios))  # scenarios that draws are flown in
 
     def run(self) -> tuple[SizingResult, Reliability | None]:
-        nominal = self._sized(self.mission, self.day, self.objective, explain=True)
+        nominal = self._sized_with_margins(self.mission, self.day, self.objective, explain=True)
         if nominal.design is None or nominal.simulated is None:
             return nominal, None
         self.start = nominal.design.variables
@@ -209,7 +209,7 @@ class _ReliableSizing:
             found = self._judged(found.result)
             if found.reliability < enough:
                 found = self._search()
-        result = self._optimal(found) if self._meets(found) else self._failed(found)
+        result = self._reliable_optimum(found) if self._meets(found) else self._unreachable(found)
         return result, self._verified(found)
 
     def _meets(self, trial: _Trial) -> bool:
@@ -352,17 +352,17 @@ class _ReliableSizing:
         capacity = storage * self.mission.uncertainty_margins.battery_capacity
         key = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
         _, darker = with_parameter(self.aircraft, self.mission, key, capacity)
-        result = self._sized(darker, self.day.scaled(income), self.objective)
+        result = self._sized_with_margins(darker, self.day.scaled(income), self.objective)
         return None if result.design is None else self._judged(result)
 
     def _of_largest_excess(self, income: float) -> _Trial | None:
         """Design of largest excess time with a margin on income; None where none flies."""
         mission = least_mission(self.mission, self.objective)
         free = mission.model_copy(update={"required_excess_time_h": 0.0})
-        result = self._sized(free, self.day.scaled(income), Objective.max_excess_time)
+        result = self._sized_with_margins(free, self.day.scaled(income), Objective.max_excess_time)
         return None if result.design is None else self._judged(result)
 
-    def _sized(
+    def _sized_with_margins(
         self, mission: Mission, day: SolarDay, objective: Objective, *, explain: bool = False
     ) -> SizingResult:
         return size_aircraft(
@@ -420,7 +420,7 @@ class _ReliableSizing:
         objective = merit if self.objective.maximised else -merit
         return Reliability(self.required, found[0], VERIFICATION_SAMPLES, found[1], objective)
 
-    def _optimal(self, trial: _Trial) -> SizingResult:
+    def _reliable_optimum(self, trial: _Trial) -> SizingResult:
         return replace(
             trial.result,
             objective=self.objective,
@@ -431,7 +431,7 @@ class _ReliableSizing:
             solver=self._report(),
         )
 
-    def _failed(self, nearest: _Trial) -> SizingResult:
+    def _unreachable(self, nearest: _Trial) -> SizingResult:
         reached = nearest.reliability
         enough = reached >= self.required  # by a design of largest excess time
         text = (

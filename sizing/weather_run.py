@@ -243,13 +243,15 @@ def weather_performance(
     load, store = days.load_w(design), days.store(design.battery_energy_wh)
     area_m2 = aircraft.modules.area_m2
     recorded, clear = (
-        _run(days.axis, area_m2 * days.specific_power_w_per_m2(sky), load, store)
+        _march_record(days.axis, area_m2 * days.specific_power_w_per_m2(sky), load, store)
         for sky in (days.light.recorded, days.light.clear)
     )
     return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
 
 
-def _run(axis: DayAxis, solar_w: FloatArray, load_w: FloatArray, store: Store) -> WeatherRun:
+def _march_record(
+    axis: DayAxis, solar_w: FloatArray, load_w: FloatArray, store: Store
+) -> WeatherRun:
     energy_wh = store.battery_energy_wh
     balance = PowerBalance.of(axis.time_h, solar_w, load_w)
     carried = carried_over(balance, store, energy_wh[:1], len(axis))

@@ -30,7 +30,7 @@ class _Table(Record):
     """A curve given by the user as two lists of equal length."""
 
     @model_validator(mode="after")
-    def _check_table(self) -> Self:
+    def _check_columns(self) -> Self:
         (x_name, x), (y_name, y) = ((name, getattr(self, name)) for name in type(self).model_fields)
         if len(x) != len(y):
             raise ValueError(f"{x_name} and {y_name} must have the same length")
@@ -72,7 +72,7 @@ class Curve(Record):
     y: tuple[Real, ...] = Field(min_length=2)
 
     @model_validator(mode="after")
-    def _check_table(self) -> Curve:
+    def _check_columns(self) -> Curve:
         if len(self.x) != len(self.y):
             raise ValueError(f"x has {len(self.x)} values and y has {len(self.y)}; they must match")
         if np.any(np.diff(self.x) <= 0.0):

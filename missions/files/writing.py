@@ -244,10 +244,10 @@ def _stage(path: Path, data: bytes, *, named: bool) -> _Staged:
     if mode is not None and not stat.S_ISREG(mode):
         # A device or a pipe must be written to, never replaced by a file.
         return _Staged(path, data, None)
-    return _beside(path, data, None if link else mode)
+    return _temporary_copy(path, data, None if link else mode)
 
 
-def _beside(target: Path, data: bytes, mode: int | None) -> _Staged:
+def _temporary_copy(target: Path, data: bytes, mode: int | None) -> _Staged:
     """Write a file's content beside it, with the permissions of what it replaces."""
     scratch = target.parent / f".{os.urandom(8).hex()}.tmp"
     # Created by hand, for the permissions of an ordinary new file rather than a private one.

@@ -288,7 +288,7 @@ def _given(quantity: str, source: str | Source, header: Sequence[str]) -> Recipe
     if one.unit is not None:
         if len(terms) != 1 or len(terms[0]) != 1:
             raise ValueError(f"{key}: in a sum or product the unit stands behind each column")
-        terms = ((Factor(terms[0][0].column, _unit(key, quantity, 1, one.unit)),),)
+        terms = ((Factor(terms[0][0].column, _unit_factor(key, quantity, 1, one.unit)),),)
     return Recipe(quantity, terms, factor=one.factor, form=one.format)
 
 
@@ -304,12 +304,12 @@ def _factor(key: str, quantity: str, factors: int, text: str, header: Sequence[s
         return Factor(text, _unit_of_name(quantity, factors, text))
     name, unit = split_unit(text)
     if name in header and unit is not None:
-        return Factor(name, _unit(key, quantity, factors, unit))
+        return Factor(name, _unit_factor(key, quantity, factors, unit))
     message = unknown_key(text, list(header)).replace("unknown key", "no such column")
     raise ValueError(f"{key}: {message}")
 
 
-def _unit(key: str, quantity: str, factors: int, text: str) -> str:
+def _unit_factor(key: str, quantity: str, factors: int, text: str) -> str:
     for dimension in _dimensions(quantity, factors):
         if (unit := known_unit(text, dimension)) is not None:
             return unit
@@ -317,7 +317,7 @@ def _unit(key: str, quantity: str, factors: int, text: str) -> str:
     raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {allowed}")
 
 
-def _words(name: str) -> list[str]:
+def _words_of_name(name: str) -> list[str]:
     """Words of a name in lower case, also of one in camel case."""
     apart = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
     return re.findall(r"[a-z0-9%°µ]+", apart.lower())
@@ -328,7 +328,7 @@ def _unit_of_name(quantity: str, factors: int, name: str) -> str | None:
     if name == quantity:
         return None
     base, bracketed = split_unit(name)
-    words = _words(base)
+    words = _words_of_name(base)
     endings = [bracketed] if bracketed else []
     endings += [sign.join(words[-n:]) for n in (3, 2, 1) for sign in ("_", "") if len(words) > n]
     for dimension in _dimensions(quantity, factors):
@@ -363,7 +363,7 @@ def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
     unit = None if bracketed is None else known_unit(bracketed, dimension)
     if bracketed and unit is None and not _is_zone(quantity, bracketed):
         return None  # a unit of something else
-    words = _words(base)
+    words = _words_of_name(base)
     for count in range(min(4, len(words))):
         tail = words[len(words) - count :]
         stem = "".join(words[: len(words) - count])

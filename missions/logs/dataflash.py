@@ -75,10 +75,10 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     given, constants = given_series(streams, layout, source), constants_of(layout)
     if "solar_power_w" not in given:
         raise no_power(streams, source, _EXAMPLE)
-    series = _place(_needed(streams, "GPS", source), source)
+    series = _gps_position(_needed(streams, "GPS", source), source)
     if not all(name in given or name in constants for name in ATTITUDE):
         series |= _attitude(_needed(streams, "ATT", source), source)
-    series |= _battery(streams)
+    series |= _first_battery(streams)
     notes = []
     if skipped:
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
@@ -107,7 +107,7 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
         if at + length > len(content):
             break
         if kind == _FMT:
-            _describe(content[at + 3 : at + length], kinds, lengths, wanted, places)
+            _described_log(content[at + 3 : at + length], kinds, lengths, wanted, places)
         elif kind in places:
             places[kind].append(at)
         at += length
@@ -120,7 +120,7 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
     return streams, skipped
 
 
-def _describe(
+def _described_log(
     body: bytes,
     kinds: dict[int, _Kind],
     lengths: dict[int, int],
@@ -188,7 +188,7 @@ def _fixed(gps: Stream) -> NDArray[np.bool_]:
     return np.ones(len(gps.time_s), bool) if status is None else np.asarray(status >= _FIX_3D)
 
 
-def _place(gps: Stream, source: str) -> dict[str, Series]:
+def _gps_position(gps: Stream, source: str) -> dict[str, Series]:
     names = {"latitude_deg": "Lat", "longitude_deg": "Lng", "altitude_m": "Alt"}
     good = _fixed(gps)
     return {
@@ -202,7 +202,7 @@ def _attitude(attitude: Stream, source: str) -> dict[str, Series]:
     return {name: Series(attitude.time_s, _field(attitude, source, f)) for name, f in fields}
 
 
-def _battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
+def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
     """Load [W] and state of charge of the first battery monitor, where it has them."""
     battery = streams.get("BAT", streams.get("CURR"))
     if battery is None:

@@ -59,12 +59,12 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
             raise no_power(topics, source, _EXAMPLE)
         series |= _mppt(topics[_POWER_TOPIC], source)
     position = _topic(topics, _POSITION_TOPICS, source, "needed for position and universal time")
-    series |= _place(position, source)
+    series |= _position(position, source)
     if not all(name in given or name in constants for name in ATTITUDE):
         needed = ("vehicle_attitude",)
         series |= _euler_deg(_topic(topics, needed, source, "needed for the attitude"), source)
     if "battery_status" in topics:
-        series |= _battery(topics["battery_status"])
+        series |= _battery_state(topics["battery_status"])
     series |= _airspeed(topics)
     notes = [_DAMAGED] if damaged else []
     if "load_w" in series and "load_w" not in given:
@@ -245,7 +245,7 @@ def _has_fix(position: Stream) -> BoolArray:
     return np.asarray(fix >= _FIX_3D)
 
 
-def _place(position: Stream, source: str) -> dict[str, Series]:
+def _position(position: Stream, source: str) -> dict[str, Series]:
     """Position in degrees and metres, from floating-point fields or the integers of old logs."""
     columns = {
         "latitude_deg": ("latitude_deg", "lat", 1e-7),
@@ -278,7 +278,7 @@ def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
     return _series(attitude, dict(zip(ATTITUDE, degrees, strict=True)))
 
 
-def _battery(battery: Stream) -> dict[str, Series]:
+def _battery_state(battery: Stream) -> dict[str, Series]:
     """Load [W] and state of charge, where they are known (negative: unknown)."""
     fields = battery.fields
     result: dict[str, FloatArray] = {}

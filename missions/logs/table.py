@@ -185,7 +185,7 @@ def log_from_table(
             del values[name]
     keep = _complete(time_s, values, source)
     time_s, values, at = time_s[keep], {n: v[keep] for n, v in values.items()}, at[keep]
-    _check_order(time_s, at, source)
+    _check_times_rise(time_s, at, source)
     dropped = int(np.count_nonzero(~keep))
     return _assembled(source, time_s, values, dropped, told)
 
@@ -281,7 +281,7 @@ def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) ->
     return np.asarray(keep, bool)
 
 
-def _check_order(time_s: FloatArray, lines: IntArray, source: str) -> None:
+def _check_times_rise(time_s: FloatArray, lines: IntArray, source: str) -> None:
     step = np.diff(time_s)
     wrong = np.flatnonzero(step <= 0.0).tolist()
     if wrong:

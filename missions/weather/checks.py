@@ -45,7 +45,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     interval_s = _interval_s(time_s, source)
     start_s = time_s + raw.offset_s - raw.passed * interval_s
     values = {
-        name: _numbers(raw, name, source, lines)
+        name: _column_values(raw, name, source, lines)
         for name in (*LIGHT, "temp_air", "wind_speed")
         if name in raw.table
     }
@@ -82,7 +82,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     return replace(weather, repairs=tuple(repairs))
 
 
-def _numbers(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArray:
+def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArray:
     """Values of a column, NaN where there is none; text is an error that names its line."""
     import pandas as pd
 

@@ -98,7 +98,7 @@ def _epw(path: Path, source: str, iotools: Any) -> RawTable:
     table, meta = iotools.read_epw(io.StringIO(text))
     place = str(meta.get("city", "")).strip()
     name = "" if place.lower() in ("unknown", "-") else place.title()
-    site = Site(name, *_numbers(source, meta, "latitude", "longitude", "altitude", "TZ"))
+    site = Site(name, *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"))
     instant = re.search(
         r"^COMMENTS 2,Irradiance Time Offset \(h\): *(-?[\d.]+)", text, re.MULTILINE
     )
@@ -124,7 +124,7 @@ def _tmy2(path: Path, source: str, iotools: Any) -> RawTable:
     table["wind_speed"] = table.pop("wind") / 10.0
     site = Site(
         str(meta["City"]).strip().title(),
-        *_numbers(source, meta, "latitude", "longitude", "altitude", "TZ"),
+        *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"),
     )
     return RawTable("TMY2", site, table, START, first_line=2)
 
@@ -133,14 +133,16 @@ def _tmy3(path: Path, source: str, iotools: Any) -> RawTable:
     table, meta = iotools.read_tmy3(io.StringIO(text_of(path)), map_variables=True)
     site = Site(
         str(meta.get("Name", "")).strip(' "').title(),
-        *_numbers(source, meta, "latitude", "longitude", "altitude", "TZ"),
+        *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"),
     )
     return RawTable("TMY3", site, table, END, first_line=3)
 
 
 def _pvgis_site(source: str, inputs: dict[str, Any]) -> Site:
     place = inputs.get("location", inputs)
-    latitude, longitude, altitude = _numbers(source, place, "latitude", "longitude", "elevation")
+    latitude, longitude, altitude = _head_values(
+        source, place, "latitude", "longitude", "elevation"
+    )
     return Site("", latitude, longitude, altitude, 0.0)
 
 
@@ -216,7 +218,7 @@ def _psm(path: Path, source: str, iotools: Any) -> RawTable:
     table, meta = iotools.read_nsrdb_psm4(io.StringIO("\n".join(lines)), map_variables=True)
     city = str(meta.get("City", "")).strip(" -")
     meta["Time Zone"] = zone
-    site = Site(city, *_numbers(source, meta, "latitude", "longitude", "altitude", "Time Zone"))
+    site = Site(city, *_head_values(source, meta, "latitude", "longitude", "altitude", "Time Zone"))
     own = timezone(timedelta(hours=site.utc_offset_h))
     table.index = table.index.tz_localize(None).tz_localize(own)
     return RawTable("NSRDB PSM", site, table, MIDDLE, first_line=4)
@@ -227,11 +229,11 @@ def _bsrn(path: Path, source: str, iotools: Any) -> RawTable:
         table, meta = iotools.read_bsrn(plain)
     address = str(meta.get("address", "")).split(",")
     name = address[1].strip() if len(address) > 1 else str(meta.get("address", "")).strip()
-    latitude, longitude, altitude = _numbers(source, meta, "latitude", "longitude", "altitude")
+    latitude, longitude, altitude = _head_values(source, meta, "latitude", "longitude", "altitude")
     return RawTable("BSRN", Site(name, latitude, longitude, altitude, 0.0), table, START)
 
 
-def _numbers(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
+def _head_values(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
     """Numbers of a file's head, in the order of the keys."""
     limits = {"latitude": 90.0, "longitude": 180.0, "TZ": 14.0, "Time Zone": 14.0}
     found = []

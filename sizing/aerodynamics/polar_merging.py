@@ -109,7 +109,7 @@ def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None)
     if all(fixed):
         _check_repeated(pairs)
         both = [zip(polar.rows, reynolds, strict=True) for polar, reynolds in pairs]
-        rows = np.array([_values(row, re) for one in both for row, re in one])
+        rows = np.array([_row_values(row, re) for one in both for row, re in one])
     else:
         rows = _resampled(pairs, source)
     efficiency = None if wing is None else _span_efficiency(polars, wing, source)
@@ -195,7 +195,7 @@ def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
     return found
 
 
-def _values(row: PolarRow, reynolds: float) -> tuple[float, ...]:
+def _row_values(row: PolarRow, reynolds: float) -> tuple[float, ...]:
     return (row.alpha_deg, reynolds, row.lift, row.drag, row.moment)
 
 
@@ -217,9 +217,9 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
     highest = max(row.lift for polar, _ in pairs for row in polar.rows)
     # Re C_L^1/2 of every polar, which is constant up to rounding.
     constants = sorted(
-        float(np.median([re * math.sqrt(row.lift) for row, re in _flown(polar, res)]))
+        float(np.median([re * math.sqrt(row.lift) for row, re in _level_flight_rows(polar, res)]))
         for polar, res in pairs
-        if any(True for _ in _flown(polar, res))
+        if any(True for _ in _level_flight_rows(polar, res))
     )
     low, high = (
         (0.0, 0.0)
@@ -239,7 +239,7 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
     targets = np.geomspace(low, high, max(len(constants), 2))
     by_angle: dict[float, list[tuple[float, PolarRow]]] = {}
     for polar, reynolds in pairs:
-        for row, re in _flown(polar, reynolds):
+        for row, re in _level_flight_rows(polar, reynolds):
             by_angle.setdefault(round(row.alpha_deg, 6), []).append((re, row))
     rows = [one for alpha in sorted(by_angle) for one in _at(targets, alpha, by_angle[alpha])]
     if not rows:
@@ -247,7 +247,9 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
     return np.array(rows)
 
 
-def _flown(polar: FilePolar, reynolds: Sequence[float]) -> Iterator[tuple[PolarRow, float]]:
+def _level_flight_rows(
+    polar: FilePolar, reynolds: Sequence[float]
+) -> Iterator[tuple[PolarRow, float]]:
     """Rows that level flight knows, with lift, and their Reynolds numbers."""
     for row, re in zip(polar.rows, reynolds, strict=True):
         if row.lift > 0.0 and math.isfinite(re):

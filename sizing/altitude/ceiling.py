@@ -134,7 +134,7 @@ def highest_perpetual_altitude(
         flights=tuple(flights),
         required_excess_time_h=required_h,
         highest=highest,
-        best=_best(flights, flown),
+        best=_best_altitude(flights, flown),
         at_search_limit=highest is flights[-1],
     )
 
@@ -206,7 +206,7 @@ def _highest(
     return found if found.excess_time_h > required_h else flights[last]
 
 
-def _best(
+def _best_altitude(
     flights: list[AltitudeFlight], flown: Callable[[float], AltitudeFlight]
 ) -> AltitudeFlight:
     """Flight with the largest excess time, refined between the neighbours of the scan's."""

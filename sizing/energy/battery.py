@@ -51,7 +51,7 @@ class TableChargeLimit(Record):
     pack_energy_wh: PositiveReal
 
     @model_validator(mode="after")
-    def _check_table(self) -> TableChargeLimit:
+    def _check_limits(self) -> TableChargeLimit:
         if len(self.state_of_charge) != len(self.current_a):
             raise ValueError("state_of_charge and current_a must have the same length")
         if np.any(np.diff(self.state_of_charge) <= 0.0):

@@ -57,7 +57,7 @@ class BatteryTemperature(Record):
     )
 
     @model_validator(mode="after")
-    def _check(self) -> BatteryTemperature:
+    def _check_temperature(self) -> BatteryTemperature:
         if len(self.table_c) != len(self.table_capacity_fraction):
             raise ValueError("table_c and table_capacity_fraction must have the same length")
         if np.any(np.diff(self.table_c) <= 0.0):
@@ -110,7 +110,7 @@ class Ageing(Record):
     temperature_c: _Held = REFERENCE_C
 
     @model_validator(mode="after")
-    def _check(self) -> Ageing:
+    def _check_ageing(self) -> Ageing:
         if 1.0 - self.calendar_fade() - self.cycle_fade() <= _LEAST:
             raise ValueError(
                 f"nothing is left of the battery after {float(self.total_cycles):g} cycles and "
@@ -193,7 +193,7 @@ class InternalResistance(Record):
     activation_k: NonNegativeReal = 2500.0
 
     @model_validator(mode="after")
-    def _check(self) -> InternalResistance:
+    def _check_resistance(self) -> InternalResistance:
         highest = max(self.discharge_rate_per_h, self.charge_rate_per_h)
         lost = float(highest * self.loss_per_rate_h(1.0))
         if lost > _LARGEST_LOSS:

@@ -219,10 +219,10 @@ def simulate_cycle(
         Arrays of shape ``...``; ``energy_wh`` has a last axis of ``time``.
     """
     cells, batch = Cells.of(time_h, solar_power_w, load_w, store, nominal_load_w)
-    return _simulated(cells, batch, keep_trajectory=keep_trajectory)
+    return _simulated_in_blocks(cells, batch, keep_trajectory=keep_trajectory)
 
 
-def _simulated(cells: Cells, batch: tuple[int, ...], *, keep_trajectory: bool) -> Cycle:
+def _simulated_in_blocks(cells: Cells, batch: tuple[int, ...], *, keep_trajectory: bool) -> Cycle:
     """Cycle of a batch, in blocks; elements that do not settle at once come last, together."""
     parts, unsettled = [], []
     for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):

@@ -283,7 +283,7 @@ class _Cells:
         value = objective_value(self.objective, perf)
         return value if self.objective.maximised else -value
 
-    def _sound(self, perf: Performance) -> NDArray[np.bool_]:
+    def _keeps_requirements(self, perf: Performance) -> NDArray[np.bool_]:
         solver = self.solver
         return meets_requirements(
             solver.aircraft, perf.design, solver.conditions, tolerance=ROW_TOLERANCE
@@ -294,7 +294,12 @@ class _Cells:
         perf = self._performance(_stacked([one.current.design for one in searches]), cells)
         worst = perf.cycle.excess_time_h.argmin(axis=-1)
         excess = perf.cycle.excess_time_h.min(axis=-1)
-        columns = (excess, cells * self.each + worst, self._merit(perf), self._sound(perf))
+        columns = (
+            excess,
+            cells * self.each + worst,
+            self._merit(perf),
+            self._keeps_requirements(perf),
+        )
         return [Simulated(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
     def _cross_checked(
@@ -316,7 +321,7 @@ class _Cells:
         found = self._performance(DesignVariables(**moved), np.repeat(cells, len(spread)))
         excess = found.cycle.excess_time_h.min(axis=-1)
         good = (excess > 0.0) & (excess >= np.repeat(self.required_h[cells], len(spread)))
-        merit = np.where(good & self._sound(found), self._merit(found), -np.inf)
+        merit = np.where(good & self._keeps_requirements(found), self._merit(found), -np.inf)
         best, own = merit.reshape(len(cells), -1).max(axis=1), self._merit(perf)
         in_hours = ABSOLUTE_TOLERANCE_H if self.objective is Objective.max_excess_time else 0.0
         # Sums rather than differences: the excess time may be infinite on both sides.

@@ -170,7 +170,7 @@ class _Growth:
         for step in _SLIDES:
             for way in (-step, step):
                 moved = False
-                while run := self._run(held, way, way):
+                while run := self._neighbouring_run(held, way, way):
                     found = self._covering(run)
                     if found is None or _reached_h(found) <= _reached_h(best) + _GAIN_H:
                         break
@@ -179,7 +179,7 @@ class _Growth:
                     break
         return best, held
 
-    def _run(self, held: list[int], before: int, behind: int) -> list[int]:
+    def _neighbouring_run(self, held: list[int], before: int, behind: int) -> list[int]:
         """Run whose ends lie some members off those of another; empty where there is none."""
         count = len(self.members)
         first, last = self._ends(held)
@@ -231,7 +231,7 @@ class _Growth:
         """Grow a run by single members, at either end or a little beside it, while that goes."""
         while len(held) < len(self.members):
             for shift in _SHIFTS:
-                run = self._run(held, shift, shift + 1)
+                run = self._neighbouring_run(held, shift, shift + 1)
                 found = self._covering(run) if run else None
                 if found is not None:
                     best, held = found, sorted(run)

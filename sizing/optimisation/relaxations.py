@@ -241,7 +241,7 @@ class _Relaxations:
         run(
             [search],
             lambda some: [
-                self._simulated(one.current, -sign * one.current.value(name)) for one in some
+                self._simulated_eased(one.current, -sign * one.current.value(name)) for one in some
             ],
         )
         # The next parameter starts with the same cost, not with this one's.
@@ -286,7 +286,7 @@ class _Relaxations:
         eased = space.with_limit(quantity, end, limit)
         return self.aircraft.model_copy(update={"design_space": eased})
 
-    def _simulated(self, solution: Solution, merit: float) -> Simulated:
+    def _simulated_eased(self, solution: Solution, merit: float) -> Simulated:
         """What the simulator finds for a solution, with the values that the program chose."""
         aircraft, mission, day = self._eased(solution)
         perf = performance_of_designs(aircraft, mission, solution.design, self.solar, day=day)
@@ -303,10 +303,10 @@ class _Relaxations:
         def eased(value: float) -> tuple[Aircraft, Mission]:
             return with_parameter(self.aircraft, self.mission, key, value)
 
-        told = self._told(present, found, variables, eased, upwards=upwards)
+        told = self._confirmed_value(present, found, variables, eased, upwards=upwards)
         return told and Relaxation(key, parameter(key).unit, present, *told)
 
-    def _told(
+    def _confirmed_value(
         self,
         present: float,
         found: float,
@@ -513,7 +513,7 @@ class _Relaxations:
             return self._with_limit(quantity, end, value / present), self.mission
 
         found = present * moved.solution.value(name)
-        told = self._told(present, found, moved.solution.design, eased, upwards=upwards)
+        told = self._confirmed_value(present, found, moved.solution.design, eased, upwards=upwards)
         key = f"design_space.{space.key_of_limit(quantity, end)}"
         return told and Relaxation(key, parameter(quantity).unit, present, *told)
 

@@ -180,11 +180,11 @@ class _Lagrangian:
         low = max(value - step, 0.0)  # no parameter may become negative
         high = value + step
         return (
-            self._at(*with_parameter(aircraft, mission, key, high))
-            - self._at(*with_parameter(aircraft, mission, key, low))
+            self._optimum_at(*with_parameter(aircraft, mission, key, high))
+            - self._optimum_at(*with_parameter(aircraft, mission, key, low))
         ) / (high - low)
 
-    def _at(self, aircraft: Aircraft, mission: Mission) -> float:
+    def _optimum_at(self, aircraft: Aircraft, mission: Mission) -> float:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
         problem = build_problem(aircraft, len(self.scenarios))
         always = self.optimum.instance.lit

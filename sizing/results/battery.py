@@ -83,7 +83,7 @@ def battery_line(aircraft: Aircraft, mission: Mission) -> str | None:
 
     None where there is no record.
     """
-    return _line(aircraft, battery_record(aircraft, mission))
+    return _battery_line(aircraft, battery_record(aircraft, mission))
 
 
 def battery_line_of_days(aircraft: Aircraft, air_c: FloatArray) -> str | None:
@@ -91,10 +91,10 @@ def battery_line_of_days(aircraft: Aircraft, air_c: FloatArray) -> str | None:
 
     None where there is no record.
     """
-    return _line(aircraft, battery_record_of_days(aircraft, air_c))
+    return _battery_line(aircraft, battery_record_of_days(aircraft, air_c))
 
 
-def _line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | None:
+def _battery_line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | None:
     if record is None:
         return None
     words = "battery"

@@ -52,11 +52,11 @@ class Grid:
         every = list(range(len(self.to_right)))
         if not every:
             return []
-        for gap in self._gaps():
+        for gap in self._column_gaps():
             widths = self._widths(every, width, gap, whole_cells=True)
             if widths is not None:
                 return self._block(every, widths, gap)
-        gap = self._gaps()[-1]
+        gap = self._column_gaps()[-1]
         lines: list[str] = []
         for some in self._dealt(width, gap):
             widths = self._widths(some, width, gap, whole_cells=False)
@@ -65,7 +65,7 @@ class Grid:
             lines += self._block(some, widths or least, gap)
         return lines
 
-    def _gaps(self) -> tuple[int, ...]:
+    def _column_gaps(self) -> tuple[int, ...]:
         return (_GAP_OF_FACTS,) if self.headings is None else _GAPS
 
     def _heading(self, i: int) -> str:
@@ -119,7 +119,7 @@ class Grid:
         cells = [
             [_broken(row[i], w) for i, w in zip(some, allowed, strict=True)] for row in self.rows
         ]
-        widths = [max(len(line) for line in column) for column in _joined([heads, *cells])]
+        widths = [max(len(line) for line in column) for column in _joined_lines([heads, *cells])]
 
         def line(parts: Sequence[str]) -> str:
             placed = (
@@ -170,6 +170,6 @@ def _words(text: str) -> list[str]:
     return _GLUED.sub(_GLUE, text).split()
 
 
-def _joined(rows: Sequence[Sequence[list[str]]]) -> list[list[str]]:
+def _joined_lines(rows: Sequence[Sequence[list[str]]]) -> list[list[str]]:
     """All lines of each column."""
     return [[line for cell in column for line in cell] for column in zip(*rows, strict=True)]

@@ -172,10 +172,10 @@ class Table:
         notes = [line for note in self.notes for line in paragraph(note, width)]
         return [
             *((line, "strong") for line in title),
-            *((line, "plain") for line in (*self._grid().lines(width), *notes)),
+            *((line, "plain") for line in (*self._text_grid().lines(width), *notes)),
         ]
 
-    def _grid(self) -> Grid:
+    def _text_grid(self) -> Grid:
         return Grid(
             [column.heading for column in self.columns] if self.headings else None,
             self.texts(),

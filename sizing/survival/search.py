@@ -165,7 +165,7 @@ class SurvivalSearch:
             explain=False,
         )
         self.reports.append(result.solver)
-        return None if result.design is None else self._judged(result, steps)
+        return None if result.design is None else self._flown_through_season(result, steps)
 
     def given(self, factors: FloatArray, mission: Mission) -> tuple[Mission, SolarDay]:
         """Mission and day of the program with factors on storage and income."""
@@ -194,7 +194,7 @@ class SurvivalSearch:
         """Powers of a design of this aircraft on this mission."""
         return Powers.of(closed_design(self.aircraft, self.mission, variables))
 
-    def _judged(self, result: SizingResult, factors: FloatArray) -> Candidate:
+    def _flown_through_season(self, result: SizingResult, factors: FloatArray) -> Candidate:
         """Candidate without the factors, flown through the season."""
         assert result.design is not None
         variables = result.design.variables
@@ -228,16 +228,16 @@ class SurvivalSearch:
     def best(self, needed: int) -> Candidate | None:
         """Best design with enough days that close; None where none is found."""
         with self.steps.of(1 + len(_WIDTHS)):
-            return self._best(needed)
+            return self._cheapest(needed)
 
-    def _best(self, needed: int) -> Candidate | None:
+    def _cheapest(self, needed: int) -> Candidate | None:
         first = self.first()
         if first is None:
             return None
         self._along_the_edge(first, needed)
-        if self._enough(needed) is None:
+        if self._closing_candidate(needed) is None:
             self.most_days(first, needed)
-        here = self._enough(needed)
+        here = self._closing_candidate(needed)
         if here is None:
             return None
         for width in _WIDTHS:
@@ -245,7 +245,7 @@ class SurvivalSearch:
             for _ in range(_REPEATS):
                 before = here
                 self._improve(before, needed, width)
-                here = self._enough(needed) or before
+                here = self._closing_candidate(needed) or before
                 if before.cost - here.cost < _GAIN * max(abs(here.cost), 1.0):
                     break
         return here
@@ -255,7 +255,7 @@ class SurvivalSearch:
         tries = (self.candidate(factors) for factors in _FIRST)
         return next((one for one in tries if one is not None), None)
 
-    def _enough(self, needed: int) -> Candidate | None:
+    def _closing_candidate(self, needed: int) -> Candidate | None:
         good = [one for one in self.found if one.days >= needed]
         return min(good, key=lambda one: one.cost, default=None)
 

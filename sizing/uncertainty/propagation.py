@@ -159,7 +159,7 @@ class Propagation:
             at = np.flatnonzero(flown.worst[short] == scenario)
             if not len(at):
                 continue
-            solar_w, load_w = self._powers(case, scenario)
+            solar_w, load_w = self._powers_of_draws(case, scenario)
             store = case.store.select(at)
             found = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
             hours[short[at]] = found.endurance_h
@@ -174,7 +174,7 @@ class Propagation:
         returns and that the battery delivers, over the day's load [-].
         """
         case = self._case(values)
-        solar_w, load_w = self._powers(case, scenario)
+        solar_w, load_w = self._powers_of_draws(case, scenario)
         battery = case.craft.battery
         load = np.mean(load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
         energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
@@ -185,7 +185,7 @@ class Propagation:
         case = self._case(values)
         excess, charge, peak_w = [], [], np.zeros(case.count)
         for scenario in range(len(self.day.scenarios)):
-            solar_w, load_w = self._powers(case, scenario)
+            solar_w, load_w = self._powers_of_draws(case, scenario)
             peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
             cycle = simulate_cycle(
                 self.day.time_h,
@@ -240,7 +240,7 @@ class Propagation:
             count=count,
         )
 
-    def _powers(self, case: _Case, scenario: int) -> tuple[FloatArray, FloatArray]:
+    def _powers_of_draws(self, case: _Case, scenario: int) -> tuple[FloatArray, FloatArray]:
         """Solar power and load of every draw in a scenario [W], shape ``(sample, time)``."""
         day = self.day
         area = np.asarray(case.craft.modules.area_m2, float)

@@ -40,7 +40,7 @@ def with_worth(
         return notes
     once = _worst_scenario(aircraft, perf)
     return tuple(
-        one if without is None else _told(one, once, without(aircraft, once), of_what)
+        one if without is None else _worth_note(one, once, without(aircraft, once), of_what)
         for one in notes
         for without in (_WITHOUT.get((one.quantity, one.model)),)
     )
@@ -80,13 +80,13 @@ def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Pe
 _WITHOUT = {_MODULES: _with_modules_at_25_c, _BATTERY: _with_an_unheated_battery}
 
 
-def _told(
+def _worth_note(
     one: Extrapolation, once: Performance, without: tuple[Performance, str], of_what: str
 ) -> Extrapolation:
     """Note with the excess times of a flight with and without an assumption."""
     other, words = without
     before_h, after_h = (float(flight.cycle.excess_time_h[0]) for flight in (once, other))
-    before, after = map(_hours, (before_h, after_h))
+    before, after = map(_hours_text, (before_h, after_h))
     change = f"stays {before}" if before == after else f"is {after} instead of {before}"
     what = f"the excess time {of_what}".rstrip()
     place = once.day.scenarios.label(0)
@@ -97,5 +97,5 @@ def _told(
     )
 
 
-def _hours(value_h: float) -> str:
+def _hours_text(value_h: float) -> str:
     return "unlimited" if math.isinf(value_h) else f"{value_h:.2f} h"

@@ -161,7 +161,7 @@ def _code(signals: Signals) -> int:
         # What a signal breaks is of no interest: an import ends as an ImportError.
         if signals.signum is not None:
             return 0
-        return _told(error)
+        return _tell_mistake(error)
     return code or 0
 
 
@@ -180,7 +180,7 @@ def _tell_warning(
         _SHOW_WARNING(message, category, filename, lineno, file, line)
 
 
-def _told(error: BaseException) -> int:
+def _tell_mistake(error: BaseException) -> int:
     """Print a mistake of the user, and return the exit code; raise what is ours."""
     if isinstance(error, click.ClickException):
         shown = io.StringIO()  # with the usage and the hint of the command

@@ -107,7 +107,7 @@ class Bash(BashComplete):
         parts = os.environ["COMP_WORDS"].split("\n")
         parts = parts if len(parts) > 1 else os.environ["COMP_WORDS"].split(" ")
         words: list[str] = []
-        for place, part in enumerate(parts[: _place() + 1]):
+        for place, part in enumerate(parts[: _word_index() + 1]):
             glued = part[:1] in ("=", ":") or (place > 0 and parts[place - 1][-1:] in ("=", ":"))
             if glued and words:
                 words[-1] += part
@@ -150,7 +150,7 @@ class Zsh(ZshComplete):
     )
 
 
-def _place() -> int:
+def _word_index() -> int:
     """Number of the word that is completed."""
     return int(os.environ["COMP_CWORD"])
 
@@ -161,7 +161,7 @@ def prepare() -> None:
     os.environ.setdefault("COMP_WORDS", "")
     os.environ.setdefault("COMP_CWORD", "" if fish else "0")
     try:
-        usable = fish or _place() >= 0
+        usable = fish or _word_index() >= 0
     except ValueError:
         usable = False
     if not usable:

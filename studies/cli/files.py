@@ -190,7 +190,7 @@ def load(
     craft = _attempt(partial(open_aircraft, aircraft, of_aircraft), errors)
     where = _attempt(partial(open_mission, mission, of_mission), errors)
     if craft is None or where is None:
-        raise _joined(errors)
+        raise _joined_errors(errors)
     solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
     return Case(craft, where, is_default, solar)
 
@@ -221,7 +221,7 @@ def write_starters(name: str, folder: Path) -> list[Path]:
     taken = [path for path in contents if os.path.lexists(path)]
     if taken:
         message = "exists already and is not overwritten"
-        raise _joined([file_error(path.name, message) for path in taken])
+        raise _joined_errors([file_error(path.name, message) for path in taken])
     write_files_atomically({path: text.encode() for path, text in contents.items()})
     return list(contents)
 
@@ -239,7 +239,7 @@ def _attempt(read: Callable[[], T], errors: list[InputError]) -> T | None:
         return None
 
 
-def _joined(errors: Sequence[InputError]) -> InputError:
+def _joined_errors(errors: Sequence[InputError]) -> InputError:
     """All problems as one error; two files in each other's place are one mistake."""
     swapped = [error for error in errors if isinstance(error, WrongKindError)]
     if len(swapped) == 2:

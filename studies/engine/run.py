@@ -217,7 +217,7 @@ def _computed_or_failed(task: _Task, cells: tuple[Cell, ...]) -> Part:
         return _computed(task, cells)
     except Exception as error:
         if len(cells) == 1:
-            return _failed(task.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
+            return _failed_chunk(task.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
     return _joined([_computed_or_failed(task, (cell,)) for cell in cells])
 
 
@@ -235,7 +235,7 @@ def _computed(task: _Task, cells: tuple[Cell, ...]) -> Part:
     return Part(columns)
 
 
-def _failed(blanks: Mapping[str, Any], message: str) -> Part:
+def _failed_chunk(blanks: Mapping[str, Any], message: str) -> Part:
     return Part({name: np.asarray([blank]) for name, blank in blanks.items()}, {0: message})
 
 
@@ -364,7 +364,7 @@ class _Run:
         if part is not None:
             return part
         if len(cells) == 1:
-            return _failed(self.job.blanks, _DIED)
+            return _failed_chunk(self.job.blanks, _DIED)
         return _joined([self._alone((cell,)) for cell in cells])
 
     def _keep(self, number: int, part: Part | None) -> None:

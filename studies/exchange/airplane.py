@@ -59,7 +59,7 @@ def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
 
     found = lifting_surfaces(aircraft)
     return asb.Airplane(
-        name=_plain(aircraft.name),
+        name=_script_name(aircraft.name),
         xyz_ref=[found.reference_x_m, 0.0, 0.0],
         wings=[_wing(surface) for surface in found.surfaces],
         s_ref=found.wing_area_m2,
@@ -105,7 +105,8 @@ def _script(aircraft: Aircraft) -> str:
     """Python that makes the airplane: for those who go on from there."""
     found = lifting_surfaces(aircraft)
     lines = [
-        f"# {note}" for note in (f"{_plain(aircraft.name)}: wing and tail planes.", *found.notes)
+        f"# {note}"
+        for note in (f"{_script_name(aircraft.name)}: wing and tail planes.", *found.notes)
     ]
     lines += ["import aerosandbox as asb"]
     if any(surface.shape.airfoil is None for surface in found.surfaces):
@@ -117,7 +118,7 @@ def _script(aircraft: Aircraft) -> str:
     lines += [
         "]",
         "airplane = asb.Airplane(",
-        f"    name={_plain(aircraft.name)!r},",
+        f"    name={_script_name(aircraft.name)!r},",
         f"    xyz_ref=[{found.reference_x_m:.6g}, 0.0, 0.0],",
         "    wings=wings,",
         f"    s_ref={found.wing_area_m2:.6g},",
@@ -216,6 +217,6 @@ def _notes(found: Surfaces) -> tuple[str, ...]:
     return tuple(note.encode("ascii", "replace").decode() for note in found.notes)
 
 
-def _plain(name: str) -> str:
+def _script_name(name: str) -> str:
     """Name without characters that mean something in a script."""
     return re.sub(r"[^A-Za-z0-9 _.-]", "_", name).strip() or "aircraft"

@@ -101,7 +101,7 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
         *_of_catalogue("power", _POWER, analysis),
         *_of_catalogue("energy", _STORAGE, analysis),
         *_energy(analysis),
-        *_technology(analysis),
+        *_technology_quantities(analysis),
     )
     notes = (f"Energy: {worst}; {solar.model}, correction: {solar.correction}.",)
     return DesignSheet(
@@ -208,7 +208,7 @@ def _defined(value: Any) -> float | None:
     return None if number != number else number
 
 
-def _technology(analysis: Analysis) -> list[Quantity]:
+def _technology_quantities(analysis: Analysis) -> list[Quantity]:
     known = [catalogue()[key] for key in _TECHNOLOGY]
     return [
         Quantity("technology", p.key, p.label, p.symbol, p.unit,

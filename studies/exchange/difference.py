@@ -80,7 +80,7 @@ class DesignDifference(Result):
     def summary(self) -> Summary:
         """Quantities side by side, then the keys of the files that differ."""
         titles = f"A: {self.first.title}. B: {self.second.title}."
-        return Summary((titles, self._quantities(), self._changed()))
+        return Summary((titles, self._compared_quantities(), self._changed()))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, JSON-ready."""
@@ -108,7 +108,7 @@ class DesignDifference(Result):
         rows = [(q.key, q.label, q.unit, a, b, difference(a, b)) for q, a, b in self.rows()]
         return pd.DataFrame(rows, columns=["key", "label", "unit", "a", "b", "difference"])
 
-    def _quantities(self) -> Table:
+    def _compared_quantities(self) -> Table:
         columns = (
             Column("quantity"),
             Column("a", "A", to_right=True),
@@ -121,7 +121,7 @@ class DesignDifference(Result):
         for quantity, one, two in self.rows():
             groups.append(quantity.group)
             rows.append(
-                (quantity.label, number_text(one), number_text(two), *_told(one, two),
+                (quantity.label, number_text(one), number_text(two), *_difference_text(one, two),
                  unit_text(quantity.unit))
             )  # fmt: skip
         lines = tuple(i for i in range(1, len(groups)) if groups[i] != groups[i - 1])
@@ -172,7 +172,7 @@ def difference(one: float | str | None, two: float | str | None) -> float | None
     return 0.0 if abs(step) <= _EQUAL * max(abs(one), abs(two)) else step
 
 
-def _told(one: float | str | None, two: float | str | None) -> tuple[str, str]:
+def _difference_text(one: float | str | None, two: float | str | None) -> tuple[str, str]:
     """Difference, and relative to the first in per cent."""
     step = difference(one, two)
     if step is None:

@@ -40,19 +40,19 @@ def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
     schema = record.model_json_schema()
     for key, known in catalogue().items():
         if key.startswith(MISSION_PREFIX) == bool(prefix) and "." in prefix + key:
-            _describe(schema, schema, key.removeprefix(prefix).split("."), known)
+            _describe_node(schema, schema, key.removeprefix(prefix).split("."), known)
     text = f"{kind.capitalize()} file of solar-uav {__version__}."
     return {"$schema": _DIALECT, **schema, "title": f"solar-uav {kind}", "description": text}
 
 
-def _describe(root: Mapping[str, Any], node: Any, parts: list[str], known: Parameter) -> None:
+def _describe_node(root: Mapping[str, Any], node: Any, parts: list[str], known: Parameter) -> None:
     """Give a key its label and unit wherever it stands among the alternatives."""
     for found in _alternatives(root, node):
         place = found.get("properties", {}).get(parts[0])
         if place is None:
             continue
         if len(parts) > 1:
-            _describe(root, place, parts[1:], known)
+            _describe_node(root, place, parts[1:], known)
         else:
             unit = "" if known.unit == "1" else f" [{known.unit}]"
             place["description"] = f"{known.label[:1].upper()}{known.label[1:]}{unit}"

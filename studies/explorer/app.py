@@ -69,7 +69,7 @@ class Explorer:
                     ("view", self._view),
                     ("size", self._size),
                     ("files", self._files),
-                    ("report", self._report),
+                    ("report", self._report_page),
                 )
             ),
             Route("/{path:path}", self._asset),
@@ -155,7 +155,7 @@ class Explorer:
         task = SizingTask(made.aircraft, made.mission, objective, made.solar)
         return await self._worked(request, sizing_record, task)
 
-    async def _report(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
+    async def _report_page(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
         """Report on the point, as a file to be saved."""
         _only(body, "settings")
         session = self.session

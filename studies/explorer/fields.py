@@ -129,13 +129,13 @@ def fields_of(
 
     ``at``: latitude [deg] and day of year at the start. Returns in the order of the page.
     """
-    found: dict[str, Field | Choice] = {f.key: f for f in _numbers(aircraft, mission, at)}
+    found: dict[str, Field | Choice] = {f.key: f for f in _number_fields(aircraft, mission, at)}
     for choice in _choices(aircraft, mission, solar):
         found[choice.key] = choice
     return found
 
 
-def _numbers(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:
+def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:
     ends = _payload_ends(aircraft, mission)
     for group, keys in _GROUPS.items():
         for key, step in keys.items():
@@ -146,10 +146,10 @@ def _numbers(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Ite
             else:
                 value = parameter_value(aircraft, mission, key)
                 if value is not None:
-                    yield _number(aircraft, key, group, value, step, ends)
+                    yield _number_field(aircraft, key, group, value, step, ends)
 
 
-def _number(
+def _number_field(
     aircraft: Aircraft,
     key: str,
     group: Group,

@@ -137,7 +137,7 @@ class SeasonMaps:
 def _fill(light: _Light, lit: Callable[[FloatArray], SolarDay], turn_s: float) -> None:
     """Add rows that are missing, as many as a turn allows and at least one."""
     end = time.monotonic() + turn_s
-    for row in _spread(len(LATITUDES_DEG)):
+    for row in _spread_order(len(LATITUDES_DEG)):
         if row in light.rows:
             continue
         light.add(row, lit(LATITUDES_DEG[row : row + 1]))
@@ -145,7 +145,7 @@ def _fill(light: _Light, lit: Callable[[FloatArray], SolarDay], turn_s: float) -
             return
 
 
-def _spread(count: int) -> list[int]:
+def _spread_order(count: int) -> list[int]:
     """Numbers below a count, every eighth first: a part of them covers the whole evenly."""
     order = [number for stride in (8, 4, 2, 1) for number in range(0, count, stride)]
     return list(dict.fromkeys(order))

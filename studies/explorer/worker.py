@@ -185,14 +185,15 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         ],
         "missed": [one.text for one in study.result.violations],
         "relaxations": [
-            one | {"label": _label(one["parameter"])} for one in record.get("relaxations", [])
+            one | {"label": _parameter_label(one["parameter"])}
+            for one in record.get("relaxations", [])
         ],
         "values": values,
         "worst_scenario": record["worst_scenario"],
     }
 
 
-def _label(key: str) -> str:
+def _parameter_label(key: str) -> str:
     """Parameter in words; its key where the catalogue has none."""
     try:
         return label(key)

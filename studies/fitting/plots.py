@@ -49,7 +49,7 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
         2 * count,
         canvas=figure,
         title=f"{fit.aircraft.name} fitted to {fit.log.source}",
-        notes=(f"means over {BIN_S / 60.0:g} min", *_told(fit)),
+        notes=(f"means over {BIN_S / 60.0:g} min", *_fit_summary(fit)),
         size_in=(8.0, count * sum(_PANEL_IN) + 1.2),
         sharex=True,
         height_ratios=_PANEL_IN * count,
@@ -65,7 +65,7 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
     return drawn
 
 
-def _told(fit: FlightFit) -> list[str]:
+def _fit_summary(fit: FlightFit) -> list[str]:
     return [
         f"{one.parameter.label} {one.value:.4g} ± {one.half_width:.2g} {one.parameter.unit}".strip()
         for one in fit.fitted
@@ -79,9 +79,9 @@ def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
         (part.before, "before", BLUE, "--"),
         (part.after, "fitted", VERMILLION, "-"),
     ):
-        model = _line(channel, hours, measured - residual)
+        model = _draw_channel(channel, hours, measured - residual)
         upper.plot(*model, color=colour, linestyle=dashes, linewidth=1.2, label=name)
-        left = _line(channel, hours, residual)
+        left = _draw_channel(channel, hours, residual)
         lower.plot(*left, color=colour, linestyle=dashes, linewidth=1.0, label=f"_{name}")
     upper.plot(hours, measured, ".", color=ink(), markersize=2.5, label="measured")
     lower.axhline(0.0, color=ink(), linewidth=0.8)
@@ -89,7 +89,9 @@ def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
     lower.set_ylabel(f"measured −\nmodelled{unit}")
 
 
-def _line(channel: Channel, hours: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _draw_channel(
+    channel: Channel, hours: FloatArray, values: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Line that is broken where samples are missing."""
     breaks = np.flatnonzero(np.diff(channel.run)) + 1
     return np.insert(hours, breaks, np.nan), np.insert(values, breaks, np.nan)

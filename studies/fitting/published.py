@@ -119,12 +119,19 @@ def _figures(values: FloatArray) -> Table:
         for one in flight.quantities:
             use = "fitted to" if flight is FLIGHT_28H and one.name in _TO else "predicted"
             rows.append(
-                (name, _named(one), one.published, one.compute(before), one.compute(after), use)
+                (
+                    name,
+                    _quantity_name(one),
+                    one.published,
+                    one.compute(before),
+                    one.compute(after),
+                    use,
+                )
             )
     return Table("figures", columns, tuple(rows))
 
 
-def _named(quantity: Quantity) -> str:
+def _quantity_name(quantity: Quantity) -> str:
     return f"{quantity.name} [{quantity.unit}]"
 
 

@@ -167,11 +167,11 @@ def prepare(
     title = f"Feasibility of {aircraft.name}"
     return MapStudy(
         *(job, grid, title, described | _STATUS, MapStatus),
-        extrapolated=lambda columns: _extrapolations(configuration, grid, columns),
+        extrapolated=lambda columns: _extrapolations_of_map(configuration, grid, columns),
     )
 
 
-def _extrapolations(
+def _extrapolations_of_map(
     asked: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the map takes from outside the range of a model: one design in all cells."""

@@ -378,7 +378,7 @@ def compare(
         advance()
     cases = {}
     for solar in every:
-        found = predict(_flown(aircraft, mission, solar), sun.day(solar))
+        found = predict(_performance_as_it_is(aircraft, mission, solar), sun.day(solar))
         advance()
         built = None
         if sized:
@@ -403,12 +403,12 @@ def compare(
         cases=tuple(cases[solar] for solar in wanted),
         notes=_notes(aircraft, mission, reference, sized=sized),
         extrapolations=together(
-            [_extrapolations(aircraft, mission, sun, cases[one]) for one in wanted], "cases"
+            [_extrapolations_of_case(aircraft, mission, sun, cases[one]) for one in wanted], "cases"
         ),
     )
 
 
-def _extrapolations(
+def _extrapolations_of_case(
     aircraft: Aircraft, mission: Mission, sun: Sunlight, case: Case
 ) -> tuple[Extrapolation, ...]:
     """What a case takes from outside the range of a model: the aircraft as it is, its design."""
@@ -424,7 +424,7 @@ def _extrapolations(
     return worst_of([*told(checks, day.scenarios), *found])
 
 
-def _flown(
+def _performance_as_it_is(
     aircraft: Aircraft, mission: Mission, solar: SolarModel
 ) -> Callable[[SolarDay], Performance]:
     """Performance of the aircraft as it is, under any sun."""

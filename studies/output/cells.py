@@ -113,13 +113,13 @@ def draw_cells(
     infinity has a colour beyond the top of the scale. Returns the cells, for
     :func:`draw_colour_bar`.
     """
-    low, high = _ends(norm)
+    low, high = _colour_ends(norm)
     shown = np.where(np.isposinf(values), high + (high - low), values)
     colours = matplotlib.colormaps["viridis"].with_extremes(over=_UNLIMITED)
     return axes.pcolormesh(cell_edges(x), cell_edges(y), shown, cmap=colours, norm=norm)
 
 
-def _ends(norm: Normalize) -> tuple[float, float]:
+def _colour_ends(norm: Normalize) -> tuple[float, float]:
     assert norm.vmin is not None
     assert norm.vmax is not None
     return norm.vmin, norm.vmax
@@ -232,7 +232,7 @@ def draw_level_lines(
     """
     if min(values.shape) < 2 or np.isfinite(values).sum() <= 3:
         return
-    lowest, highest = _ends(norm)
+    lowest, highest = _colour_ends(norm)
     levels = np.asarray(MaxNLocator(at_most).tick_values(lowest, highest))
     levels = levels[(levels > lowest) & (levels < highest)]
     lines = axes.contour(x, y, values, levels, colors="black", linewidths=0.7)

@@ -137,8 +137,8 @@ def write_run_folder(
         files["airfoil" if Path(name).stem == POLAR else Path(name).stem] = InputFile.of(path)
     drawn, trouble = _drawn(figures)
     contents = {
-        AIRCRAFT: _described(aircraft, files["aircraft"]),
-        MISSION: _described(inputs.mission, files["mission"]),
+        AIRCRAFT: _described_file(aircraft, files["aircraft"]),
+        MISSION: _described_file(inputs.mission, files["mission"]),
         RUN: b"",
         RESULTS: _json_bytes(record),
         **extra,
@@ -182,7 +182,7 @@ def _json_bytes(record: Any) -> bytes:
     return (to_json(record, indent=2) + "\n").encode()
 
 
-def _described(data: Mapping[str, Any], file: InputFile) -> bytes:
+def _described_file(data: Mapping[str, Any], file: InputFile) -> bytes:
     return file_text(f"Written by solar-uav {__version__} from {file.source}", data).encode()
 
 

@@ -98,7 +98,7 @@ def size_cells(
         problems.aircraft, mission, scenarios, objective, solar, problems=problems
     )
     columns = _columns(found)
-    columns["extrapolations"] = _extrapolations(aircraft, mission, scenarios, solar, found)
+    columns["extrapolations"] = _extrapolations_of_cells(aircraft, mission, scenarios, solar, found)
     for index in np.flatnonzero(scenarios.in_polar_night()):
         for name, blank in BLANKS.items():
             columns[name][index] = _POLAR_NIGHT.get(name, blank)
@@ -158,7 +158,7 @@ def _columns(found: CellSizings) -> dict[str, Any]:
     }
 
 
-def _extrapolations(
+def _extrapolations_of_cells(
     aircraft: Aircraft,
     mission: Mission,
     scenarios: Scenarios,

@@ -91,7 +91,7 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
     rib_wing = structure if isinstance(structure, RibWingStructure) else None
     rule = rib_wing or _RULE
     tail, tail_note, tail_known = _tail(aircraft.modules.tail, rib_wing, span_m, chord_m)
-    modules, modules_note, modules_known = _modules(aircraft, span_m, chord_m)
+    modules, modules_note, modules_known = _module_places(aircraft, span_m, chord_m)
     dihedral_deg, from_m = _dihedral(geometry, span_m)
     notes = [
         "Wing: a rectangle of wingspan and aspect ratio, as all models take it.",
@@ -174,7 +174,7 @@ def _tail(
     return tail, f"Tail: by the rule of the structure model ({areas}); {shape}.", given is not None
 
 
-def _modules(
+def _module_places(
     aircraft: Aircraft, span_m: float, chord_m: float
 ) -> tuple[tuple[Rectangle, ...], str, bool]:
     """Modules, where they come from, and whether the file has their places."""

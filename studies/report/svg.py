@@ -21,14 +21,14 @@ def element(
     ``attributes``: by name; None leaves one out. Texts are escaped.
     """
     written = "".join(
-        f' {key}="{html.escape(_text(value))}"'
+        f' {key}="{html.escape(_attribute_text(value))}"'
         for key, value in (attributes or {}).items()
         if value is not None
     )
     return f"<{name}{written}>{content}</{name}>" if content else f"<{name}{written}/>"
 
 
-def _text(value: str | float) -> str:
+def _attribute_text(value: str | float) -> str:
     """Attribute as text: coordinates with a hundredth of a pixel, and no minus zero."""
     return value if isinstance(value, str) else f"{round(value, 2) + 0.0:g}"
 
@@ -49,7 +49,7 @@ class Canvas:
 
         ``closed``: whether the last point is joined to the first.
         """
-        places = " ".join(f"{_text(x)},{_text(y)}" for x, y in points)
+        places = " ".join(f"{_attribute_text(x)},{_attribute_text(y)}" for x, y in points)
         name = "polygon" if closed else "polyline"
         self.parts.append(element(name, "", {"class": kind, "points": places}))
 
@@ -95,7 +95,7 @@ class Canvas:
             "class": " ".join(classes),
             "role": "img",
             "aria-labelledby": f"{key}-title {key}-desc",
-            "viewBox": f"0 0 {_text(self.width)} {_text(self.height)}",
+            "viewBox": f"0 0 {_attribute_text(self.width)} {_attribute_text(self.height)}",
             "width": self.width,
             "height": self.height,
         }

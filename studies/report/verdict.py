@@ -34,7 +34,7 @@ class Verdict:
     word: str
 
 
-def _judged(state: str, sentence: str) -> Verdict:
+def _verdict_item(state: str, sentence: str) -> Verdict:
     return Verdict(state, sentence, _WORDS[state])
 
 
@@ -58,21 +58,23 @@ def verdict(subject: Subject) -> Verdict:
         without = hours(max(-float(excess), 0.0))
         told = f"{fails} it stays up for {longest}, {without} of every day are without power"
         if highs > 0.0:
-            return _judged("edge", f"{told}; with {error} more sun it would fly perpetually.")
-        return _judged("bad", f"{told}; {error} more sun would not change that.")
+            return _verdict_item("edge", f"{told}; with {error} more sun it would fly perpetually.")
+        return _verdict_item("bad", f"{told}; {error} more sun would not change that.")
     remain = "the sun always carries it" if np.isinf(excess) else f"{hours(excess)} of excess time"
     told = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
     if excess < required:
-        return _judged("bad", f"{told}, less than the required {required:g} h.")
+        return _verdict_item("bad", f"{told}, less than the required {required:g} h.")
     if required > 0.0 and np.isfinite(excess):
         told += f", {hours(excess - required)} more than required"
     if lows <= 0.0:
-        return _judged("edge", f"{told}, but {error} less sun ends perpetual flight.")
+        return _verdict_item("edge", f"{told}, but {error} less sun ends perpetual flight.")
     if lows < required:
-        return _judged("edge", f"{told}, but {error} less sun leaves {hours(lows)}, too little.")
+        return _verdict_item(
+            "edge", f"{told}, but {error} less sun leaves {hours(lows)}, too little."
+        )
     if np.isinf(lows):
-        return _judged("good", f"{told}, also with {error} less sun.")
-    return _judged("good", f"{told}, and {hours(lows)} with {error} less sun.")
+        return _verdict_item("good", f"{told}, also with {error} less sun.")
+    return _verdict_item("good", f"{told}, and {hours(lows)} with {error} less sun.")
 
 
 def _of_verification(found: Verification) -> Verdict:
@@ -116,8 +118,8 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     record, aircraft = subject.record, subject.aircraft
     excess, margin = record["excess_time_h"], record["charge_margin_h"]
     required = subject.mission.required_excess_time_h
-    yield _hours("excess time", excess, f"required: {required:g} h" if required else "")
-    yield _hours("charge margin", margin, "first to last full charge")
+    yield _hours_row("excess time", excess, f"required: {required:g} h" if required else "")
+    yield _hours_row("charge margin", margin, "first to last full charge")
     charge = 100.0 * record["minimum_state_of_charge"]
     yield Fact("minimum state of charge", f"{charge:.1f}", "%", "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
@@ -133,7 +135,7 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
                f"sun: {record['solar_energy_wh']:.0f} Wh a day")  # fmt: skip
 
 
-def _hours(label: str, value: float | None, note: str) -> Fact:
+def _hours_row(label: str, value: float | None, note: str) -> Fact:
     return Fact(label, UNLIMITED if value is None else f"{value:.2f}", "" if value is None else "h",
                 note)  # fmt: skip
 

@@ -231,12 +231,12 @@ def parse_axis(text: str) -> Axis:
     if key in NAMED_KEYS:
         return _named_axis(key, values.split(","))
     if ":" in values:
-        numbers = [_number(part) for part in values.split(":")]
+        numbers = [_read_number(part) for part in values.split(":")]
         return _axis(key, _stepped(key, numbers), is_range=len(numbers) == 2)
-    return _axis(key, tuple(_number(part) for part in values.split(",")))
+    return _axis(key, tuple(_read_number(part) for part in values.split(",")))
 
 
-def _number(text: str) -> float:
+def _read_number(text: str) -> float:
     # Python's own notations, such as 1_000 or inf, are nobody's here.
     if not re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", text):
         raise ValueError(f"{text.strip()!r} is not a number")
@@ -288,7 +288,7 @@ def points(
         return _one_at_a_time(axes, base)
     if not 1 <= samples <= MAXIMUM_POINTS:
         raise ValueError(f"the number of samples must be from 1 to {MAXIMUM_POINTS}")
-    return _drawn(axes, sample, samples, seed)
+    return _sampled_points(axes, sample, samples, seed)
 
 
 def _grid(axes: Sequence[Axis]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
@@ -315,7 +315,7 @@ def _one_at_a_time(
     return np.array(rows, float), np.array(varied)
 
 
-def _drawn(
+def _sampled_points(
     axes: Sequence[Axis], sample: SampleName, samples: int, seed: int
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     from scipy.stats import qmc

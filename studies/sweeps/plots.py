@@ -105,7 +105,7 @@ def _label(data: xr.Dataset, name: str) -> str:
     return text if about["units"] == "1" else f"{text} [{unit_label(about['units'])}]"
 
 
-def _heading(data: xr.Dataset, note: str = "") -> dict[str, Any]:
+def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
     """Title and notes, as :func:`new_figure` takes them."""
     objective = data.attrs["objective"]
     failed = failed_count(data)
@@ -119,7 +119,7 @@ def _heading(data: xr.Dataset, note: str = "") -> dict[str, Any]:
     return {"title": str(data.attrs["title"]), "notes": notes}
 
 
-def _variables(data: xr.Dataset) -> tuple[str, str]:
+def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
     return _SHOWN.get(data.attrs["objective"], _SHOWN["min_wingspan"])
 
 
@@ -141,11 +141,15 @@ def _reasons(data: xr.Dataset) -> dict[int, str]:
 def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     """Both variables over a single axis; points without a result break the line."""
     (name,) = (str(n) for n in data["status"].dims)
-    figure, panels = new_figure(2, canvas=canvas, **_heading(data), size_in=(7.0, 5.4), sharex=True)
+    figure, panels = new_figure(
+        2, canvas=canvas, **_title_and_notes(data), size_in=(7.0, 5.4), sharex=True
+    )
     shown = _drawable(data).to_numpy()
-    x = _numbers(data, name)
+    x = _axis_positions(data, name)
     style = "o" if _has_names(data, name) else "o-"  # nothing lies between two names
-    for axes, variable, colour in zip(panels, _variables(data), (LOAD, CHARGE), strict=True):
+    for axes, variable, colour in zip(
+        panels, _plotted_variables(data), (LOAD, CHARGE), strict=True
+    ):
         values = np.where(shown, data[variable].to_numpy(), np.nan)
         axes.plot(x, np.where(np.isinf(values), np.nan, values), style, color=colour, markersize=4)
         axes.set(ylabel=_label(data, variable))
@@ -185,7 +189,7 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         2,
         len(third),
         canvas=canvas,
-        **_heading(data),
+        **_title_and_notes(data),
         size_in=(1.6 + 3.6 * len(third), 7.2),
         grid="",
         sharex=True,
@@ -193,14 +197,14 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     )
     rows = (panels[: len(third)], panels[len(third) :])
     handles: dict[str, Any] = {}
-    for row, variable in zip(rows, _variables(data), strict=True):
+    for row, variable in zip(rows, _plotted_variables(data), strict=True):
         every = _shown_values(data, variable)
         norm = finite_range(every)
         for axes, value in zip(row, third, strict=True):
             part = data if value is None else data.isel({names[2]: list(third).index(value)})
             mesh, entries = _draw_contours(axes, part, names[:2], variable, norm)
             handles |= {str(entry.get_label()): entry for entry in entries}
-            if value is not None and variable == _variables(data)[0]:
+            if value is not None and variable == _plotted_variables(data)[0]:
                 told = value if isinstance(value, str) else f"{value:g}"
                 axes.set_title(f"{_label(data, names[2])} = {told}", fontsize="medium")
         unlimited = bool(np.isposinf(every).any())
@@ -222,7 +226,7 @@ def _has_names(data: xr.Dataset, name: str) -> bool:
     return data[name].dtype.kind in "OU"
 
 
-def _numbers(data: xr.Dataset, name: str) -> NDArray[Any]:
+def _axis_positions(data: xr.Dataset, name: str) -> NDArray[Any]:
     """Values of a varied key, the places of its names from 0."""
     return np.arange(data[name].size) if _has_names(data, name) else data[name].to_numpy()
 
@@ -237,7 +241,7 @@ def _name_places(axis: Any, data: xr.Dataset, name: str) -> None:
         return
     names = [str(one) for one in data[name].to_numpy()]
     upright = axis.axis_name == "x" and sum(map(len, names)) > _LETTERS_IN_A_ROW
-    axis.set_ticks(_numbers(data, name), names, rotation=90 if upright else 0)
+    axis.set_ticks(_axis_positions(data, name), names, rotation=90 if upright else 0)
     axis.set_gid(NAMES)
 
 
@@ -251,7 +255,7 @@ def _draw_contours(
     axes: Axes, data: xr.Dataset, names: list[str], variable: str, norm: Normalize
 ) -> tuple[Any, list[Any]]:
     flat = data.transpose(*names[::-1])
-    x, y = (_numbers(data, name) for name in names)
+    x, y = (_axis_positions(data, name) for name in names)
     values = _shown_values(flat, variable)
     mesh = draw_cells(axes, x, y, values, norm)
     good = feasible(flat).to_numpy()
@@ -273,7 +277,7 @@ _LIMITED = {True: "not perpetual"}
 
 def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     """Each point as a line over the varied keys and the first variable, coloured by the latter."""
-    variable = _variables(data)[0]
+    variable = _plotted_variables(data)[0]
     table = to_table(data).assign(good=np.asarray(feasible(data)).ravel())
     table = table[np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])]
     if table.empty:
@@ -287,7 +291,7 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     note = f"{lost} points without a result left out" if lost else ""
     figure, (axes,) = new_figure(
         canvas=canvas,
-        **_heading(data, note),
+        **_title_and_notes(data, note),
         size_in=(2.0 + 1.7 * len(columns), 5.0),
         grid="",
     )
@@ -320,7 +324,7 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     odd = [str(name) for name in data.coords if name != "varied" and _has_names(data, str(name))]
     if odd:
         raise ValueError(f"{odd[0]} has names: this chart is one of less and more of numbers")
-    variable = _variables(data)[0]
+    variable = _plotted_variables(data)[0]
     table = to_table(data)
     table["drawable"] = np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])
     base = table[table["varied"] == ""].iloc[0]
@@ -329,10 +333,10 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     bars = []
     for name, rows in table[table["varied"] != ""].groupby("varied", sort=False):
         bars.append((str(name), rows[rows["drawable"]], int((~rows["drawable"]).sum())))
-    bars.sort(key=lambda bar: _spread(bar[1][variable], base[variable]))
+    bars.sort(key=lambda bar: _relative_spread(bar[1][variable], base[variable]))
     figure, (axes,) = new_figure(
         canvas=canvas,
-        **_heading(data),
+        **_title_and_notes(data),
         size_in=(9.0, 1.8 + 0.6 * len(bars)),
         lines=True,
         grid="x",
@@ -362,7 +366,7 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     return figure
 
 
-def _spread(values: pd.Series[Any], base: float) -> float:
+def _relative_spread(values: pd.Series[Any], base: float) -> float:
     return float(max(values.max(), base) - min(values.min(), base)) if len(values) else 0.0
 
 
@@ -430,7 +434,7 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
     front = table[table["pareto_front"]]
     count = data["status"].size - len(table)
     note = f"{count} points without a design left out" if count else ""
-    drawn, (axes,) = new_figure(canvas=figure, **_heading(data, note), size_in=(7.0, 5.0))
+    drawn, (axes,) = new_figure(canvas=figure, **_title_and_notes(data, note), size_in=(7.0, 5.0))
     if len(front) < len(table):
         axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
     axes.plot(front[x], front[y], "s", color=LOAD, markersize=6, label="not beaten by any other")

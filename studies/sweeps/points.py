@@ -214,7 +214,9 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         if measured:
             found = performance(aircraft, mission, configuration.solar)
             outside = {"extrapolations": as_text(extrapolations(aircraft, found))}
-            rows[numbers[0]] = _judged(found, mission, (), {}, found.worst_endurance_h()) | outside
+            rows[numbers[0]] = (
+                _row_of_design(found, mission, (), {}, found.worst_endurance_h()) | outside
+            )
             for number in numbers[1:]:  # the same point twice
                 rows[number] = rows[numbers[0]]
             continue
@@ -227,7 +229,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         texts = cell_texts(flight_checks(aircraft, found), len(numbers))
         endurance_h = found.worst_endurance_h()
         for place, number in enumerate(numbers):
-            row = _judged(found, mission, (place,), missed, endurance_h)
+            row = _row_of_design(found, mission, (place,), missed, endurance_h)
             flown = row["status"] is not PointStatus.infeasible
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
     return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
@@ -275,7 +277,7 @@ def _missed(aircraft: Aircraft, mission: Mission, found: Performance) -> dict[st
 _ROUNDING = 1e-9
 
 
-def _judged(
+def _row_of_design(
     found: Performance,
     mission: Mission,
     place: tuple[int, ...],

@@ -202,7 +202,7 @@ def prepare(
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
     objective = None if resize is None else resize_objective(resize)
     files = _Files(aircraft, mission, {axis.key: axis.names for axis in axes if axis.names})
-    _check(files, axes, objective, cover, combined=sample != "one-at-a-time")
+    _check_request(files, axes, objective, cover, combined=sample != "one-at-a-time")
     base = None
     if sample == "one-at-a-time":
         base = [_base_value(aircraft, mission, axis) for axis in axes]
@@ -274,7 +274,7 @@ class _Files:
         return None
 
 
-def _check(
+def _check_request(
     files: _Files,
     axes: Sequence[Axis],
     resize: Objective | None,

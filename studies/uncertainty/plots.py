@@ -129,12 +129,12 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
                 label=name if y == 0 else None,
             )
     axes.axvline(centre, color=DARK_GREY)
-    axes.set_yticks(range(len(rows)), [_named(analysis, row[0]) for row in rows])
+    axes.set_yticks(range(len(rows)), [_input_label(analysis, row[0]) for row in rows])
     axes.yaxis.set_gid(NAMES)
     axes.set_xlabel("mean excess time [h]")
 
 
-def _named(analysis: UncertaintyAnalysis, one: UncertainInput) -> str:
+def _input_label(analysis: UncertaintyAnalysis, one: UncertainInput) -> str:
     """Input in words, with the share of the variance that it explains with all others."""
     index = analysis.sobol.get(one.key)
     if index is None:

@@ -92,7 +92,7 @@ class Published(Result):
             Table(
                 source,
                 (Column("quantity"), *_NUMBERS),
-                tuple((f"{n.quantity} [{n.unit}]", *_values(n)) for n in numbers),
+                tuple((f"{n.quantity} [{n.unit}]", *_published_values(n)) for n in numbers),
             )
             for source, numbers in itertools.groupby(self.numbers, lambda n: n.source)
         ]
@@ -101,7 +101,7 @@ class Published(Result):
     def table(self) -> Table:
         """All numbers."""
         columns = (Column("quantity"), Column("source"), Column("unit"), *_NUMBERS)
-        rows = tuple((n.quantity, n.source, n.unit, *_values(n)) for n in self.numbers)
+        rows = tuple((n.quantity, n.source, n.unit, *_published_values(n)) for n in self.numbers)
         return Table("published and computed", columns, rows)
 
     def to_dict(self) -> list[dict[str, Any]]:
@@ -113,7 +113,7 @@ class Published(Result):
         return self.table().to_frame()
 
 
-def _values(number: Number) -> tuple[float | bool | str, ...]:
+def _published_values(number: Number) -> tuple[float | bool | str, ...]:
     met = "no, known" if number.known_miss and not number.met else number.met
     return number.published, number.computed, number.difference, number.allowed, met
 

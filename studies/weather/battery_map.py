@@ -108,13 +108,14 @@ def battery_map(
     axis = flights.days.axis
     place = _half_month(axis.day_of_year[:-1])
     masses = [np.nan if one is None else float(one.total_mass_kg) for one in designs]
+    mass = _unit_attrs("kg")
     return xr.Dataset(
         {
             "closes": (("battery_factor", "time"), closes),
             "share": (("battery_factor", "half_month"), _shares(closes[:, :-1], place)),
             "days": ("half_month", np.bincount(place, minlength=len(HALF_MONTHS))),
-            "battery_mass": ("battery_factor", factors * aircraft.battery.mass_kg, _unit("kg")),
-            "total_mass": ("battery_factor", np.array(masses), _unit("kg")),
+            "battery_mass": ("battery_factor", factors * aircraft.battery.mass_kg, mass),
+            "total_mass": ("battery_factor", np.array(masses), mass),
         },
         coords={
             "battery_factor": factors,
@@ -134,7 +135,7 @@ def battery_map(
     )  # fmt: skip
 
 
-def _unit(unit: str) -> dict[str, str]:
+def _unit_attrs(unit: str) -> dict[str, str]:
     return {"units": unit}
 
 

@@ -145,7 +145,7 @@ def map_(
                 out_file,
                 lambda: to_netcdf_bytes(data),
                 plot_file,
-                lambda: _drawn(data, figure, resized=objective is not None),
+                lambda: _map_figure(data, figure, resized=objective is not None),
             )
 
 
@@ -211,7 +211,7 @@ def _in_weather(
         )
 
 
-def _drawn(data: OnGrid, figure: FigureOptions, *, resized: bool) -> Figure:
+def _map_figure(data: OnGrid, figure: FigureOptions, *, resized: bool) -> Figure:
     from studies.maps.plots import plot_map, plot_resized_map
 
     return (plot_resized_map if resized else plot_map)(data, figure=figure)

@@ -110,7 +110,7 @@ def verify(
         if out_dir is not None:
             contents = {_SAMPLES: result.to_csv().encode()}
             drawn = {
-                f"{name}.png": partial(_drawn, draw, f"{name}.png")
+                f"{name}.png": partial(_log_figure, draw, f"{name}.png")
                 for name, draw in figures(result, figure=figure)
             }
             inputs = case.inputs(log=Path(log_file))
@@ -119,7 +119,7 @@ def verify(
             report_on_log(case, result, log_file, report_file, overrides=overrides)
 
 
-def _drawn(draw: Callable[[], Figure], name: str) -> bytes:
+def _log_figure(draw: Callable[[], Figure], name: str) -> bytes:
     from studies.cli.outputs import figure_bytes
 
     return figure_bytes(draw(), name)

@@ -128,11 +128,11 @@ def _checks(session: Session, fields: list[dict[str, Any]], count: int) -> list[
             made = session.inputs(session.settings(settings))
         except RefusedError:  # settings that contradict each other
             continue
-        found.append({"settings": settings} | _simulated(made))
+        found.append({"settings": settings} | _status_and_excess(made))
     return found
 
 
-def _simulated(made: Inputs) -> dict[str, Any]:
+def _status_and_excess(made: Inputs) -> dict[str, Any]:
     """Status and excess time [h] of a point, null where it is unlimited or there is no aircraft."""
     try:
         cycle = performance(made.aircraft, made.mission, made.solar, keep_trajectory=False).cycle

@@ -39,8 +39,8 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     limited = flown.found.excluded | _may_be_limited(flown, aircraft)
     use = high & ~faulty & ~limited
     bins = Bins.of(samples.time_s, samples.run, use)
-    told = [f"{_hours(high & limited, flown)} h with charging that may be limited are left out"]
-    told += [f"{_hours(high & faulty, flown)} h in which the MPPT does not track are left out"]
+    told = [f"{_hours_of(high & limited, flown)} h with charging that may be limited are left out"]
+    told += [f"{_hours_of(high & faulty, flown)} h in which the MPPT does not track are left out"]
     model = solar_model(flown, np.asarray(samples.index[use], int))
     name = "FM" if samples.detail is not None else "CAM"
     if name == "CAM":
@@ -61,7 +61,7 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     )
 
 
-def _hours(mask: BoolArray, flown: Flown) -> str:
+def _hours_of(mask: BoolArray, flown: Flown) -> str:
     return f"{float(mask.sum()) * flown.log.step_s / 3600.0:.1f}"
 
 

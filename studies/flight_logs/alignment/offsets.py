@@ -141,7 +141,7 @@ def align(
     best = None if start is None else fine.fits([(start.ahead_s, start.turned_rad)])
     if not best:
         return Alignment(notes=("clock and heading are not checked: no clock fits the power",))
-    return _judged(fine.model, fine.measured, best[0])
+    return _meaning_of_fit(fine.model, fine.measured, best[0])
 
 
 class _Part(NamedTuple):
@@ -249,7 +249,7 @@ def _peak(power: FloatArray) -> float:
     return float(np.sort(power)[int(0.98 * (len(power) - 1))])
 
 
-def _judged(model: ShiftedPower, measured: FloatArray, best: Fit) -> Alignment:
+def _meaning_of_fit(model: ShiftedPower, measured: FloatArray, best: Fit) -> Alignment:
     """What the best fit means: which numbers are known, which are errors of the log."""
     unit, scale = _unit(best.level)
     if best.scale_w > MOST_SCATTER * _peak(measured):

@@ -55,7 +55,7 @@ class FittedLayout(ConstrainedLayoutEngine):
         for restore in reversed(self._undo):
             restore()
         self._undo.clear()
-        self.set(rect=(0.0, 0.0, 1.0, 1.0 - self._heading(fig)))
+        self.set(rect=(0.0, 0.0, 1.0, 1.0 - self._draw_heading(fig)))
         # What leaves no room for axes at all, before they are asked how large they are.
         self._fit_legends(fig)
         for axes in fig.axes:
@@ -92,7 +92,7 @@ class FittedLayout(ConstrainedLayoutEngine):
 
     # ---- Title and the notes below it
 
-    def _heading(self, fig: Figure) -> float:
+    def _draw_heading(self, fig: Figure) -> float:
         """Write title and notes; their share of the figure's height."""
         title = fig._suptitle  # type: ignore[attr-defined]  # as constrained layout does
         if self._below is not None:
@@ -128,7 +128,7 @@ class FittedLayout(ConstrainedLayoutEngine):
 
     def _reflow(self, legend: Legend, room: float) -> bool:
         """Fewer columns, in smaller type where high; then broken labels, then smaller type."""
-        columns = _columns(legend)
+        columns = _legend_columns(legend)
         items = [item for column in columns for item in column.get_children()]
         before = list(columns)
         figure = legend.get_figure()
@@ -271,7 +271,7 @@ class FittedLayout(ConstrainedLayoutEngine):
                 taken.append(Text.get_window_extent(note))
         for note in notes:
             if isinstance(note, Annotation) and note.anncoords == "offset points":
-                taken.append(self._moved(note, frame, taken))
+                taken.append(self._free_place(note, frame, taken))
 
     def _keep_free(self, label: Text, frame: Bbox, taken: list[Bbox]) -> None:
         """Leave out the label of a level that meets another, or the frame."""
@@ -293,7 +293,7 @@ class FittedLayout(ConstrainedLayoutEngine):
             for row in rows:
                 self._set(row, fontsize=size)
 
-    def _moved(self, note: Annotation, frame: Bbox, taken: Sequence[Bbox]) -> Bbox:
+    def _free_place(self, note: Annotation, frame: Bbox, taken: Sequence[Bbox]) -> Bbox:
         """Place of a note, near where it was, within the frame and off all others."""
         box = Text.get_window_extent(note)  # without an arrow
         shifts = itertools.product(_STEPS, (0.0, 0.5, -0.5, 1.0, -1.0))
@@ -381,7 +381,7 @@ def _legends(fig: Figure) -> Iterator[tuple[Legend, float]]:
         yield own, axes.bbox.width if within else 0.4 * fig.bbox.width
 
 
-def _columns(legend: Legend) -> list[Any]:
+def _legend_columns(legend: Legend) -> list[Any]:
     """Columns of a legend, the list that it draws."""
     box: Any = legend.get_children()[0]  # above it the title
     columns: list[Any] = box.get_children()[1].get_children()
@@ -390,7 +390,7 @@ def _columns(legend: Legend) -> list[Any]:
 
 def _arrange(legend: Legend, items: Sequence[Any], count: int) -> None:
     """Put the entries of a legend into so many columns, as even as they go."""
-    old = _columns(legend)
+    old = _legend_columns(legend)
     sizes = [len(items) // count + (index < len(items) % count) for index in range(count)]
     ends = list(itertools.accumulate(sizes))
     spacing = legend.labelspacing * legend._fontsize  # type: ignore[attr-defined]
@@ -404,4 +404,4 @@ def _arrange(legend: Legend, items: Sequence[Any], count: int) -> None:
 
 
 def _restore_columns(legend: Legend, before: list[Any]) -> None:
-    _columns(legend)[:] = before
+    _legend_columns(legend)[:] = before
