@@ -50,12 +50,23 @@ _ROWS_AT_ONCE = 16
 
 
 class Status(IntEnum):
-    """How a cycle ends; the values are flags of gridded results."""
+    """How a cycle ends, or why there is none; the values are flags of gridded results.
 
+    ``failed`` stands for an error of the program, ``infeasible`` for an aircraft that cannot fly
+    the mission, ``invalid`` for values that no aircraft or mission can have.
+    """
+
+    failed = -1
     limited = 0
     perpetual = 1
     always_lit = 2
     never_lit = 3
+    infeasible = 4
+    invalid = 5
+
+
+# Of a cycle that was computed.
+ENDS = (Status.limited, Status.perpetual, Status.always_lit, Status.never_lit)
 
 
 @dataclass(frozen=True)

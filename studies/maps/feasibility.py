@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of
-from sizing.energy.cycle import Status
+from sizing.energy.cycle import ENDS, Status
 from sizing.performance import Performance, performance
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "MapStatus",
     "feasibility_map",
     "map_block",
     "perpetual_cells",
@@ -45,16 +43,6 @@ __all__ = [
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
 _ENDURANCE_S = 2e-4  # of a cell, roughly
-
-
-class MapStatus(IntEnum):
-    """How the repeated day ends, or that it could not be computed."""
-
-    failed = -1
-    limited = Status.limited
-    perpetual = Status.perpetual
-    always_lit = Status.always_lit
-    never_lit = Status.never_lit
 
 
 _PERPETUAL = (Status.perpetual, Status.always_lit)
@@ -128,8 +116,9 @@ def feasibility_map(
     -------
     xarray.Dataset
         On the dimensions ``latitude`` and ``day``, with CF attributes. Undefined values are NaN,
-        and ``status`` (:class:`MapStatus`) tells why. Cells that could not be computed have the
-        status ``failed``; the attribute ``failed_cells`` lists them, and a warning counts them.
+        and ``status`` (:class:`~sizing.energy.cycle.Status`) tells why. Cells that could not be
+        computed have the status ``failed``; the attribute ``failed_cells`` lists them, and a
+        warning counts them.
 
     Raises
     ------
@@ -159,14 +148,13 @@ def prepare(
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
-    blanks["status"] = np.int8(MapStatus.failed)
+    blanks["status"] = np.int8(Status.failed)
     configuration = MapConfiguration(aircraft, mission, solar, endurance)
-    computed = [one for one in MapStatus if one is not MapStatus.failed]
-    possible = can_be_result(MapStatus, computed)
+    possible = can_be_result(ENDS, ENDS)
     job = Job(_map_chunk, configuration, grid.chunks(cell_s), blanks, possible)
     title = f"Feasibility of {aircraft.name}"
     return MapStudy(
-        *(job, grid, title, described | _STATUS, MapStatus),
+        *(job, grid, title, described | _STATUS, (Status.failed, *ENDS)),
         extrapolated=lambda columns: _extrapolations_of_map(configuration, grid, columns),
     )
 
@@ -175,7 +163,7 @@ def _extrapolations_of_map(
     asked: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the map takes from outside the range of a model: one design in all cells."""
-    known = columns["status"] != MapStatus.failed
+    known = columns["status"] != Status.failed
     latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
     design = design_of(asked.aircraft, asked.mission)
     checks = [

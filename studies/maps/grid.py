@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -114,7 +114,7 @@ class MapStudy:
     grid: Grid
     title: str
     described: Mapping[str, tuple[str, str]]
-    flags: type[IntEnum]
+    flags: Iterable[IntEnum]
     attributes: Mapping[str, Any] = field(default_factory=dict)
     extrapolated: Callable[[Mapping[str, NDArray[Any]]], Sequence[Extrapolation]] | None = None
 

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.mission import latitude_label
+from sizing.energy.cycle import Status
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
-from studies.maps.feasibility import MapStatus, perpetual_cells
+from studies.maps.feasibility import perpetual_cells
 from studies.output.columns import SIZED, SizingStatus, extrapolations_of
 from studies.output.gridded import OnGrid
 
@@ -25,7 +26,7 @@ def seasons_record(data: OnGrid) -> dict[str, Any]:
     """On how many of the days each latitude is flown perpetually, and how many are unknown."""
     return _places(data) | {
         "perpetual_days": perpetual_cells(data).sum(axis=1).tolist(),
-        "failed_days": _days_of(data, MapStatus.failed),
+        "failed_days": _days_of(data, Status.failed),
         **_endurances(data),
         "extrapolations": extrapolation_records(extrapolations_of(data)),
     }

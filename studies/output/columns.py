@@ -6,7 +6,7 @@ Maps and trade studies share what is here, of fixed and of sized aircraft.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from enum import IntEnum
 from typing import Any
 
@@ -112,7 +112,7 @@ def variables(
     dims: tuple[str, ...],
     columns: Mapping[str, Any],
     described: Mapping[str, tuple[str, str]],
-    flags: type[IntEnum],
+    flags: Iterable[IntEnum],
 ) -> dict[str, Labelled]:
     """Variables of a dataset, with CF attributes.
 

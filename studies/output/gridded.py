@@ -8,7 +8,7 @@ pandas that it brings. Functions that read a result by ``data[name].to_numpy()``
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -91,7 +91,7 @@ def to_netcdf_bytes(data: OnGrid) -> bytes:
 
 
 def can_be_result(
-    statuses: type[IntEnum], computed: Collection[IntEnum]
+    statuses: Iterable[IntEnum], computed: Collection[IntEnum]
 ) -> Callable[[Mapping[str, Any]], bool]:
     """Check of columns that an earlier run is said to have kept.
 

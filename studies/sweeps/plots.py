@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from sizing.energy.cycle import ENDS
 from studies.output.cells import (
     draw_cells,
     draw_colour_bar,
@@ -47,7 +48,6 @@ from studies.output.figures.drawing import (
 )
 from studies.output.figures.options import DEFAULT, NAMES
 from studies.sweeps.axes import axis_label, unit_label
-from studies.sweeps.points import PointStatus
 from studies.sweeps.ranking import MORE_IS_BETTER, pareto_table
 from studies.sweeps.study import feasible, to_table
 
@@ -127,7 +127,7 @@ def _drawable(data: xr.Dataset) -> xr.DataArray:
     """Mark the points that have a result, good or bad."""
     if data.attrs["objective"]:
         return data["status"].isin(SIZED)
-    return data["status"].isin(range(PointStatus.never_lit + 1))
+    return data["status"].isin(ENDS)
 
 
 def _reasons(data: xr.Dataset) -> dict[int, str]:

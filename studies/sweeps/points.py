@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, DesignSpace, Range
 from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.energy.cycle import Status
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.performance import Performance, performance, performance_of_designs
@@ -37,7 +37,6 @@ __all__ = [
     "MISSION_PREFIX",
     "SIZED_BLANKS",
     "SIZED_DESCRIBED",
-    "PointStatus",
     "SweepConfiguration",
     "held",
     "judge_points",
@@ -49,22 +48,10 @@ __all__ = [
 MISSION_PREFIX = "mission."
 
 
-class PointStatus(IntEnum):
-    """How the worst scenario's cycle ends, or why there is none."""
-
-    failed = -1
-    limited = 0
-    perpetual = 1
-    always_lit = 2
-    never_lit = 3
-    infeasible = 4
-    invalid = 5
-
-
 _NAN = np.float64("nan")
 
 BLANKS: dict[str, Any] = {
-    "status": np.int8(PointStatus.failed),
+    "status": np.int8(Status.failed),
     "wingspan": _NAN,
     "aspect_ratio": _NAN,
     "battery_mass": _NAN,
@@ -204,12 +191,12 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
                 )
         except InputError as error:
             for number in numbers:
-                rows[number] = {"status": PointStatus.invalid, "message": _problems(error)}
+                rows[number] = {"status": Status.invalid, "message": _problems(error)}
             continue
         trouble = _unflyable(configuration.solar, mission)
         if trouble is not None:
             for number in numbers:
-                rows[number] = {"status": PointStatus.infeasible, "message": trouble}
+                rows[number] = {"status": Status.infeasible, "message": trouble}
             continue
         if measured:
             found = performance(aircraft, mission, configuration.solar)
@@ -230,7 +217,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         endurance_h = found.worst_endurance_h()
         for place, number in enumerate(numbers):
             row = _row_of_design(found, mission, (place,), missed, endurance_h)
-            flown = row["status"] is not PointStatus.infeasible
+            flown = row["status"] is not Status.infeasible
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
     return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
 
@@ -299,14 +286,14 @@ def _row_of_design(
     if texts:
         # Of a design that cannot fly the other reasons mean nothing.
         text = texts[0] if missed["mass_budget"].amount[place] > 0.0 else "; ".join(texts)
-        return row | {"status": PointStatus.infeasible, "message": text}
+        return row | {"status": Status.infeasible, "message": text}
     cycle = found.cycle
     excess = cycle.excess_time_h[place]
     worst = int(np.argmin(excess))
     scenarios = found.day.scenarios
     load = np.broadcast_to(found.nominal_load_w, cycle.excess_time_h.shape)
     return row | {
-        "status": PointStatus(int(cycle.status[place][worst])),
+        "status": Status(int(cycle.status[place][worst])),
         "total_mass": float(np.asarray(design.total_mass_kg)[place]),
         "excess_time": float(excess[worst]),
         "charge_margin": float(cycle.charge_margin_h[place][worst]),

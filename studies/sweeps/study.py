@@ -8,7 +8,7 @@ variables are held and the others sized.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from enum import IntEnum
@@ -24,6 +24,7 @@ from missions.files.writing import to_json
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.energy.cycle import ENDS, Status
 from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
@@ -57,7 +58,6 @@ from studies.sweeps.points import (
     MISSION_PREFIX,
     SIZED_BLANKS,
     SIZED_DESCRIBED,
-    PointStatus,
     SweepConfiguration,
     judge_points,
     plain_data,
@@ -231,11 +231,11 @@ def prepare(
     return Study(tuple(axes), sample, table, varied, order, job, aircraft, mission, seed)
 
 
-def _statuses(objective: Objective | None) -> tuple[type[IntEnum], tuple[IntEnum, ...]]:
+def _statuses(objective: Objective | None) -> tuple[Iterable[IntEnum], tuple[IntEnum, ...]]:
     """Statuses of points, and those of them that have a result."""
     if objective is not None:
         return SizingStatus, SIZED
-    return PointStatus, tuple(one for one in PointStatus if 0 <= one <= PointStatus.never_lit)
+    return Status, ENDS
 
 
 # ---- Checks
@@ -492,4 +492,4 @@ def feasible(data: xr.Dataset) -> xr.DataArray:
     """Mark the points that can fly perpetually, or that were sized."""
     if data.attrs["objective"]:
         return data["status"].isin(SIZED)
-    return data["status"].isin([PointStatus.perpetual, PointStatus.always_lit])
+    return data["status"].isin([Status.perpetual, Status.always_lit])

@@ -23,6 +23,7 @@ from figure_checks import heading
 from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.mission import Dates
+from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
@@ -382,7 +383,7 @@ def test_python_warns_of_failed_cells_and_raises_where_all_failed(
     monkeypatch.setattr(feasibility, "map_block", failing)
     with pytest.warns(RuntimeWarning, match="1 of 2 cells failed; the first: FloatingPointError"):
         data = feasibility.feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[172])
-    assert data["status"].values[:, 0].tolist()[1] == feasibility.MapStatus.failed
+    assert data["status"].values[:, 0].tolist()[1] == Status.failed
     with pytest.raises(ComputationError, match="1 of 1 cells failed"):
         feasibility.feasibility_map(AS2, JULY, latitudes=[44.0], days=[172])
 

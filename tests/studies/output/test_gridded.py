@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from builders import AS2, DESIGN, mission
 
+from sizing.energy.cycle import ENDS, Status
 from sizing.sunlight import SolarModel
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import Job
 from studies.engine.workers import LocalPool
 from studies.maps import feasibility, resized
-from studies.maps.feasibility import MapStatus
 from studies.output.gridded import can_be_result, to_netcdf_bytes
 
-POSSIBLE = can_be_result(MapStatus, [MapStatus.perpetual, MapStatus.never_lit])
+POSSIBLE = can_be_result((Status.failed, *ENDS), [Status.perpetual, Status.never_lit])
 GOOD: dict[str, Any] = {
-    "status": np.array([MapStatus.perpetual, MapStatus.limited], np.int8),
+    "status": np.array([Status.perpetual, Status.limited], np.int8),
     "excess_time": np.array([1.0, np.nan]),
     "extrapolations": np.array(["", ""]),
 }

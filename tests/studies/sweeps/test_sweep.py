@@ -23,6 +23,7 @@ from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import design_of
+from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
@@ -34,7 +35,7 @@ from studies.maps.feasibility import MapConfiguration
 from studies.output.columns import SizingStatus
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
-from studies.sweeps.points import PointStatus, held, judge_points, plain_data
+from studies.sweeps.points import held, judge_points, plain_data
 from studies.sweeps.ranking import pareto_front
 from studies.sweeps.study import dataset, prepare, sweep, to_table
 
@@ -192,7 +193,7 @@ def test_modules_cover_a_varied_wing_unless_told_otherwise() -> None:
 
 def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
     small = study(DESIGN, JULY, "wingspan_m=4,8", cover=False)
-    assert small["status"].values.tolist() == [PointStatus.infeasible, PointStatus.perpetual]
+    assert small["status"].values.tolist() == [Status.infeasible, Status.perpetual]
     needed = 1.35 / (0.85 * 16.0 / 18.5) - 1.0
     assert f"{100 * needed:.3g} % more wing area" in str(small["message"].values[0])
     assert np.isnan(small["excess_time"].values[0])
@@ -205,8 +206,8 @@ def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
 def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
     data = study(DESIGN, SUMMER, "mission.wind_m_per_s=2,30", "battery_mass_kg=3", model="FM")
     good, bad = data["status"].values.ravel()
-    assert good <= PointStatus.perpetual
-    assert bad == PointStatus.infeasible
+    assert good <= Status.perpetual
+    assert bad == Status.infeasible
     assert "flight path: " in str(data["message"].values[1, 0])
 
 
@@ -216,8 +217,8 @@ def test_a_value_that_is_right_with_another_key_alone_is_varied() -> None:
     texts = f"{lift}=1,1.5", f"airframe.aerodynamics.{highest}=1.4,1.6"
     data = study(DESIGN, JULY, *texts)
     status = data["status"].sel(lift_coefficient=1.5)
-    assert int(status.sel(maximum_lift_coefficient=1.4)) == PointStatus.invalid
-    assert int(status.sel(maximum_lift_coefficient=1.6)) == PointStatus.perpetual
+    assert int(status.sel(maximum_lift_coefficient=1.4)) == Status.invalid
+    assert int(status.sel(maximum_lift_coefficient=1.6)) == Status.perpetual
     for alone in ({"sample": "one-at-a-time"}, {}):
         with pytest.raises(InputError, match=r"lift_coefficient: .* must be below"):
             study(DESIGN, JULY, *(texts if alone else texts[:1]), **alone)
@@ -225,7 +226,7 @@ def test_a_value_that_is_right_with_another_key_alone_is_varied() -> None:
 
 def test_a_combination_that_the_files_refuse_is_invalid() -> None:
     data = study(AS2, JULY, "module_area_m2=1.3,1.9")
-    assert data["status"].values.tolist() == [PointStatus.perpetual, PointStatus.invalid]
+    assert data["status"].values.tolist() == [Status.perpetual, Status.invalid]
     assert "modules.area_m2: must not exceed the wing area" in str(data["message"].values[1])
 
 
@@ -355,7 +356,7 @@ def test_points_without_a_design_are_not_drawn_over() -> None:
     data = study(DESIGN, JULY, "wingspan_m=3:8:0.5", "battery_mass_kg=1:5:0.5", cover=False)
     colours = sweep_plots.plot_sweep(data).axes[0].collections[0].get_array()
     drawn = ~np.ma.getmaskarray(colours).reshape(9, 11)
-    np.testing.assert_array_equal(drawn, (data["status"] == PointStatus.perpetual).values.T)
+    np.testing.assert_array_equal(drawn, (data["status"] == Status.perpetual).values.T)
 
 
 # ---- command and files
@@ -488,7 +489,7 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
         assert "1 of 3 points failed; the first: FloatingPointError: not today" in line
     assert json.loads(answer.stdout)["status"]["failed"] == 1
     data = xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf")
-    assert data["status"].values.tolist()[1] == PointStatus.failed
+    assert data["status"].values.tolist()[1] == Status.failed
     assert data.attrs["failed_cells"] == "battery_mass_kg 3: FloatingPointError: not today"
     assert "not today" in str(data["message"].values[1])
     figure = sweep_plots.plot_sweep(data)
