@@ -8,13 +8,12 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from missions.files.writing import OutputError
-from studies.cli.options import EXIT_FAILED
+from studies.cli.options import EXIT_FAILED, WorkOptions
 from studies.cli.progress import progress_of
 from studies.cli.start import let_dask_in
 from studies.cli.telling import tell_error
@@ -22,41 +21,7 @@ from studies.engine.chunk_store import ChunkStore, parts_folder
 from studies.engine.run import Job, Outcome, Stopped, pool_of, run
 from studies.engine.workers import WorkersUnavailableError
 
-__all__ = ["WorkOptions", "completed"]
-
-
-@dataclass(frozen=True)
-class WorkOptions:
-    """What the options say."""
-
-    workers: int | None = None
-    scheduler: str | None = None
-    work_dir: str | None = None
-    keep_parts: bool = False
-
-    def __post_init__(self) -> None:
-        """Refuse what does not go together."""
-        if self.scheduler not in (None, "local-cluster"):
-            if self.workers is not None:
-                raise click.UsageError(
-                    "--workers: the scheduler's workers are those that were started for it; "
-                    "allowed with --scheduler local-cluster"
-                )
-            if "://" not in str(self.scheduler):
-                raise click.BadParameter(
-                    f"must be tcp://HOST:PORT or local-cluster (got {self.scheduler!r})",
-                    param_hint="--scheduler",
-                )
-        if self.keep_parts and self.work_dir is None:
-            context = click.get_current_context(silent=True)
-            if context is not None and context.params.get("out_file") is None:
-                raise click.UsageError("--keep-parts needs --out or --work")
-
-    def folder(self, target: str | os.PathLike[str] | None) -> Path | None:
-        """Folder for parts; none without a result file or a folder."""
-        if self.work_dir is not None:
-            return Path(self.work_dir)
-        return None if target is None else parts_folder(target)
+__all__ = ["completed"]
 
 
 @contextmanager
@@ -73,7 +38,9 @@ def completed(
     ``target``: file of the result, beside which parts are kept; None keeps none. ``unit``: what the
     cells are called in messages, in the plural. Returns columns, and the reasons of failed cells.
     """
-    folder = options.folder(target)
+    folder = None if target is None else parts_folder(target)
+    if options.work_dir is not None:
+        folder = Path(options.work_dir)
     with ExitStack() as stack:
         store = None
         if folder is not None:

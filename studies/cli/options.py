@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -31,6 +32,8 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 if TYPE_CHECKING:
     from click import ParamType as ParamType
+
+    from studies.cli.files import Case
 else:
 
     class ParamType(click.ParamType):
@@ -177,6 +180,64 @@ def mission_option(default: str | None = "rafz-july") -> Callable[[Command], Com
     )
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What the options common to commands say: what is asked about, and in which form."""
+
+    aircraft: str
+    mission: str | None
+    overrides: tuple[str, ...] = ()
+    model: str = "CAM"
+    correction: str = "none"
+    as_json: bool = False
+
+    def case(self) -> Case:
+        """Aircraft and mission as they are loaded; what is wrong with them is reported together."""
+        from studies.cli.files import load
+
+        return load(self)
+
+
+@dataclass(frozen=True)
+class WorkOptions:
+    """Where a command computes in chunks, and what it keeps of them."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+    work_dir: str | None = None
+    keep_parts: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what does not go together."""
+        if self.scheduler not in (None, "local-cluster"):
+            if self.workers is not None:
+                raise click.UsageError(
+                    "--workers: the scheduler's workers are those that were started for it; "
+                    "allowed with --scheduler local-cluster"
+                )
+            if "://" not in str(self.scheduler):
+                raise click.BadParameter(
+                    f"must be tcp://HOST:PORT or local-cluster (got {self.scheduler!r})",
+                    param_hint="--scheduler",
+                )
+        if self.keep_parts and self.work_dir is None:
+            context = click.get_current_context(silent=True)
+            if context is not None and context.params.get("out_file") is None:
+                raise click.UsageError("--keep-parts needs --out or --work")
+
+
+def _gathered(command: Command, name: str, kind: type[Any]) -> Command:
+    """Command that takes the options of one kind as a single argument of that name."""
+    names = [field.name for field in fields(kind)]
+
+    @functools.wraps(command)
+    def gathering(*args: Any, **kwargs: Any) -> Any:
+        given = {key: kwargs.pop(key) for key in names if key in kwargs}
+        return command(*args, **kwargs, **{name: kind(**given)})
+
+    return cast(Command, gathering)
+
+
 set_option = click.option(
     "--set",
     "overrides",
@@ -197,12 +258,23 @@ required_time_option = click.option(
 
 
 def solar_options(command: Command) -> Command:
-    """Options of the solar power model and ``--json``, shared by all studies."""
+    """Options of the solar power model, ``--set`` and ``--json``, shared by all studies."""
     return json_option(model_options(command))
 
 
+def set_options(command: Command) -> Command:
+    """Option ``--set``; the command has it, aircraft and mission as ``asked``."""
+    return set_option(_gathered(command, "asked", Asked))
+
+
+def case_options(command: Command) -> Command:
+    """Options ``--set`` and ``--json``, of commands whose models are given; as ``asked``."""
+    return set_option(json_option(_gathered(command, "asked", Asked)))
+
+
 def model_options(command: Command) -> Command:
-    """Options of the solar power model, and ``--set``."""
+    """Options of the solar power model, and ``--set``; the command has them as ``asked``."""
+    command = _gathered(command, "asked", Asked)
     for option in (
         set_option,
         click.option(
@@ -227,7 +299,8 @@ def model_options(command: Command) -> Command:
 
 
 def work_options(command: Command) -> Command:
-    """Options of commands that compute in chunks."""
+    """Options of commands that compute in chunks; the command has them as ``work``."""
+    command = _gathered(command, "work", WorkOptions)
     for option in (
         click.option(
             "--keep-parts",

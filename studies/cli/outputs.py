@@ -31,7 +31,6 @@ def tell(
     record: Any,
     shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
     *,
-    as_json: bool = False,
     out_dir: str | None = None,
     files: Iterable[str | os.PathLike[str] | None] = (),
     next_step: str | None = None,
@@ -42,7 +41,7 @@ def tell(
     written, to be named; None where one was not asked for. ``next_step``: what to do next, for
     somebody at a terminal.
     """
-    if as_json:
+    if case.as_json:
         print_json(record)
         return
     found = shown if isinstance(shown, Result | Summary | Table) else shown()
@@ -59,25 +58,23 @@ def told(
     record: Any,
     shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
     *,
-    as_json: bool = False,
     out_dir: str | None = None,
     files: Iterable[str | os.PathLike[str] | None] = (),
     next_step: str | None = None,
 ) -> Iterator[None]:
     """Print a result once its files are written, and also where one of them cannot be.
 
-    ``case``, ``record``, ``shown``, ``as_json``, ``out_dir``, ``files``, ``next_step``: as for
+    ``case``, ``record``, ``shown``, ``out_dir``, ``files``, ``next_step``: as for
     :func:`tell`; what the files are is not told where writing them failed. Returns files are
     written inside.
     """
     try:
         yield
     except BaseException:  # a signal, too: a report takes seconds
-        tell(case, record, shown, as_json=as_json)
+        tell(case, record, shown)
         raise
     tell(
         *(case, record, shown),
-        as_json=as_json,
         out_dir=out_dir,
         files=files,
         next_step=next_step,

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 from studies.cli.help_texts import command
 from studies.cli.options import (
+    Asked,
     ParamType,
     Parsed,
     aircraft_argument,
@@ -84,8 +85,7 @@ class Latitude(ParamType[float]):
 @solar_options
 @figure_options
 def analyse(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     latitude: float | None,
     day_of_year: int | None,
     date: int | None,
@@ -95,10 +95,6 @@ def analyse(
     table_years: str | None,
     plot_file: str | None,
     figure: FigureOptions,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
 ) -> None:
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
     from missions.dates import date_code
@@ -109,7 +105,6 @@ def analyse(
         require_climber,
         require_path,
     )
-    from studies.cli.files import load
     from studies.cli.outputs import told, write_results
     from studies.output.plots import plot_cycle, plot_flight
 
@@ -128,7 +123,7 @@ def analyse(
     check_outputs(**{"table": table_file, "table-years": table_years, "plot": plot_file})
     for option, path in (("--table", table_file), ("--table-years", table_years)):
         refuse_to_overwrite(option, path, (weather_file,))
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     moved: dict[str, Any] = {} if latitude is None else {"latitude_deg": latitude}
     day = day_of_year if day_of_year is not None else date
     if day is not None:
@@ -140,7 +135,7 @@ def analyse(
         raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
     require_path(case)
     if weather_file is not None:
-        _in_weather(case, weather_file, table_file, table_years, plot_file, figure, as_json=as_json)
+        _in_weather(case, weather_file, table_file, table_years, plot_file, figure)
         return
     require_climber(case)
     solar = case.solar
@@ -150,7 +145,6 @@ def analyse(
     flight = result.flight
     with told(
         *(case, case.named(result.to_dict()), result),
-        as_json=as_json,
         files=(table_file, plot_file),
         next_step=_next_step(case, perpetual=bool(result.performance.cycle.perpetual.all())),
     ):
@@ -184,8 +178,6 @@ def _in_weather(
     table_years: str | None,
     plot_file: str | None,
     figure: FigureOptions,
-    *,
-    as_json: bool,
 ) -> None:
     """Fly the case through a weather record, and tell what became of it."""
     from missions.weather.files import load_weather
@@ -206,7 +198,7 @@ def _in_weather(
         mission_chosen=not case.mission_is_default,
     )
     record = {"weather": result.to_dict()}
-    if as_json:
+    if case.as_json:
         clear_day = run_analysis(
             case.aircraft,
             result.mission,
@@ -216,7 +208,7 @@ def _in_weather(
         )
         record = clear_day.to_dict() | record
     files = (table_file, table_years, plot_file)
-    with told(case, case.named(record), result, as_json=as_json, files=files):
+    with told(case, case.named(record), result, files=files):
         write_results(
             table_years, lambda: table_bytes(result.to_years_frame(), table_years, title="years")
         )

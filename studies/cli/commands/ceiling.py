@@ -7,6 +7,7 @@ import click
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
+    Asked,
     RealRange,
     aircraft_argument,
     check_image,
@@ -47,28 +48,22 @@ _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 @solar_options
 @figure_options
 def ceiling(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     highest_m: float,
     step_m: float,
     table_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
 ) -> None:
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
     from studies.ceiling import perpetual_ceiling, plot_ceiling
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
-    from studies.cli.files import load
     from studies.cli.outputs import told, write_results
     from studies.cli.progress import progress_of
 
     check_image(plot_file)
     check_outputs(table=table_file, plot=plot_file)
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     refuse_climb(case, "ceiling")
     refuse_polar_night(case)
     require_path(case)
@@ -86,7 +81,7 @@ def ceiling(
             progress=progress,
         )
     record, files = case.named(result.to_dict()), (table_file, plot_file)
-    with told(case, record, result, as_json=as_json, files=files):
+    with told(case, record, result, files=files):
         write_results(
             table_file,
             lambda: table_bytes(result.to_frame(), table_file, title="altitudes"),

@@ -20,15 +20,15 @@ from solar.names import (
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
+    Asked,
     ParamType,
     aircraft_argument,
+    case_options,
     check_image,
     figure_options,
-    json_option,
     mission_option,
     out_option,
     required_time_option,
-    set_option,
     table_option,
 )
 from studies.output.figures.options import FigureOptions
@@ -95,22 +95,18 @@ class Names(ParamType["tuple[str, ...]"]):
 )
 @required_time_option
 @click.option("--no-design", is_flag=True, help="Compare predictions only, size nothing.")
-@set_option
-@json_option
+@case_options
 @out_option("figure")
 @table_option("the table")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw the figure (png, svg, pdf).")
 @figure_options
 def compare(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     models: tuple[ModelName, ...] | None,
     corrections: tuple[CorrectionName, ...] | None,
     objective: str,
     required_h: float | None,
     no_design: bool,
-    overrides: tuple[str, ...],
-    as_json: bool,
     out_dir: str | None,
     table_file: str | None,
     plot_file: str | None,
@@ -119,7 +115,6 @@ def compare(
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
     from missions.files.writing import check_writable_folder
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
-    from studies.cli.files import load
     from studies.cli.outputs import figure_bytes, told, write_results
     from studies.cli.progress import progress_of
     from studies.models.comparison import compare as compare_models
@@ -133,15 +128,15 @@ def compare(
     check_outputs(table=table_file, plot=plot_file)
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
-    case = load(aircraft, mission, overrides)
+    case = asked.case()
     if required_h is not None:
         case = case.with_mission(required_excess_time_h=required_h)
     refuse_climb(case, "compare")
     refuse_polar_night(case)
-    asked = _asked(models, corrections)
-    if asked is not None or attitude_is_known(case.aircraft, case.mission):
+    needs_path = _needs_path(models, corrections)
+    if needs_path is not None or attitude_is_known(case.aircraft, case.mission):
         # With surfaces and a path, the reference flies it even if no case does.
-        require_path(case, asked or "the reference")
+        require_path(case, needs_path or "the reference")
     with progress_of("models", lines=False) as progress:
         found = compare_models(
             *(case.aircraft, case.mission),
@@ -153,7 +148,7 @@ def compare(
         )
     record = case.named(found.to_dict())
     files = () if out_dir is not None else (table_file, plot_file)
-    with told(case, record, found, as_json=as_json, out_dir=out_dir, files=files):
+    with told(case, record, found, out_dir=out_dir, files=files):
         if out_dir is None:
             write_results(
                 table_file,
@@ -171,7 +166,7 @@ def compare(
         sys.exit(EXIT_FAILED)
 
 
-def _asked(models: tuple[str, ...] | None, corrections: tuple[str, ...] | None) -> str | None:
+def _needs_path(models: tuple[str, ...] | None, corrections: tuple[str, ...] | None) -> str | None:
     """Option that needs module surfaces and a flight path, None where there is none."""
     attitude = next((f"--models {m}" for m in models or () if m in ATTITUDE_MODELS), None)
     if attitude is None and "loiter" in (corrections or ()):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import click
 
 from studies.cli.help_texts import command
 from studies.cli.options import (
+    Asked,
     aircraft_argument,
     check_table,
     completes,
@@ -36,18 +39,13 @@ from studies.output.formats import table_bytes
 )
 @model_options
 def export(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     out_files: tuple[str, ...],
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
 ) -> None:
     """Write AIRCRAFT (name, file or folder) for other tools: its geometry, or its numbers."""
     from missions.files.writing import write_files_atomically
     from sizing.results.analysis import analyse
     from studies.cli.checks import check_outputs, require_climber, require_path
-    from studies.cli.files import load
     from studies.exchange import files
     from studies.output.terminal import tell_line
 
@@ -58,7 +56,7 @@ def export(
         missing = files.missing_for(path)
         if missing is not None:
             raise click.BadParameter(missing, param_hint="--out")
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     require_path(case)
     require_climber(case)
     solar = case.solar
@@ -80,14 +78,9 @@ def export(
 @table_option("the quantities of both")
 @solar_options
 def diff(
-    aircraft: str,
+    asked: Asked,
     other: str,
-    mission: str,
     table_file: str | None,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
 ) -> None:
     """Put AIRCRAFT and OTHER (names, files or folders) side by side: results, and keys that differ.
 
@@ -95,15 +88,14 @@ def diff(
     """
     from sizing.results.analysis import analyse
     from studies.cli.checks import check_outputs, require_climber, require_path
-    from studies.cli.files import load
     from studies.cli.outputs import write_results
     from studies.exchange.difference import compare_designs
     from studies.output.terminal import show, tell_line
 
     check_outputs(table=table_file)
     analyses = []
-    for one in (aircraft, other):
-        case = load(one, mission, overrides, model=model, correction=correction)
+    for one in (asked, replace(asked, aircraft=other)):
+        case = one.case()
         require_path(case)
         require_climber(case)
         solar = case.solar
@@ -117,7 +109,7 @@ def diff(
         )
     found = compare_designs(*analyses)
     write_results(table_file, lambda: table_bytes(found.to_frame(), table_file, title="designs"))
-    if as_json:
+    if asked.as_json:
         print_json(found.to_dict())
         return
     show(found)

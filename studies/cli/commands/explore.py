@@ -5,7 +5,13 @@ from __future__ import annotations
 import click
 
 from studies.cli.help_texts import command
-from studies.cli.options import EXIT_FAILED, aircraft_argument, mission_option, model_options
+from studies.cli.options import (
+    EXIT_FAILED,
+    Asked,
+    aircraft_argument,
+    mission_option,
+    model_options,
+)
 from studies.cli.telling import tell_error
 
 _NEEDS = "explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
@@ -31,18 +37,13 @@ _NEEDS = "explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
 )
 @model_options
 def explore(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     port: int,
     no_browser: bool,
     static_file: str | None,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
 ) -> None:
     """Explore AIRCRAFT (name, file or folder) with sliders, on a page of this machine."""
     from studies.cli.checks import check_outputs, refuse_climb, require_path
-    from studies.cli.files import load
     from studies.explorer.session import Session
 
     if static_file is None:
@@ -50,11 +51,11 @@ def explore(
     elif port or no_browser:
         raise click.UsageError("--static serves nothing: give it without --port and --no-browser")
     check_outputs(static=static_file)
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     refuse_climb(case, "explore")
     require_path(case)
     where = case.where.document.source.removesuffix(" (shipped)")
-    words = [aircraft, "-m", where, *(word for one in overrides for word in ("--set", one))]
+    words = [asked.aircraft, "-m", where, *(w for one in asked.overrides for w in ("--set", one))]
     session = Session(case.craft.document, case.where.document, case.solar, command=words)
     if static_file is not None:
         from missions.files.writing import write_text_atomically

@@ -12,15 +12,16 @@ from studies.cli.help_texts import command
 from studies.cli.log_options import log_options
 from studies.cli.options import (
     EXIT_FAILED,
+    Asked,
     RealRange,
     aircraft_argument,
+    case_options,
     completes,
     figure_options,
     json_option,
     mission_option,
     out_option,
     print_json,
-    set_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -61,21 +62,17 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write the fitted aircraft, with where its numbers come from.",
 )
-@set_option
-@json_option
+@case_options
 @out_option("a figure")
 @figure_options
 def fit(
-    aircraft: str,
+    asked: Asked,
     log_file: str,
-    mission: str,
     layout: ColumnMap,
     names: tuple[str, ...],
     light_sigma: float,
     other_log: str | None,
     write_file: str | None,
-    overrides: tuple[str, ...],
-    as_json: bool,
     out_dir: str | None,
     figure: FigureOptions,
 ) -> None:
@@ -84,7 +81,7 @@ def fit(
     from missions.logs.csv import read_flight_log
     from sizing.results.tables import Summary
     from studies.cli.checks import check_outputs, refuse_to_overwrite
-    from studies.cli.files import load, refuse_swapped_log
+    from studies.cli.files import refuse_swapped_log
     from studies.cli.outputs import figure_bytes, told
     from studies.fitting.files import file_text, fitted_document, fitted_lines
     from studies.fitting.flight import fit_flight
@@ -96,9 +93,9 @@ def fit(
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
     check_outputs(write=write_file)
-    refuse_to_overwrite("--write", write_file, (aircraft, mission, log_file, other_log))
-    refuse_swapped_log(aircraft, log_file, "fit")
-    case = load(aircraft, mission, overrides)
+    refuse_to_overwrite("--write", write_file, (asked.aircraft, asked.mission, log_file, other_log))
+    refuse_swapped_log(asked.aircraft, log_file, "fit")
+    case = asked.case()
     try:
         chosen(names, case.aircraft)
     except ValueError as error:
@@ -115,7 +112,7 @@ def fit(
         shown = shown + Summary((prediction.table(),))
     if not found.fitted:
         write_file = out_dir = None
-    with told(case, record, shown, as_json=as_json, out_dir=out_dir, files=(write_file,)):
+    with told(case, record, shown, out_dir=out_dir, files=(write_file,)):
         if write_file is not None or out_dir is not None:
             log = InputFile.of(Path(log_file))
             sources = {

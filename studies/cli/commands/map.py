@@ -10,7 +10,9 @@ from click.core import ParameterSource
 from solar.names import RESIZE_NAMES
 from studies.cli.help_texts import command
 from studies.cli.options import (
+    Asked,
     Grid,
+    WorkOptions,
     aircraft_argument,
     check_image,
     figure_options,
@@ -75,8 +77,7 @@ if TYPE_CHECKING:
 @solar_options
 @figure_options
 def map_(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     latitudes: list[float],
     days: list[float],
     endurance: bool,
@@ -86,14 +87,7 @@ def map_(
     out_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
-    workers: int | None,
-    scheduler: str | None,
-    work_dir: str | None,
-    keep_parts: bool,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
+    work: WorkOptions,
 ) -> None:
     """Map where and when AIRCRAFT (name, file or folder) flies perpetually.
 
@@ -102,8 +96,7 @@ def map_(
     not be computed.
     """
     from studies.cli.checks import check_outputs, refuse_climb, require_parametric, require_path
-    from studies.cli.files import load
-    from studies.cli.jobs import WorkOptions, completed
+    from studies.cli.jobs import completed
     from studies.cli.outputs import call, told, write_results
     from studies.maps import feasibility, results
     from studies.output.gridded import to_netcdf_bytes
@@ -112,32 +105,30 @@ def map_(
         raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
     if out_file is not None and not out_file.lower().endswith(".nc"):
         raise click.BadParameter(f"{out_file!r} must end in .nc", param_hint="--out")
-    options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     check_image(plot_file)
     _check_weather(weather_file)
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     refuse_climb(case, "map")
     require_path(case)
     if objective is not None:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     check_outputs(out=out_file, plot=plot_file)
     if weather_file is not None:
-        _in_weather(case, weather_file, batteries, (out_file, plot_file), figure, as_json=as_json)
+        _in_weather(case, weather_file, batteries, (out_file, plot_file), figure)
         return
-    asked = case.aircraft, case.mission
+    flown = case.aircraft, case.mission
     if objective is None:
-        study = feasibility.prepare(*asked, latitudes, days, case.solar, endurance)
+        study = feasibility.prepare(*flown, latitudes, days, case.solar, endurance)
         record, table = results.seasons_record, results.seasons_table
     else:
         from studies.maps import resized  # the optimiser takes a seventh of a second
 
-        study = resized.prepare(*asked, objective, latitudes, days, case.solar)
+        study = resized.prepare(*flown, objective, latitudes, days, case.solar)
         record, table = results.designs_record, results.designs_table
-    with completed(study.job, options, out_file, "cells") as outcome:
+    with completed(study.job, work, out_file, "cells") as outcome:
         data = study.gridded(outcome)
         with told(
             *(case, case.named(record(data)), lambda: table(data)),
-            as_json=as_json,
             files=(out_file, plot_file),
             next_step=call("report", "--out", "report.html"),
         ):
@@ -187,8 +178,6 @@ def _in_weather(
     batteries: list[float],
     files: tuple[str | None, str | None],
     figure: FigureOptions,
-    *,
-    as_json: bool,
 ) -> None:
     """Map the days of a record that close, and tell it."""
     from missions.weather.files import load_weather
@@ -202,7 +191,7 @@ def _in_weather(
         mission_chosen=not case.mission_is_default,
     )
     record = case.named({"days_in_weather": maps.battery_map_record(data)})
-    with told(case, record, lambda: maps.battery_map_table(data), as_json=as_json, files=files):
+    with told(case, record, lambda: maps.battery_map_table(data), files=files):
         write_results(
             files[0],
             lambda: to_netcdf_bytes(data),

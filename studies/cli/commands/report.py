@@ -8,6 +8,7 @@ import click
 
 from studies.cli.help_texts import command
 from studies.cli.options import (
+    Asked,
     aircraft_argument,
     completes,
     mission_option,
@@ -43,20 +44,14 @@ from studies.cli.options import (
 )
 @solar_options
 def report(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     out_file: str,
     with_pdf: bool,
     weather_file: str | None,
     uncertainty: bool | None,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
 ) -> None:
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
     from studies.cli.checks import require_climber, require_path
-    from studies.cli.files import load
     from studies.cli.reports import (
         check_report,
         check_uncertainty,
@@ -67,18 +62,18 @@ def report(
     from studies.output.terminal import tell_line
 
     check_report(out_file, with_pdf=with_pdf)
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     require_path(case)
     require_climber(case)
-    options: dict[str, Any] = {"overrides": overrides, "with_uncertainty": uncertainty}
+    options: dict[str, Any] = {"overrides": asked.overrides, "with_uncertainty": uncertainty}
     if weather_file is not None:
         from missions.weather.files import load_weather
 
         options["weather_record"] = load_weather(weather_file)
-    subject = subject_of(case, sizing=sizing_of_folder(aircraft, case), **options)
+    subject = subject_of(case, sizing=sizing_of_folder(asked.aircraft, case), **options)
     check_uncertainty(case, subject)
     written = write_report(subject, out_file, with_pdf=with_pdf)
-    if as_json:
+    if asked.as_json:
         print_json(subject.results())
         return
     for path in written:

@@ -14,6 +14,7 @@ from solar.names import OBJECTIVE_NAMES
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
+    Asked,
     RealRange,
     aircraft_argument,
     completes,
@@ -120,8 +121,7 @@ def _check_weather(objective: Objective, survive: float, others: Mapping[str, bo
 @solar_options
 @figure_options
 def size(
-    aircraft: str,
-    mission: str | None,
+    asked: Asked,
     objective: str,
     required_h: float | None,
     out_dir: str | None,
@@ -132,10 +132,6 @@ def size(
     reliability: float | None,
     weather_file: str | None,
     survive: float | None,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
 ) -> None:
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
     from missions.files.writing import check_writable_folder
@@ -151,15 +147,14 @@ def size(
         require_path,
         uncertain_inputs_of,
     )
-    from studies.cli.files import load
     from studies.cli.outputs import told
     from studies.cli.progress import progress_of
     from studies.cli.reports import check_report, report_on_sizing
     from studies.output.run_folder import write_run_folder
     from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
-    asked = Objective(objective)
-    if asked.of_range and (with_sensitivities or with_cross_check):
+    goal = Objective(objective)
+    if goal.of_range and (with_sensitivities or with_cross_check):
         raise click.UsageError(
             f"{objective} counts days or degrees: it has no sensitivities and no cross-check"
         )
@@ -175,7 +170,7 @@ def size(
         )
     if survive is not None:
         _check_weather(
-            asked,
+            goal,
             survive,
             {
                 "--sensitivities": with_sensitivities,
@@ -184,17 +179,17 @@ def size(
                 "--required-excess-time": required_h is not None,
             },
         )
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     if required_h is not None:
         case = case.with_mission(required_excess_time_h=required_h)
     require_parametric(case, "a measured aircraft cannot be sized; allowed: parametric")
     refuse_climb(case, "size")
-    if not asked.of_range and weather_file is None:
+    if not goal.of_range and weather_file is None:
         refuse_polar_night(case)
     require_path(case)
     if reliability is not None:
         with uncertain_inputs_of(case):
-            check_reliability(case.aircraft, case.mission, asked, case.solar, reliability)
+            check_reliability(case.aircraft, case.mission, goal, case.solar, reliability)
     if out_dir is not None:
         if not out_dir:
             raise click.BadParameter("needs the name of a folder", param_hint="--out")
@@ -204,7 +199,7 @@ def size(
         record_read = load_weather(weather_file)
         with progress_of("steps of the search") as progress:
             study = size_in_weather(
-                *(case.aircraft, case.mission, record_read, asked),
+                *(case.aircraft, case.mission, record_read, goal),
                 survive=survive,
                 model=case.solar.model,
                 correction=case.solar.correction,
@@ -212,7 +207,7 @@ def size(
             )
     else:
         study = sizing.size(
-            *(case.aircraft, case.mission, asked),
+            *(case.aircraft, case.mission, goal),
             model=case.solar.model,
             correction=case.solar.correction,
             with_sensitivities=with_sensitivities,
@@ -224,7 +219,6 @@ def size(
     reported = report_file if study.feasible else None
     with told(
         *(case, record, study),
-        as_json=as_json,
         out_dir=written,
         files=(reported,),
         next_step=_next_step(study, written),
@@ -234,6 +228,6 @@ def size(
             inputs, tables = sized_inputs(study, read), sizing_tables(study)
             write_run_folder(Path(written), inputs, record, tables, sizing_figures(study, figure))
         if reported is not None:
-            report_on_sizing(case, study, record, reported, overrides=overrides)
+            report_on_sizing(case, study, record, reported, overrides=asked.overrides)
     if not study.feasible:
         sys.exit(EXIT_FAILED)

@@ -15,7 +15,9 @@ from solar.names import RESIZE_NAMES
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
+    Asked,
     Parsed,
+    WorkOptions,
     aircraft_argument,
     check_image,
     check_table,
@@ -107,8 +109,7 @@ _TOP = 40
 @solar_options
 @figure_options
 def sweep(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     axes: tuple[Axis, ...],
     objective: str | None,
     cover: bool | None,
@@ -121,14 +122,7 @@ def sweep(
     pareto: tuple[str, str] | None,
     sort: str | None,
     top: int,
-    workers: int | None,
-    scheduler: str | None,
-    work_dir: str | None,
-    keep_parts: bool,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
+    work: WorkOptions,
 ) -> None:
     """Trade study: vary keys of AIRCRAFT (name, file or folder) and mission, each point judged.
 
@@ -136,8 +130,7 @@ def sweep(
     """
     from missions.files.writing import write_files_atomically
     from studies.cli.checks import check_outputs, refuse_climb, require_path
-    from studies.cli.files import load
-    from studies.cli.jobs import WorkOptions, completed
+    from studies.cli.jobs import completed
     from studies.cli.outputs import call, figure_bytes, told
     from studies.sweeps import study
     from studies.sweeps.axes import axis_names
@@ -145,7 +138,6 @@ def sweep(
     from studies.sweeps.points import BLANKS, SIZED_BLANKS
     from studies.sweeps.results import front_record, points_record, points_summary
 
-    options = WorkOptions(workers, scheduler, work_dir, keep_parts)
     if pareto is not None and sort is not None:
         raise click.UsageError("a front has its own order: give --pareto or --sort")
     blanks = BLANKS if objective is None else SIZED_BLANKS
@@ -160,7 +152,7 @@ def sweep(
     file_format = None if out_file is None else table_format(out_file)
     if out_file is not None:
         check_table(out_file, file_format, FORMATS, "--out")
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     refuse_climb(case, "sweep")
     require_path(case)
     try:
@@ -176,7 +168,7 @@ def sweep(
         named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
         raise InputError(named) from None
     check_outputs(out=out_file, plot=plot_file)
-    with completed(prepared.job, options, out_file, "points") as outcome:
+    with completed(prepared.job, work, out_file, "points") as outcome:
         data = study.dataset(prepared, outcome)
         record = case.named(points_record(data))
         if pareto is not None:
@@ -185,7 +177,6 @@ def sweep(
         trouble = None
         with told(
             *(case, record, lambda: points_summary(data, sort=sort, top=top, front=pareto)),
-            as_json=as_json,
             files=contents,
             next_step=f"{call('explore')} (the same with sliders)",
         ):

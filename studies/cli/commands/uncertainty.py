@@ -6,6 +6,7 @@ import click
 
 from studies.cli.help_texts import command
 from studies.cli.options import (
+    Asked,
     aircraft_argument,
     check_image,
     figure_options,
@@ -44,18 +45,13 @@ from studies.output.formats import table_bytes
 @solar_options
 @figure_options
 def uncertainty(
-    aircraft: str,
-    mission: str,
+    asked: Asked,
     samples: int,
     seed: int,
     no_model_error: bool,
     table_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
-    model: str,
-    correction: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
 ) -> None:
     """Find how likely AIRCRAFT (name, file or folder) flies perpetually when its inputs scatter."""
     from sizing.results.uncertainty import analyse_uncertainty
@@ -65,13 +61,12 @@ def uncertainty(
         require_path,
         uncertain_inputs_of,
     )
-    from studies.cli.files import load
     from studies.cli.outputs import told, write_results
     from studies.uncertainty.plots import plot_uncertainty
 
     check_image(plot_file)
     check_outputs(table=table_file, plot=plot_file)
-    case = load(aircraft, mission, overrides, model=model, correction=correction)
+    case = asked.case()
     refuse_climb(case, "uncertainty")
     require_path(case)
     with uncertain_inputs_of(case):
@@ -85,7 +80,7 @@ def uncertainty(
             model_error=not no_model_error,
         )
     record, files = case.named(result.to_dict()), (table_file, plot_file)
-    with told(case, record, result, as_json=as_json, files=files):
+    with told(case, record, result, files=files):
         write_results(
             table_file,
             lambda: table_bytes(result.to_frame(), table_file, title="draws"),

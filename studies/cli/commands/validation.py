@@ -15,13 +15,15 @@ import click
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
+    Asked,
     aircraft_argument,
+    case_options,
     check_image,
     figure_options,
     mission_option,
     out_option,
     print_json,
-    set_option,
+    set_options,
     table_option,
 )
 from studies.output.figures.options import FigureOptions
@@ -84,25 +86,20 @@ def published(
 @command("solar-uav loiter-correction --markdown errors.md", name="loiter-correction")
 @aircraft_argument("atlantiksolar-as2")
 @mission_option("rafz-loiter")
-@set_option
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@case_options
 @click.option("--markdown", "markdown_file", type=click.Path(), help="Write the table to a file.")
 def loiter_correction(
-    aircraft: str,
-    mission: str,
-    overrides: tuple[str, ...],
-    as_json: bool,
+    asked: Asked,
     markdown_file: str | None,
 ) -> None:
     """Tabulate how the errors of CDM and CAM change with latitude, season and wind."""
     from missions.files.writing import write_text_atomically
     from missions.flight_path import largest_wind_m_per_s
     from studies.cli.checks import require_path
-    from studies.cli.files import load
     from studies.cli.outputs import tell
     from studies.models import transfer as study
 
-    case = load(aircraft, mission, overrides)
+    case = asked.case()
     require_path(case, "--model FM")
     assert case.mission.flight_path is not None
     limit = largest_wind_m_per_s(case.mission.flight_path)
@@ -111,33 +108,30 @@ def loiter_correction(
     if markdown_file is not None:
         write_text_atomically(markdown_file, study.transfer_table(errors).to_markdown())
     record = case.named({"errors": [asdict(error) for error in errors]})
-    tell(case, record, study.transfer_table(errors), as_json=as_json)
+    tell(case, record, study.transfer_table(errors))
 
 
 @command("solar-uav efficiencies atlantiksolar-as2 --plot efficiencies.png")
 @aircraft_argument()
 @mission_option("rafz-loiter")
-@set_option
+@set_options
 @table_option("the table over time")
 @click.option("--plot", "plot_file", type=click.Path(), help="Draw it (png, svg, pdf).")
 @figure_options
 def efficiencies(
-    aircraft: str,
-    mission: str,
-    overrides: tuple[str, ...],
+    asked: Asked,
     table_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
 ) -> None:
     """Show what drives the Full Model's power of AIRCRAFT: every component efficiency."""
     from studies.cli.checks import check_outputs, refuse_polar_night, require_path
-    from studies.cli.files import load
     from studies.cli.outputs import told, write_results
     from studies.models import component_efficiencies as study
 
     check_image(plot_file)
     check_outputs(table=table_file, plot=plot_file)
-    case = load(aircraft, mission, overrides)
+    case = asked.case()
     require_path(case, "--model FM")
     refuse_polar_night(case)
     data = study.component_efficiencies(case.aircraft, case.mission)
@@ -170,10 +164,10 @@ def reproduce_report(as_json: bool, out_dir: str | None, figure: FigureOptions) 
 
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
-    case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION))
+    case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION), as_json=as_json)
     result = study.reproduce(case.aircraft, case.mission, vary=True)
     record = case.named(result.to_dict())
-    with told(case, record, result, as_json=as_json, out_dir=out_dir):
+    with told(case, record, result, out_dir=out_dir):
         if out_dir is not None:
             tables = "\n".join(table.to_markdown() for table in result.tables())
             contents = {"report.md": tables.encode()}

@@ -12,16 +12,16 @@ import click
 from studies.cli.help_texts import command
 from studies.cli.log_options import log_options
 from studies.cli.options import (
+    Asked,
     Parsed,
     RealRange,
     aircraft_argument,
+    case_options,
     completes,
     figure_options,
-    json_option,
     mission_option,
     out_option,
     report_option,
-    set_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -61,21 +61,17 @@ _SAMPLES = "samples.csv"
     is_flag=True,
     help="Tell errors of the log's clock, heading and unit of power, but do not correct them.",
 )
-@set_option
-@json_option
+@case_options
 @out_option("samples and figures")
 @figure_options
 @report_option
 def verify(
-    aircraft: str,
+    asked: Asked,
     log_file: str,
-    mission: str,
     layout: ColumnMap,
     windows: tuple[Window, ...],
     filter_s: float | None,
     as_logged: bool,
-    overrides: tuple[str, ...],
-    as_json: bool,
     out_dir: str | None,
     figure: FigureOptions,
     report_file: str | None,
@@ -84,7 +80,7 @@ def verify(
     from missions.files.writing import check_writable_folder
     from missions.logs.csv import read_flight_log
     from studies.cli.checks import refuse_to_overwrite
-    from studies.cli.files import load, refuse_swapped_log
+    from studies.cli.files import refuse_swapped_log
     from studies.cli.outputs import told
     from studies.cli.reports import check_report, report_on_log
     from studies.flight_logs.plots import figures
@@ -95,8 +91,8 @@ def verify(
         check_writable_folder(Path(out_dir))
         refuse_to_overwrite("--out", str(Path(out_dir) / _SAMPLES), (log_file,))
     check_report(report_file, option="--report")
-    refuse_swapped_log(aircraft, log_file)
-    case = load(aircraft, mission, overrides)
+    refuse_swapped_log(asked.aircraft, log_file)
+    case = asked.case()
     result = verify_models(
         case.aircraft,
         read_flight_log(log_file, layout),
@@ -106,7 +102,7 @@ def verify(
         correct=not as_logged,
     )
     record = case.named(result.to_dict())
-    with told(case, record, result, as_json=as_json, out_dir=out_dir, files=(report_file,)):
+    with told(case, record, result, out_dir=out_dir, files=(report_file,)):
         if out_dir is not None:
             contents = {_SAMPLES: result.to_csv().encode()}
             drawn = {
@@ -116,7 +112,7 @@ def verify(
             inputs = case.inputs(log=Path(log_file))
             write_run_folder(Path(out_dir), inputs, record, contents, drawn)
         if report_file is not None:
-            report_on_log(case, result, log_file, report_file, overrides=overrides)
+            report_on_log(case, result, log_file, report_file, overrides=asked.overrides)
 
 
 def _log_figure(draw: Callable[[], Figure], name: str) -> bytes:

@@ -21,9 +21,9 @@ MEGABYTE = 1e6
 
 
 def session_of(name: str) -> Session:
-    from studies.cli.files import load
+    from studies.cli.options import Asked
 
-    case = load(name, "rafz-july", (), model="CAM", correction="none")
+    case = Asked(name, "rafz-july").case()
     return Session(case.craft.document, case.where.document, case.solar)
 
 
