@@ -8,7 +8,7 @@ import pytest
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.cross_check import cross_check
+from sizing.optimisation.cross_check import _elsewhere, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.optimisation.sensitivity import (
@@ -190,6 +190,17 @@ def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
     assert not check.cross_checked
     assert check.advantage > 0.0
     assert check.found_by != "optimum"
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_other_starts_are_spread_from_end_to_end_of_the_design_space(share: float) -> None:
+    aircraft = load_aircraft(DESIGN)
+    space, start = aircraft.design_space, _elsewhere(aircraft, (share, share, share))
+    for name in ("wingspan_m", "battery_mass_kg", "module_area_m2"):
+        ends = getattr(space, name)
+        # Both ends, and their geometric mean.
+        expected = {0.0: ends.minimum, 0.5: (ends.minimum * ends.maximum) ** 0.5, 1.0: ends.maximum}
+        assert getattr(start, name) == pytest.approx(expected[share], rel=1e-12)
 
 
 def test_grid_finds_designs_that_need_no_battery() -> None:

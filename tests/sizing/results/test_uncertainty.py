@@ -32,6 +32,7 @@ def test_the_record_agrees_with_the_draws(analysis):
     record = json.loads(json.dumps(analysis.to_dict(), allow_nan=False))
     frame = analysis.to_frame()
     assert record["samples"] == len(frame) == 1024
+    assert record["seed"] == 0  # of a call without one, as on the command line and in the docs
     share = float((frame["excess_time_h"] > 0.0).mean())
     found = record["probability_perpetual"]
     assert found["low"] <= share == found["value"] <= found["high"]
