@@ -825,11 +825,19 @@ def test_value_that_the_program_overshot_is_bisected(
     def enough(value: float, _: object) -> bool:
         return value >= edge if upwards else value <= edge
 
+    sized: list[float] = []
+
+    def largest_excess(value: float, _: object) -> bool:
+        sized.append(value)
+        # From half of the value to a thousandth are ten halvings, besides the first and last.
+        assert len(sized) <= 12
+        return enough(value, None)
+
     search = _Relaxations.__new__(_Relaxations)
     # In place of sizings and the simulator: what reaches the edge has an hour of excess time.
     for name, answer in {
         "_reached_by": lambda _variables, *eased: 1.0 if enough(*eased) else None,
-        "_largest_excess": enough,
+        "_largest_excess": largest_excess,
         "_reached_h": lambda suffices: 1.0 if suffices else None,
     }.items():
         setattr(search, name, answer)

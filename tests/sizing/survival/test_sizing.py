@@ -12,6 +12,7 @@ from missions.library import load_mission
 from sizing.design import DesignVariables, FlightConditions, closed_design, design_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
+from sizing.optimisation.relaxations import Relaxation
 from sizing.survival.contour import fitted
 from sizing.survival.flights import Powers, SeasonFlights
 from sizing.survival.result import SeasonDays
@@ -280,6 +281,21 @@ def test_days_that_the_whole_record_takes_away_are_asked_for_on_top():
     found = SimpleNamespace(needed=27, search=SimpleNamespace(best=best, found=[]), record=Record())
     assert _SurvivalSizing._best(found).powers == 29
     assert asked == [27, 29]
+
+
+@pytest.mark.parametrize(("present", "edge"), [(200.0, 300.0), (50.0, 20.0)])
+def test_value_that_helps_in_the_record_is_told_to_one_per_cent(present, edge):
+    """The program's day wants a tenth of what the record does: further is tried, then bisected."""
+    upwards = edge > present
+    fake = SimpleNamespace(
+        _closes_enough=lambda _key, value, _factors: value >= edge if upwards else value <= edge
+    )
+    direction = "at least" if upwards else "at most"
+    found = present + 0.1 * (edge - present)
+    one = Relaxation("battery.mass_kg", "kg", present, direction, found, 1.0)
+    value = _SurvivalSizing._flown(fake, one, None).value
+    # Bisected to one per cent; three digits on the safe side.
+    assert 0.0 <= (value - edge if upwards else edge - value) <= 0.011 * edge
 
 
 def test_limits_on_the_battery_hold_for_the_battery_that_is_carried():
