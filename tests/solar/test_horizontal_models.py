@@ -429,3 +429,24 @@ def test_own_sky_and_own_model_are_used() -> None:
         horizontal_specific_power(
             **MAP, cell=SolarCell(), module_temperature_c=25.0, model=tenth, correct="report"
         )
+
+
+def test_large_maps_are_computed_part_by_part_and_no_times_give_no_power() -> None:
+    sizes: list[int] = []
+
+    def tenth(light: Irradiance, cosine: Any, cell: SolarCell, temperature_c: Any) -> FloatArray:
+        sizes.append(np.size(cosine))
+        return np.asarray(0.1 * light.dni * np.maximum(cosine, 0.0))
+
+    def power(days: FloatArray, times: FloatArray) -> FloatArray:
+        return horizontal_specific_power(
+            *(47.6, days, times), cell=SolarCell(), module_temperature_c=25.0, model=tenth
+        )
+
+    days, times = np.linspace(1.0, 365.0, 2000).reshape(-1, 1), np.linspace(0.0, 24.0, 97)
+    whole = power(days, times)
+    # Half of them is the morning, of which two thirds are lit: memory is needed for some only.
+    assert sum(sizes) > 30_000
+    assert max(sizes) < 20_000
+    np.testing.assert_array_equal(power(days[1500:1510], times), whole[1500:1510])
+    assert power(np.array([172.5]), np.array([])).shape == (0,)

@@ -55,6 +55,16 @@ def test_field_types(kind: Any, good: list[object], bad: list[object]) -> None:
             adapter.validate_python(value)
 
 
+@pytest.mark.parametrize("kind", [PositiveReal, Fraction])
+@pytest.mark.parametrize("value", [0.0, -0.5])
+def test_numbers_that_are_not_positive_are_told_so(kind: Any, value: float) -> None:
+    # The least number that is allowed, 1e-9 or 1e-3, is told to those who wrote a positive one.
+    with pytest.raises(ValidationError, match="should be greater than 0 "):
+        TypeAdapter(kind).validate_python(value)
+    with pytest.raises(ValidationError, match="must be at least"):
+        TypeAdapter(kind).validate_python(1e-10)
+
+
 def test_records_are_frozen_and_check_their_defaults() -> None:
     class Right(Record):
         mass_kg: PositiveReal

@@ -93,6 +93,14 @@ def test_what_is_guessed_is_told(tmp_path: Path) -> None:
     assert plain.notes == ()
 
 
+def test_a_wrong_value_is_named_by_its_column_in_the_file(tmp_path: Path) -> None:
+    flight = table().rename(columns={"latitude_deg": "gps_lat"})
+    flight.loc[3, "gps_lat"] = 95.0
+    assert "log.csv:5: gps_lat: must be from -90 to 90" in refused(
+        tmp_path, flight.to_csv(index=False)
+    )
+
+
 def test_radians_in_columns_called_degrees_are_recognised(tmp_path: Path) -> None:
     lying = table()
     lying[["roll_deg", "pitch_deg", "yaw_deg"]] = np.radians(

@@ -52,6 +52,20 @@ def test_minutes_are_averaged_over_whole_steps():
     assert light.recorded.dni.sum() * 5.0 == pytest.approx(record.dni.sum(), rel=1e-4)
 
 
+@pytest.mark.parametrize(("step_s", "minutes"), [(3600.0, 60), (2400.0, 30), (1800.0, 30)])
+def test_steps_are_no_longer_than_allowed(step_s, minutes):
+    """An hour parted into steps of 40 minutes at most has two of half an hour, not one."""
+    light = light_at_altitude(clear_record(1), SITE.altitude_m, step_s=step_s)
+    assert light.step_h * 60.0 == pytest.approx(minutes)
+    assert len(light.time_s) == 24 * 60 // minutes
+
+
+def test_a_day_has_a_whole_number_of_steps():
+    """Minutes averaged over 64 of them would be 22.5 intervals a day: each is parted into two."""
+    light = light_at_altitude(clear_record(1, interval_s=60.0), SITE.altitude_m, step_s=3840.0)
+    assert light.step_h * 60.0 == pytest.approx(32.0)
+
+
 def test_temperature_and_wind_change_with_height_by_their_laws():
     record = clear_record(1, temperature_c=np.full(24, 20.0), wind_m_per_s=np.full(24, 4.0))
     light = light_at_altitude(record, SITE.altitude_m + 100.0)

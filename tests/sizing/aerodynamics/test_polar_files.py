@@ -28,8 +28,8 @@ from pydantic import ValidationError
 from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
-from sizing.aerodynamics.polar_files import read_polars
-from sizing.aerodynamics.polar_merging import parse_polar
+from sizing.aerodynamics.polar_files import FilePolar, PolarRow, read_polars
+from sizing.aerodynamics.polar_merging import _is_fixed, parse_polar
 from sizing.aerodynamics.polar_table import (
     PolarTable,
     WingReference,
@@ -288,6 +288,16 @@ def test_every_mistake_has_its_line(old: str, new: str, words: str) -> None:
 def test_polars_that_do_not_belong_together(text: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         parse_polar(text, "p", REFERENCE if "Wing name" in text else None)
+
+
+@pytest.mark.parametrize(("other", "fixed"), [(5.0, True), (5.01, True), (5.05, False)])
+def test_speeds_that_differ_by_their_last_digit_are_one(other: float, fixed: bool) -> None:
+    # Two digits behind the point, of a slow wing; a per cent is another speed.
+    rows = [
+        PolarRow(line, 1.0 * line, 0.1 * line, 0.02, 0.0, speed_m_per_s=speed)
+        for line, speed in enumerate((5.0, other, 5.0), start=8)
+    ]
+    assert _is_fixed(FilePolar("p", 5, "wing", "a wing", XFLR5, rows=rows)) is fixed
 
 
 def test_all_mistakes_are_listed_in_the_aircrafts_message(tmp_path: Path) -> None:

@@ -92,6 +92,12 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> Non
     # The two march with other steps: 4 s.
     assert ours.excess_time_h == pytest.approx(theirs.excess_time_h, abs=1e-3)
     assert ours.energy_budget.load_wh == pytest.approx(theirs.energy_budget.load_wh, rel=1e-9)
+    # The load of every step, with thermals that come and go, is that of its middle there.
+    middles = (result.climb.time_h[1:] + result.climb.time_h[:-1]) / 2.0
+    day = result.constant
+    expected = np.interp(middles, day.cycle.time_h, np.ravel(day.load_w))
+    assert np.ptp(expected) > 0.2 * expected.min()
+    assert result.climb.load_w[0, :-1] == pytest.approx(expected, rel=1e-9)
 
 
 # ---- The energy budget

@@ -71,6 +71,14 @@ CASES = {
     "tropics": (sun(0.0, 80), 60.0, battery(500.0)),
     "small battery in the arctic": (sun(66.0, 172), 45.0, battery(60.0)),
     "sun below the load": (sun(47.6, 355), 150.0, battery(732.0)),
+    # The longest flight begins half an hour before 11 h, where the flight time jumps: a little
+    # earlier the battery is empty before the second sun. Away from the jump there are others that
+    # are nearly as long.
+    "weak sun, then a short strong one": (
+        np.interp(TIME, [4, 5, 10, 11, 12, 14, 15], [0, 50, 50, 0, 90, 90, 0]),
+        60.0,
+        battery(50.0),
+    ),
 }
 
 

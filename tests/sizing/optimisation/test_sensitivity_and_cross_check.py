@@ -8,7 +8,7 @@ import pytest
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.cross_check import cross_check
+from sizing.optimisation.cross_check import CrossCheck, _elsewhere, _Judge, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import SizingResult, size_aircraft
 from sizing.optimisation.sensitivity import (
@@ -18,6 +18,7 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
+from sizing.results.sizing_summary import cross_check_line
 from sizing.sunlight import SolarModel
 from studies.output.plots import plot_sensitivities
 
@@ -190,6 +191,37 @@ def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
     assert not check.cross_checked
     assert check.advantage > 0.0
     assert check.found_by != "optimum"
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.004, "none is better"), (0.006, "better by")])
+def test_only_more_than_half_a_per_cent_is_told_to_be_better(share: float, told: str) -> None:
+    # As documented: less may be the time steps' and the solver's tolerances.
+    check = CrossCheck(
+        cross_checked=share < 0.005,
+        objective_value=4.0,
+        fine_step_value=4.0,
+        best_found=4.0 * (1.0 - share),
+        advantage=4.0 * share,
+        found_by="grid",
+        designs_tried=1000,
+    )
+    assert told in cross_check_line(check, Objective.min_wingspan)
+    aircraft, mission = load_aircraft(DESIGN), load_mission("rafz-july")
+    result = sized(Objective.min_wingspan, 2.0, mission="rafz-july")
+    assert result.simulated is not None
+    tolerance = _Judge(aircraft, mission, SolarModel(), result).tolerance(4.0, result.simulated)
+    assert tolerance == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_other_starts_are_spread_from_end_to_end_of_the_design_space(share: float) -> None:
+    aircraft = load_aircraft(DESIGN)
+    space, start = aircraft.design_space, _elsewhere(aircraft, (share, share, share))
+    for name in ("wingspan_m", "battery_mass_kg", "module_area_m2"):
+        ends = getattr(space, name)
+        # Both ends, and their geometric mean.
+        expected = {0.0: ends.minimum, 0.5: (ends.minimum * ends.maximum) ** 0.5, 1.0: ends.maximum}
+        assert getattr(start, name) == pytest.approx(expected[share], rel=1e-12)
 
 
 def test_grid_finds_designs_that_need_no_battery() -> None:

@@ -24,11 +24,11 @@ from sizing.design import FlightConditions, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.coverage import DAYS, WidestRange, widest_range
+from sizing.optimisation.coverage import DAYS, WidestRange, _Growth, widest_range
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import Relaxation, relaxations, rounded
+from sizing.optimisation.relaxations import Relaxation, _Relaxations, relaxations, rounded
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
@@ -494,6 +494,19 @@ def test_range_that_is_empty_is_infeasible() -> None:
     assert found.sizing.violations
 
 
+@pytest.mark.parametrize(
+    ("apart", "failed"), [([{3, 4}], []), ([], [{2, 3, 4}]), ([{3, 4}], [{2, 3, 4}])]
+)
+def test_run_that_is_known_to_have_no_design_is_not_sized_again(
+    apart: list[set[int]], failed: list[set[int]]
+) -> None:
+    growth = _Growth.__new__(_Growth)
+    growth.season, growth.members, growth.within = False, np.arange(10.0), {2, 4}
+    growth.apart, growth.failed = list(map(frozenset, apart)), set(map(frozenset, failed))
+    # Without an aircraft: a sizing would be an error.
+    assert growth._covering([2, 3, 4]) is None
+
+
 # ---- relaxations
 
 
@@ -799,6 +812,43 @@ def test_a_relaxed_value_has_three_digits_on_the_safe_side() -> None:
     assert [rounded(v, "at least") for v in (286.4, 0.012341, 99999.0)] == [287.0, 0.0124, 1e5]
     assert [rounded(v, "at most") for v in (286.6, 0.012349, 1.0)] == [286.0, 0.0123, 1.0]
     assert rounded(-3.0, "at most") == rounded(0.0, "at least") == 0.0
+
+
+@pytest.mark.parametrize(
+    ("present", "found", "edge"), [(200.0, 300.0, 250.2), (10.0, 5.0, 8.004), (40.0, 41.0, 40.9)]
+)
+def test_value_that_the_program_overshot_is_bisected(
+    present: float, found: float, edge: float
+) -> None:
+    upwards = found > present
+
+    def enough(value: float, _: object) -> bool:
+        return value >= edge if upwards else value <= edge
+
+    sized: list[float] = []
+
+    def largest_excess(value: float, _: object) -> bool:
+        sized.append(value)
+        # From half of the value to a thousandth are ten halvings, besides the first and last.
+        assert len(sized) <= 12
+        return enough(value, None)
+
+    search = _Relaxations.__new__(_Relaxations)
+    # In place of sizings and the simulator: what reaches the edge has an hour of excess time.
+    for name, answer in {
+        "_reached_by": lambda _variables, *eased: 1.0 if enough(*eased) else None,
+        "_largest_excess": largest_excess,
+        "_reached_h": lambda suffices: 1.0 if suffices else None,
+    }.items():
+        setattr(search, name, answer)
+    told = search._confirmed_value(present, found, None, lambda v: (v, None), upwards=upwards)
+    assert told is not None
+    direction, value, _ = told
+    assert direction == ("at least" if upwards else "at most")
+    assert enough(value, None)
+    # A thousandth from bisection, and three digits rounded away from the edge; a value less than a
+    # hundredth beyond the edge stays.
+    assert abs(value - edge) <= (0.006 if abs(found - edge) > 0.01 * edge else 0.01) * edge
 
 
 def test_relaxations_in_words_and_by_their_size() -> None:

@@ -171,6 +171,9 @@ def test_an_infeasible_sizing_has_no_design_and_says_why(design: Aircraft) -> No
     with pytest.raises(ValueError, match="the sizing is infeasible: it has no design"):
         none.to_frame()
     assert none.to_dict()["violated_requirements"]
+    text = " ".join(str(none).split())
+    assert "(min_wingspan): infeasible" in text
+    assert all(" ".join(missed.text.split()) in text for missed in none.result.violations)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import math
 import pandas as pd
 import pytest
 
+from sizing.results.records import clock_label
 from sizing.results.tables import Column, Line, Summary, Table, facts
 
 COLUMNS = (Column("item"), Column("mass_kg", "mass", "kg", ".3f"))
@@ -42,6 +43,13 @@ def test_values_are_text_for_people() -> None:
         *("1.00", "-", "-", "unlimited", "-unlimited", "x", "yes")
     ]
     assert Column("share", form="{:.0%} of it").text(0.5) == "50% of it"
+
+
+def test_hours_are_clock_readings_with_the_date_where_days_count() -> None:
+    assert [clock_label(h) for h in (6.5, 0.0, 23.75, 24.0)] == ["06:30", "00:00", "23:45", "24:00"]
+    # A quarter past one in the night after 21 June, day 172.
+    assert clock_label(25.25, first_day=172) == "22 Jun 01:15"
+    assert [clock_label(h) for h in (None, math.nan, math.inf)] == ["-", "-", "-"]
 
 
 def test_csv_and_frame_keep_all_digits_under_the_columns_names() -> None:

@@ -1,5 +1,6 @@
 import functools
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +12,12 @@ from missions.library import load_mission
 from sizing.design import DesignVariables, FlightConditions, closed_design, design_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
+from sizing.optimisation.relaxations import Relaxation
 from sizing.survival.contour import fitted
 from sizing.survival.flights import Powers, SeasonFlights
 from sizing.survival.result import SeasonDays
+from sizing.survival.search import SurvivalSearch
+from sizing.survival.sizing import _SurvivalSizing
 
 pytestmark = pytest.mark.slow
 
@@ -257,6 +261,54 @@ def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most)
 def test_what_cannot_be_asked(call, error, message):
     with pytest.raises(error, match=message):
         sized(**({"survive": 0.9} | call))
+
+
+def test_days_that_the_whole_record_takes_away_are_asked_for_on_top():
+    """The search flies parts of the record: of its days two fewer close in all of it."""
+    asked = []
+
+    def best(days):
+        asked.append(days)
+        return SimpleNamespace(powers=days, cost=1.0)
+
+    class Record:
+        def __len__(self):
+            return 30
+
+        def that_close(self, days):
+            return [days - 2]
+
+    found = SimpleNamespace(needed=27, search=SimpleNamespace(best=best, found=[]), record=Record())
+    assert _SurvivalSizing._best(found).powers == 29
+    assert asked == [27, 29]
+
+
+@pytest.mark.parametrize(("present", "edge"), [(200.0, 300.0), (50.0, 20.0)])
+def test_value_that_helps_in_the_record_is_told_to_one_per_cent(present, edge):
+    """The program's day wants a tenth of what the record does: further is tried, then bisected."""
+    upwards = edge > present
+    fake = SimpleNamespace(
+        _closes_enough=lambda _key, value, _factors: value >= edge if upwards else value <= edge
+    )
+    direction = "at least" if upwards else "at most"
+    found = present + 0.1 * (edge - present)
+    one = Relaxation("battery.mass_kg", "kg", present, direction, found, 1.0)
+    value = _SurvivalSizing._flown(fake, one, None).value
+    # Bisected to one per cent; three digits on the safe side.
+    assert 0.0 <= (value - edge if upwards else edge - value) <= 0.011 * edge
+
+
+def test_limits_on_the_battery_hold_for_the_battery_that_is_carried():
+    """The program counts it e^s times as large: its energy is larger and its rate smaller by so."""
+    keys = ("battery_energy_wh.maximum", "cruise_discharge_rate_per_h.maximum")
+    values = dict(zip((f"design_space.limits.{key}" for key in keys), (900.0, 0.2), strict=True))
+    search = SimpleNamespace(
+        aircraft=load_aircraft("atlantiksolar-design", values),
+        limited=["battery_energy_wh", "cruise_discharge_rate_per_h"],
+    )
+    seen = SurvivalSearch.with_limits(search, np.log([1.0, 2.0])).design_space.all_limits()
+    assert seen["battery_energy_wh"].maximum == pytest.approx(1800.0)
+    assert seen["cruise_discharge_rate_per_h"].maximum == pytest.approx(0.1)
 
 
 def test_fitted_cost_of_a_quadratic_function_is_that_function():

@@ -147,6 +147,9 @@ def test_attitude_models_take_efficiencies_and_refuse_what_is_not_linear():
         check_inputs(scattering("modules.camber_efficiency"), SolarModel("VM"))
     with pytest.raises(ValueError, match="moves the sun"):
         check_inputs(scattering("mission.latitude_deg"), SolarModel("VM"))
+    # Neither is refused what only both together would be.
+    check_inputs(scattering("modules.camber_efficiency"), SolarModel("CAM"))
+    check_inputs(scattering("battery.specific_energy_wh_per_kg"), SolarModel("VM"))
 
 
 def test_what_draws_take_from_outside_is_what_each_alone_takes():
