@@ -63,6 +63,7 @@ def mistakes(block: Block, done: Played) -> list[str]:
     return wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", pages_with(is_run))
 def test_commands_of_the_page_print_what_it_says(
     page: Path, run: Run, made_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -102,6 +103,7 @@ def test_every_block_is_run_or_says_why_not() -> None:
             assert words[0] == "solar-uav" or words[:2] == ["python", "-m"], f"{block}: {words}"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("registries")
 @pytest.mark.parametrize("page", pages_with(is_python))
 def test_python_of_the_page_runs(

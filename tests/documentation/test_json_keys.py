@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 from command_line import Run
 
+pytestmark = pytest.mark.slow
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 SUMMER = ("--mission", "central-europe-summer")

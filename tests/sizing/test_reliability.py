@@ -12,6 +12,8 @@ from sizing.sunlight import UNCORRECTED_CAM
 from sizing.uncertainty.inputs import uncertain_inputs
 from sizing.uncertainty.propagation import Propagation
 
+pytestmark = pytest.mark.slow
+
 DESIGN = load_aircraft("atlantiksolar-design")
 MISSION = load_mission("rafz-july", {"required_excess_time_h": 3.0})
 ENERGY = "battery.specific_energy_wh_per_kg"

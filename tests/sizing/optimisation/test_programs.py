@@ -115,6 +115,7 @@ def by_the_formulas(aircraft: Aircraft, place: Mission) -> dict[str, float]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("empty_cache")
 def test_one_program_serves_all_sizings_of_a_kind() -> None:
     technology = [
@@ -159,6 +160,7 @@ def test_a_shared_program_holds_the_numbers_of_each_aircraft(eased: bool) -> Non
     assert {"battery.specific_energy_wh_per_kg", "airframe.structure.safety_factor"} <= moved
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("empty_cache")
 def test_a_kept_program_gives_the_bits_of_a_fresh_one() -> None:
     place = mission(latitude_deg=47.0)

@@ -18,6 +18,8 @@ from missions.files.writing import names_a_device
 from missions.library import load_mission
 from sizing.library import load_aircraft
 
+pytestmark = pytest.mark.slow
+
 AS2 = "atlantiksolar-as2"
 
 

@@ -70,6 +70,7 @@ def test_keys_have_labels_and_units(kind: str) -> None:
         assert schema["properties"]["clearness"]["description"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "name"), [("aircraft", "atlantiksolar-design"), ("mission", "rafz-28h")]
 )

@@ -12,6 +12,8 @@ from typing import Any
 import pytest
 from command_line import BIRD, FIELD, Run, edited, files
 
+pytestmark = pytest.mark.slow
+
 DESIGN = "atlantiksolar-design"
 COMMON = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
 
