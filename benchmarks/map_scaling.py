@@ -21,7 +21,7 @@ from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.design import design_of
 from sizing.energy.battery import Store
-from sizing.energy.cycle import Status
+from sizing.energy.cycle import ENDS
 from sizing.library import load_aircraft
 from sizing.sunlight import SolarModel, day_axis_h
 from solar.clearsky import coefficients, pressure_ratio
@@ -210,7 +210,7 @@ class _Bound:
             theirs = metrics[:, number].reshape(ours[name].shape)
             # The repeated day is settled to 1e-11 of the battery on both sides.
             np.testing.assert_allclose(theirs, ours[name], rtol=1e-8, atol=1e-8, err_msg=name)
-        assert set(np.unique(ours["status"])) == {s.value for s in Status}
+        assert set(np.unique(ours["status"])) == {s.value for s in ENDS}
 
 
 def two_processes() -> list[dict[str, Any]]:
