@@ -329,12 +329,12 @@ class _Relaxations:
         enough, short = value + (-step if upwards else step), present
         if (enough <= short if upwards else enough >= short) or not self._suffices(eased(enough)):
             return direction, value, worst_h
-        while abs(enough - short) > _BISECTED * max(enough, MINIMAL * present):
-            middle = (enough + short) / 2.0
-            if self._suffices(eased(middle)):
-                enough = middle
-            else:
-                short = middle
+        enough = bisected(
+            short,
+            enough,
+            lambda middle: self._suffices(eased(middle)),
+            lambda found: _BISECTED * max(found, MINIMAL * present),
+        )
         least = rounded(enough, direction)
         least_h = self._reached_h(self._largest_excess(*eased(least)))
         return (direction, value, worst_h) if least_h is None else (direction, least, least_h)
@@ -523,6 +523,28 @@ def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:
     conditions = FlightConditions.of(mission, aircraft)
     met = meets_requirements(aircraft, perf.design, conditions, tolerance=_ROW_TOLERANCE)
     return bool(np.all(met))
+
+
+def bisected(
+    short: float,
+    enough: float,
+    suffices: Callable[[float], bool],
+    tolerance: Callable[[float], float],
+    told: Callable[[float], float] = float,
+) -> float:
+    """Value that is enough, next to one that is too short, within a tolerance of what is found.
+
+    ``told``: form in which values are tried.
+    """
+    while abs(enough - short) > tolerance(enough):
+        middle = told((short + enough) / 2.0)
+        if middle in (short, enough):
+            break
+        if suffices(middle):
+            enough = middle
+        else:
+            short = middle
+    return enough
 
 
 def rounded(value: float, direction: Direction) -> float:

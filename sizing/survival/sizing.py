@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import MINIMAL, Relaxation, relaxations, rounded
+from sizing.optimisation.relaxations import MINIMAL, Relaxation, bisected, relaxations, rounded
 from sizing.optimisation.result import (
     SizingResult,
     SizingStatus,
@@ -291,24 +291,21 @@ class _SurvivalSizing:
 
         The value is moved on from the program's, further and further, and then bisected.
         """
-        short, enough = one.present, None
+
+        def suffices(value: float) -> bool:
+            return self._closes_enough(one.parameter, value, factors)
+
+        def told(value: float) -> float:
+            return rounded(value, one.direction)
+
+        short = one.present
         for further in _FURTHER:
-            value = rounded(one.present + further * (one.value - one.present), one.direction)
-            if self._closes_enough(one.parameter, value, factors):
-                enough = value
-                break
+            value = told(one.present + further * (one.value - one.present))
+            if suffices(value):
+                least = bisected(short, value, suffices, lambda found: MINIMAL * abs(found), told)
+                return replace(one, value=least, excess_time_h=math.nan)
             short = value
-        if enough is None:
-            return None
-        while abs(enough - short) > MINIMAL * abs(enough):
-            value = rounded((short + enough) / 2.0, one.direction)
-            if value in (short, enough):
-                break
-            if self._closes_enough(one.parameter, value, factors):
-                enough = value
-            else:
-                short = value
-        return replace(one, value=enough, excess_time_h=math.nan)
+        return None
 
     def _closes_enough(self, key: str, value: float, factors: FloatArray) -> bool:
         """Whether the best design with another value of a parameter closes enough days."""
