@@ -27,7 +27,6 @@ from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft
 from sizing.sunlight import SolarModel
-from studies.cli.options import Asked
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
 T = TypeVar("T")
@@ -159,16 +158,22 @@ def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMiss
     return LoadedMission(validate(document, Mission), document, _checksum("mission", name_or_path))
 
 
-def load(asked: Asked) -> Case:
+def load(
+    aircraft: str,
+    mission: str | None,
+    overrides: Sequence[str] = (),
+    *,
+    model: str = "CAM",
+    correction: str = "none",
+    as_json: bool = False,
+) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
-    The aircraft is a name, the path of a file, or a folder that ``--out`` wrote: its mission, model
-    and correction then stand in for options that are not given. The mission is a name or the path
-    of a file; None only with a folder. Overrides are ``key=value`` of the aircraft, or of the
-    mission behind ``mission.``.
+    ``aircraft``: name, path of a file, or folder that ``--out`` wrote: its mission, model and
+    correction then stand in for options that are not given. ``mission``: name or path of a file;
+    None only with a folder. ``overrides``: ``key=value`` of the aircraft, or of the mission behind
+    ``mission.``.
     """
-    aircraft, mission = asked.aircraft, asked.mission
-    model, correction = asked.model, asked.correction
     is_default = _is_default("mission")
     folder = RunFolder.at(aircraft)
     if folder is None and os.path.isdir(aircraft):  # noqa: PTH112 - takes any text for a path
@@ -182,14 +187,14 @@ def load(asked: Asked) -> Case:
         correction = folder.correction if _is_default("correction") else correction
     if mission is None:
         raise click.UsageError("Missing option '--mission' / '-m'.")
-    of_aircraft, of_mission = split_overrides(asked.overrides)
+    of_aircraft, of_mission = split_overrides(overrides)
     errors: list[InputError] = []
     craft = _attempt(partial(open_aircraft, aircraft, of_aircraft), errors)
     where = _attempt(partial(open_mission, mission, of_mission), errors)
     if craft is None or where is None:
         raise _joined_errors(errors)
     solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-    return Case(craft, where, is_default, solar, asked.as_json)
+    return Case(craft, where, is_default, solar, as_json)
 
 
 def refuse_swapped_log(aircraft: str, log_file: str, verb: str = "verify") -> None:

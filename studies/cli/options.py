@@ -195,7 +195,7 @@ class Asked:
         """Aircraft and mission as they are loaded; what is wrong with them is reported together."""
         from studies.cli.files import load
 
-        return load(self)
+        return load(**vars(self))
 
 
 @dataclass(frozen=True)
@@ -269,14 +269,13 @@ def set_options(command: Command) -> Command:
 
 def case_options(command: Command) -> Command:
     """Options ``--set`` and ``--json``, of commands whose models are given; as ``asked``."""
-    return set_option(json_option(_gathered(command, "asked", Asked)))
+    return set_options(json_option(command))
 
 
 def model_options(command: Command) -> Command:
     """Options of the solar power model, and ``--set``; the command has them as ``asked``."""
-    command = _gathered(command, "asked", Asked)
+    command = set_options(command)
     for option in (
-        set_option,
         click.option(
             "--correction",
             type=click.Choice(CORRECTION_NAMES),

@@ -21,9 +21,9 @@ MEGABYTE = 1e6
 
 
 def session_of(name: str) -> Session:
-    from studies.cli.options import Asked
+    from studies.cli.files import load
 
-    case = Asked(name, "rafz-july").case()
+    case = load(name, "rafz-july", (), model="CAM", correction="none")
     return Session(case.craft.document, case.where.document, case.solar)
 
 
