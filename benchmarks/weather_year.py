@@ -348,7 +348,8 @@ class CYear:
     """The year in C."""
 
     def __init__(self, function: Callable[..., None], year: Year) -> None:
-        self._function, self._kept = function, []  # type: ignore[var-annotated]  # arrays alive
+        self._function = function
+        self._kept: list[Any] = []  # arrays alive
         store, days = year.store, len(year.noon_h)
         clock = store.clock
         self._year = _Year(

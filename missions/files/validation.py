@@ -116,11 +116,11 @@ def _merged(complaints: Iterable[_Complaint]) -> list[_Complaint]:
             result.setdefault((one.path, one.message), one)
         elif one.path not in read:
             key = (one.path, "")
-            result[key] = _joined_path(result[key], one) if key in result else one
+            result[key] = _joined_complaints(result[key], one) if key in result else one
     return list(result.values())
 
 
-def _joined_path(first: _Complaint, other: _Complaint) -> _Complaint:
+def _joined_complaints(first: _Complaint, other: _Complaint) -> _Complaint:
     if other.message in first.message.split(", or "):
         return first
     suffix = max(first.suffix, other.suffix, key=len)

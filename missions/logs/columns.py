@@ -288,7 +288,7 @@ def _given(quantity: str, source: str | Source, header: Sequence[str]) -> Recipe
     if one.unit is not None:
         if len(terms) != 1 or len(terms[0]) != 1:
             raise ValueError(f"{key}: in a sum or product the unit stands behind each column")
-        terms = ((Factor(terms[0][0].column, _unit_factor(key, quantity, 1, one.unit)),),)
+        terms = ((Factor(terms[0][0].column, _unit_of_quantity(key, quantity, 1, one.unit)),),)
     return Recipe(quantity, terms, factor=one.factor, form=one.format)
 
 
@@ -304,12 +304,12 @@ def _factor(key: str, quantity: str, factors: int, text: str, header: Sequence[s
         return Factor(text, _unit_of_name(quantity, factors, text))
     name, unit = split_unit(text)
     if name in header and unit is not None:
-        return Factor(name, _unit_factor(key, quantity, factors, unit))
+        return Factor(name, _unit_of_quantity(key, quantity, factors, unit))
     message = unknown_key(text, list(header)).replace("unknown key", "no such column")
     raise ValueError(f"{key}: {message}")
 
 
-def _unit_factor(key: str, quantity: str, factors: int, text: str) -> str:
+def _unit_of_quantity(key: str, quantity: str, factors: int, text: str) -> str:
     for dimension in _dimensions(quantity, factors):
         if (unit := known_unit(text, dimension)) is not None:
             return unit

@@ -185,13 +185,13 @@ def _time(raw: _Raw, check: Check, told: list[str]) -> pd.Series:
             problem = Problem(check.source, raw.text.line, None, printable(name), str(error))
             raise InputError([problem]) from None
         told += [note] if note else []
-        _quantity_label(check, EPOCH, name)
+        _keep_label(check, EPOCH, name)
         return pd.Series(time_s, name=EPOCH)
     text = column.astype("string")
     if raw.date is not None:
         text = raw.frame[raw.date].astype("string").str.strip() + " " + text.str.strip()
         told.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
-    _quantity_label(check, TIME, name)
+    _keep_label(check, TIME, name)
     if recipe.form is None:
         return text.rename(TIME)
     zone = None if raw.layout.timezone is None else parse_zone(raw.layout.timezone)
@@ -201,7 +201,7 @@ def _time(raw: _Raw, check: Check, told: list[str]) -> pd.Series:
     return pd.Series(times.time_s, name=EPOCH)
 
 
-def _quantity_label(check: Check, quantity: str, name: str) -> None:
+def _keep_label(check: Check, quantity: str, name: str) -> None:
     if name != quantity:
         check.labels[quantity] = shortened(printable(name))
 

@@ -107,7 +107,7 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
         if at + length > len(content):
             break
         if kind == _FMT:
-            _described_log(content[at + 3 : at + length], kinds, lengths, wanted, places)
+            _take_in_format(content[at + 3 : at + length], kinds, lengths, wanted, places)
         elif kind in places:
             places[kind].append(at)
         at += length
@@ -120,7 +120,7 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
     return streams, skipped
 
 
-def _described_log(
+def _take_in_format(
     body: bytes,
     kinds: dict[int, _Kind],
     lengths: dict[int, int],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from math import sqrt
 from typing import Annotated, Any, ClassVar, Literal
@@ -57,9 +58,9 @@ class Entry(Record):
         """Where a number comes from."""
         return self.sources.get(key, self.source)
 
+    @abstractmethod
     def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Keys of an aircraft's file, below the one that names the entry, and their values."""
-        raise NotImplementedError
 
 
 def _disagree(key: str, text: str, one: float, other: float) -> None:

@@ -83,7 +83,7 @@ class CellSizings:
     load_w: FloatArray
     requirement: NDArray[np.str_]
     shortfall: FloatArray
-    message: NDArray[np.str_]
+    message: NDArray[np.object_]
 
 
 def size_cells(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 from importlib import import_module
-from typing import Any
+from typing import Any, cast
 
 __all__ = ["let_dask_in", "start"]
 
@@ -31,4 +31,4 @@ def let_dask_in() -> None:
 
 def _modules() -> dict[str, Any]:
     """Imported modules; Python refuses to import one that is None."""
-    return vars(sys)["modules"]  # type: ignore[no-any-return]
+    return cast("dict[str, Any]", sys.modules)

@@ -79,9 +79,9 @@ def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
         (part.before, "before", BLUE, "--"),
         (part.after, "fitted", VERMILLION, "-"),
     ):
-        model = _draw_channel(channel, hours, measured - residual)
+        model = _broken_line(channel, hours, measured - residual)
         upper.plot(*model, color=colour, linestyle=dashes, linewidth=1.2, label=name)
-        left = _draw_channel(channel, hours, residual)
+        left = _broken_line(channel, hours, residual)
         lower.plot(*left, color=colour, linestyle=dashes, linewidth=1.0, label=f"_{name}")
     upper.plot(hours, measured, ".", color=ink(), markersize=2.5, label="measured")
     lower.axhline(0.0, color=ink(), linewidth=0.8)
@@ -89,7 +89,7 @@ def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
     lower.set_ylabel(f"measured −\nmodelled{unit}")
 
 
-def _draw_channel(
+def _broken_line(
     channel: Channel, hours: FloatArray, values: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Line that is broken where samples are missing."""

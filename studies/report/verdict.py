@@ -118,8 +118,8 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     record, aircraft = subject.record, subject.aircraft
     excess, margin = record["excess_time_h"], record["charge_margin_h"]
     required = subject.mission.required_excess_time_h
-    yield _hours_row("excess time", excess, f"required: {required:g} h" if required else "")
-    yield _hours_row("charge margin", margin, "first to last full charge")
+    yield _hours_fact("excess time", excess, f"required: {required:g} h" if required else "")
+    yield _hours_fact("charge margin", margin, "first to last full charge")
     charge = 100.0 * record["minimum_state_of_charge"]
     yield Fact("minimum state of charge", f"{charge:.1f}", "%", "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
@@ -135,7 +135,7 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
                f"sun: {record['solar_energy_wh']:.0f} Wh a day")  # fmt: skip
 
 
-def _hours_row(label: str, value: float | None, note: str) -> Fact:
+def _hours_fact(label: str, value: float | None, note: str) -> Fact:
     return Fact(label, UNLIMITED if value is None else f"{value:.2f}", "" if value is None else "h",
                 note)  # fmt: skip
 

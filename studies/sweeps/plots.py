@@ -333,7 +333,7 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     bars = []
     for name, rows in table[table["varied"] != ""].groupby("varied", sort=False):
         bars.append((str(name), rows[rows["drawable"]], int((~rows["drawable"]).sum())))
-    bars.sort(key=lambda bar: _relative_spread(bar[1][variable], base[variable]))
+    bars.sort(key=lambda bar: _extent_with_base(bar[1][variable], base[variable]))
     figure, (axes,) = new_figure(
         canvas=canvas,
         **_title_and_notes(data),
@@ -366,7 +366,7 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     return figure
 
 
-def _relative_spread(values: pd.Series[Any], base: float) -> float:
+def _extent_with_base(values: pd.Series[Any], base: float) -> float:
     return float(max(values.max(), base) - min(values.min(), base)) if len(values) else 0.0
 
 

@@ -186,6 +186,7 @@ def struck_and_finished(
                 process.until(lambda: False, rng.uniform(0.0, took_s))
             else:
                 wanted = rng.randrange(1, chunks + 1)
+                # mypy cannot infer the type of a lambda's default.
                 process.until(lambda n=wanted: len(work.parts(folder, keep=keep)) >= n)  # type: ignore[misc]
                 process.until(lambda: False, rng.uniform(0.0, 0.1))
             strike(process, rng)

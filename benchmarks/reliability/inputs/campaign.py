@@ -151,7 +151,7 @@ def _warm() -> None:
         return None
 
     webbrowser.open = no_browser
-    uvicorn.Server.run = no_server  # type: ignore[method-assign]
+    uvicorn.Server.run = no_server  # type: ignore[method-assign]  # nothing is served
     for arguments in _EVERY_IMPORT:
         run_case(-1, Case(arguments, {"log.csv": tables.example_log()}))
 
