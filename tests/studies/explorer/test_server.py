@@ -308,9 +308,12 @@ def test_bad_choice_of_a_sizing_is_refused(server: Server, body: dict[str, Any])
 
 
 def test_too_much_is_refused(server: Server) -> None:
-    assert server.post("/api/view", b" " * (MAXIMUM_BODY_BYTES + 1)).status == 413
+    # Lengths are told and nothing is sent: a server that closes with bytes unread resets the
+    # connection, and then it is chance whether its answer is read before that.
+    told = str(MAXIMUM_BODY_BYTES + 1)
+    assert server.post("/api/view", b"", content_length=told).status == 413
     assert server.get("/?token=" + "x" * 600).status == 414
-    assert server.post("/api/view", b"{}", content_length="-1").status in (400, 413)
+    assert server.post("/api/view", b"", content_length="-1").status in (400, 413)
 
 
 def test_a_length_of_thousands_of_digits_is_refused(server: Server) -> None:
