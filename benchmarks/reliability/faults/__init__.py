@@ -8,6 +8,8 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
+import click
+
 from benchmarks.reliability.faults import chunks, places, stops, workers
 from benchmarks.reliability.faults.processes import own_folder
 from benchmarks.reliability.record import Row, of_cases
@@ -39,9 +41,16 @@ def attacks(count: int | None, seed: int, only: str) -> Iterator[Row]:
             if only not in name:
                 continue
             found = []
-            for number in range(count or fault.cases):
-                rng = random.Random(f"{seed}/{name}/{number}")
-                with own_folder() as folder:
-                    wrong = fault.case(rng, folder)
-                found.append(None if wrong is None else f"{name}, case {number}: {wrong}")
+            numbers = range(count or fault.cases)
+            # Hundreds of cases take an hour: what breaks is told at once, besides in the record.
+            with click.progressbar(
+                numbers, label=name, file=click.get_text_stream("stderr")
+            ) as bar:
+                for number in bar:
+                    rng = random.Random(f"{seed}/{name}/{number}")
+                    with own_folder() as folder:
+                        wrong = fault.case(rng, folder)
+                    found.append(None if wrong is None else f"{name}, case {number}: {wrong}")
+                    if found[-1] is not None:
+                        click.echo(found[-1], err=True)
             yield of_cases(fault.subject, fault.attack, found)
