@@ -62,6 +62,7 @@ def test_dataflash_becomes_a_log(tmp_path: Path) -> None:
     assert log.state_of_charge == pytest.approx(0.8)
 
 
+@pytest.mark.extra
 def test_dataflash_agrees_with_pymavlink(tmp_path: Path) -> None:
     reader = pytest.importorskip("pymavlink.DFReader")
     file = tmp_path / "flight.bin"

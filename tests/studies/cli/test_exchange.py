@@ -36,6 +36,7 @@ def test_export_of_a_workbook(run: Run, tmp_path: Path) -> None:
         assert f'name="{name}"' in sheets
 
 
+@pytest.mark.extra
 def test_export_for_avl(run: Run, tmp_path: Path) -> None:
     pytest.importorskip("aerosandbox")
     assert run("export", AS2, "--out", "w.avl", "--out", "w.vspscript").code == 0

@@ -576,7 +576,9 @@ def test_killed_runs_go_on_and_end_alike(functions: Any, tmp_path: Path, workers
 @needs_proc
 @pytest.mark.slow
 # A start takes 0.3 s of processor time, one with a cluster twice that.
-@pytest.mark.parametrize(("scheduler", "count"), [("", 6), ("local-cluster", 2)])
+@pytest.mark.parametrize(
+    ("scheduler", "count"), [("", 6), pytest.param("local-cluster", 2, marks=pytest.mark.extra)]
+)
 def test_many_kills(functions: Any, tmp_path: Path, scheduler: str, count: int) -> None:
     if scheduler:
         pytest.importorskip("distributed")
@@ -663,6 +665,7 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_dask_agrees_to_the_last_bit_and_isolates_failures(functions: Any) -> None:
     pytest.importorskip("distributed")
     job = functions.job(functions.Settings(raising=(5,)))
@@ -670,6 +673,7 @@ def test_dask_agrees_to_the_last_bit_and_isolates_failures(functions: Any) -> No
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_killed_dask_worker_changes_nothing(functions: Any, tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     killed = functions.job(functions.Settings(once=str(tmp_path / "died")))
@@ -679,6 +683,7 @@ def test_a_killed_dask_worker_changes_nothing(functions: Any, tmp_path: Path) ->
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_deadly_cell_fails_alone_on_dask(functions: Any) -> None:
     pytest.importorskip("distributed")
     import dask
@@ -693,6 +698,7 @@ def test_a_deadly_cell_fails_alone_on_dask(functions: Any) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
     monkeypatch.setattr("studies.engine.dask_pool._CONNECT_S", 1.0)
@@ -728,6 +734,7 @@ def cluster(tmp_path: Path) -> Iterator[Callable[[int], tuple[DaskPool, list[Any
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
     functions: Any, tmp_path: Path, cluster: Any
 ) -> None:
@@ -744,6 +751,7 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_cluster_without_workers_ends_the_work_with_a_reason(
     functions: Any, cluster: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -761,6 +769,7 @@ def test_a_cluster_without_workers_ends_the_work_with_a_reason(
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_scheduler_that_is_killed_ends_the_work_in_words(
     functions: Any, tmp_path: Path, cluster: Any, capfd: pytest.CaptureFixture[str]
 ) -> None:

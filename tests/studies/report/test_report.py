@@ -300,6 +300,7 @@ def test_verdict_on_the_edge_of_the_model_error() -> None:
 
 
 @pytest.mark.skipif(importlib.util.find_spec("weasyprint") is None, reason="needs WeasyPrint")
+@pytest.mark.extra
 def test_page_is_printed() -> None:
     printed = to_pdf(page_of_as2())
     assert printed.startswith(b"%PDF-")

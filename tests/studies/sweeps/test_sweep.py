@@ -432,6 +432,7 @@ def test_command_names_mistakes(invoke: Any, arguments: list[str], words: str) -
     assert "Traceback" not in answer.output
 
 
+@pytest.mark.extra
 def test_parquet_holds_table_and_configuration(invoke: Any, tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     vary = ["--vary", "battery_mass_kg=2,3", "--out", "s.parquet"]
