@@ -400,21 +400,22 @@ def _sized(
     lit_sets = growing_lit_sets(lowest_power(solver.day)) if required_h > 0.0 or best_excess else []
     if not lit_sets:
         return _Sizing(*given, explain=explain).run()
-    everything_lit = _Sizing(*given, explain=False, lit=lit_sets[-1])
-    found = [everything_lit.run()]
-    # No excess time is longer than an unlimited one.
-    if best_excess and found[0].feasible and len(lit_sets[-1]) == count:
-        return found[0]
+    found: list[SizingResult] = []
+    if len(lit_sets[-1]) == count:
+        found.append(_Sizing(*given, explain=False, lit=lit_sets.pop()).run())
+        # No excess time is longer than an unlimited one.
+        if best_excess and found[0].feasible:
+            return found[0]
     by_battery = one = _Sizing(*given, explain=False)
-    found.append(one.run())
+    found.append(without_lit := one.run())
     place = one.next_of(lit_sets, -1)
-    while place is not None and place < len(lit_sets) - 1:
+    while place is not None and place < len(lit_sets):
         one = _Sizing(*given, explain=False, lit=lit_sets[place])
         found.append(one.run())
         place = one.next_of(lit_sets, place)
     best = max(found, key=_merit)
     if not best.feasible:
-        return by_battery.explained() if explain else found[1]
+        return by_battery.explained() if explain else without_lit
     return replace(best, solver=solver.report())
 
 
