@@ -180,6 +180,7 @@ FOREIGN = {
         "--count",
         "--dist",
         "--keep",
+        "--slow",
         "--only",
         "--against",
         "--rows",
