@@ -97,10 +97,11 @@ class Case:
         mission = LoadedMission(validate(document, Mission), document, self.where.sha256)
         return dataclasses.replace(self, where=mission)
 
-    def inputs(self, **others: Path) -> RunInputs:
+    def inputs(self, weather: str | None = None, **others: Path) -> RunInputs:
         """Everything that a folder of results keeps of what went in.
 
-        ``**others``: further files that were read, by what they are.
+        ``weather``: weather record, by its file or a shipped one's name. ``**others``: further
+        files that were read, by what they are.
         """
         craft, where = self.craft, self.where
         files = {
@@ -108,14 +109,10 @@ class Case:
             "mission": InputFile(where.document.source, where.sha256),
             **{kind: InputFile.of(path) for kind, path in others.items()},
         }
+        if weather is not None:
+            with weather_file(weather) as (path, source):
+                files["weather"] = InputFile(source, InputFile.of(path).sha256)
         return RunInputs(craft.document.data, where.document.data, self.solar, files)
-
-    def inputs_with_weather(self, record: str) -> RunInputs:
-        """Inputs of :meth:`inputs`, and a weather record by its file or a shipped one's name."""
-        inputs = self.inputs()
-        with weather_file(record) as (path, source):
-            file = InputFile(source, InputFile.of(path).sha256)
-        return dataclasses.replace(inputs, files={**inputs.files, "weather": file})
 
 
 class WrongKindError(InputError):

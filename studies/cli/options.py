@@ -190,12 +190,18 @@ class Asked:
     model: str = "CAM"
     correction: str = "none"
     as_json: bool = False
+    required_h: float | None = None
 
     def case(self) -> Case:
         """Aircraft and mission as they are loaded; what is wrong with them is reported together."""
         from studies.cli.files import load
 
-        return load(**vars(self))
+        given = vars(self).copy()
+        required_h = given.pop("required_h")
+        case = load(**given)
+        if required_h is None:
+            return case
+        return case.with_mission(required_excess_time_h=required_h)
 
 
 @dataclass(frozen=True)
@@ -226,16 +232,22 @@ class WorkOptions:
                 raise click.UsageError("--keep-parts needs --out or --work")
 
 
-def _gathered(command: Command, name: str, kind: type[Any]) -> Command:
-    """Command that takes the options of one kind as a single argument of that name."""
+def gathered(name: str, kind: type[Any]) -> Callable[[Command], Command]:
+    """Gather the options that a dataclass has as fields into a single argument of that name.
+
+    What does not go together is refused by the class itself, with ``click.UsageError``.
+    """
     names = [field.name for field in fields(kind)]
 
-    @functools.wraps(command)
-    def gathering(*args: Any, **kwargs: Any) -> Any:
-        given = {key: kwargs.pop(key) for key in names if key in kwargs}
-        return command(*args, **kwargs, **{name: kind(**given)})
+    def decorated(command: Command) -> Command:
+        @functools.wraps(command)
+        def gathering(*args: Any, **kwargs: Any) -> Any:
+            given = {key: kwargs.pop(key) for key in names if key in kwargs}
+            return command(*args, **kwargs, **{name: kind(**given)})
 
-    return cast(Command, gathering)
+        return cast(Command, gathering)
+
+    return decorated
 
 
 set_option = click.option(
@@ -247,14 +259,14 @@ set_option = click.option(
     help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
     "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
 )
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
-required_time_option = click.option(
+required_time_option = click.option(  # of ``asked``
     "--required-excess-time",
     "required_h",
     type=RealRange(0.0, 1000.0, unit="hours"),
     metavar="HOURS",
     help="Excess time that every scenario must have, instead of the mission's.",
 )
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 
 
 def solar_options(command: Command) -> Command:
@@ -264,7 +276,7 @@ def solar_options(command: Command) -> Command:
 
 def set_options(command: Command) -> Command:
     """Option ``--set``; the command has it, aircraft and mission as ``asked``."""
-    return set_option(_gathered(command, "asked", Asked))
+    return set_option(gathered("asked", Asked)(command))
 
 
 def case_options(command: Command) -> Command:
@@ -299,7 +311,7 @@ def model_options(command: Command) -> Command:
 
 def work_options(command: Command) -> Command:
     """Options of commands that compute in chunks; the command has them as ``work``."""
-    command = _gathered(command, "work", WorkOptions)
+    command = gathered("work", WorkOptions)(command)
     for option in (
         click.option(
             "--keep-parts",

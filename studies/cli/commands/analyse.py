@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,6 +19,7 @@ from studies.cli.options import (
     check_image,
     completes,
     figure_options,
+    gathered,
     mission_option,
     solar_options,
     table_option,
@@ -47,6 +49,48 @@ class Latitude(ParamType[float]):
         if not -90.0 <= number <= 90.0:
             self.fail(f"must be from -90 to 90 (got {value})", param, ctx)
         return number
+
+
+@dataclass(frozen=True)
+class _Flight:
+    """Where, when and for how long, instead of the mission's own."""
+
+    latitude: float | None
+    day_of_year: int | None
+    date: int | None
+    days: int | None
+    weather_file: str | None
+
+    def __post_init__(self) -> None:
+        """Refuse what does not go together."""
+        dated = "--date" if self.date is not None else "--day-of-year"
+        if self.day_of_year is not None and self.date is not None:
+            raise click.UsageError("give --day-of-year or --date, not both")
+        if self.weather_file is None:
+            return
+        if self.days is not None:
+            raise click.UsageError("give --days or --weather, not both")
+        if self.latitude is not None:
+            raise click.UsageError(
+                "a weather record has its own place: give --latitude or --weather"
+            )
+        if self.day_of_year is not None or self.date is not None:
+            raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
+
+    def of(self, case: Case) -> Case:
+        """Case at this place and on this day."""
+        from missions.dates import date_code
+
+        moved: dict[str, Any] = {} if self.latitude is None else {"latitude_deg": self.latitude}
+        day = self.day_of_year if self.day_of_year is not None else self.date
+        if day is not None:
+            moved["dates"] = {"on": date_code(day)}
+        if moved:
+            # The mission's launch is one at its own place and day.
+            case = case.with_mission(**moved, launch=None)
+        if self.days is not None and case.mission.climb is not None:
+            raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
+        return case
 
 
 @command("solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15")
@@ -84,20 +128,16 @@ class Latitude(ParamType[float]):
 )
 @solar_options
 @figure_options
+@gathered("flight", _Flight)
 def analyse(
     asked: Asked,
-    latitude: float | None,
-    day_of_year: int | None,
-    date: int | None,
-    days: int | None,
-    weather_file: str | None,
+    flight: _Flight,
     table_file: str | None,
     table_years: str | None,
     plot_file: str | None,
     figure: FigureOptions,
 ) -> None:
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
-    from missions.dates import date_code
     from sizing.results.analysis import analyse as run_analysis
     from studies.cli.checks import (
         check_outputs,
@@ -108,41 +148,23 @@ def analyse(
     from studies.cli.outputs import told, write_results
     from studies.output.plots import plot_cycle, plot_flight
 
-    if day_of_year is not None and date is not None:
-        raise click.UsageError("give --day-of-year or --date, not both")
-    if days is not None and weather_file is not None:
-        raise click.UsageError("give --days or --weather, not both")
-    if weather_file is not None and latitude is not None:
-        raise click.UsageError("a weather record has its own place: give --latitude or --weather")
-    if weather_file is not None and (day_of_year is not None or date is not None):
-        option = "--date" if date is not None else "--day-of-year"
-        raise click.UsageError(f"a weather record has its own days: give {option} or --weather")
-    if table_years is not None and weather_file is None:
+    if table_years is not None and flight.weather_file is None:
         raise click.UsageError("--table-years needs --weather: years are those of a weather record")
     check_image(plot_file)
     check_outputs(**{"table": table_file, "table-years": table_years, "plot": plot_file})
     for option, path in (("--table", table_file), ("--table-years", table_years)):
-        refuse_to_overwrite(option, path, (weather_file,))
-    case = asked.case()
-    moved: dict[str, Any] = {} if latitude is None else {"latitude_deg": latitude}
-    day = day_of_year if day_of_year is not None else date
-    if day is not None:
-        moved["dates"] = {"on": date_code(day)}
-    if moved:
-        # The mission's launch is one at its own place and day.
-        case = case.with_mission(**moved, launch=None)
-    if days is not None and case.mission.climb is not None:
-        raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
+        refuse_to_overwrite(option, path, (flight.weather_file,))
+    case = flight.of(asked.case())
     require_path(case)
-    if weather_file is not None:
-        _in_weather(case, weather_file, table_file, table_years, plot_file, figure)
+    if flight.weather_file is not None:
+        _in_weather(case, flight.weather_file, table_file, table_years, plot_file, figure)
         return
     require_climber(case)
-    solar = case.solar
+    solar, days = case.solar, flight.days
     result = run_analysis(
         case.aircraft, case.mission, model=solar.model, correction=solar.correction, days=days
     )
-    flight = result.flight
+    flown = result.flight
     with told(
         *(case, case.named(result.to_dict()), result),
         files=(table_file, plot_file),
@@ -154,8 +176,8 @@ def analyse(
             plot_file,
             lambda: (
                 plot_cycle(result, figure=figure)
-                if flight is None
-                else plot_flight(result, flight, figure=figure)
+                if flown is None
+                else plot_flight(result, flown, figure=figure)
             ),
         )
 

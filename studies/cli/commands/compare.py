@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
@@ -33,6 +33,10 @@ from studies.cli.options import (
 )
 from studies.output.figures.options import FigureOptions
 from studies.output.formats import csv_bytes, table_bytes
+
+if TYPE_CHECKING:
+    from studies.models.comparison import Comparison
+    from studies.output.run_folder import RunInputs
 
 DEFAULT_OBJECTIVE = "min_wingspan"
 
@@ -105,7 +109,6 @@ def compare(
     models: tuple[ModelName, ...] | None,
     corrections: tuple[CorrectionName, ...] | None,
     objective: str,
-    required_h: float | None,
     no_design: bool,
     out_dir: str | None,
     table_file: str | None,
@@ -115,12 +118,10 @@ def compare(
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
     from missions.files.writing import check_writable_folder
     from studies.cli.checks import check_outputs, refuse_climb, refuse_polar_night, require_path
-    from studies.cli.outputs import figure_bytes, told, write_results
+    from studies.cli.outputs import told
     from studies.cli.progress import progress_of
     from studies.models.comparison import compare as compare_models
-    from studies.models.plots import plot_comparison
     from studies.models.solar_models import attitude_is_known
-    from studies.output.run_folder import write_run_folder
 
     if out_dir is not None and (table_file is not None or plot_file is not None):
         raise click.UsageError("give --out, or --table and --plot, not both")
@@ -129,8 +130,6 @@ def compare(
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
     case = asked.case()
-    if required_h is not None:
-        case = case.with_mission(required_excess_time_h=required_h)
     refuse_climb(case, "compare")
     refuse_polar_night(case)
     needs_path = _needs_path(models, corrections)
@@ -150,20 +149,39 @@ def compare(
     files = () if out_dir is not None else (table_file, plot_file)
     with told(case, record, found, out_dir=out_dir, files=files):
         if out_dir is None:
-            write_results(
-                table_file,
-                lambda: table_bytes(found.to_frame(), table_file, title="models"),
-                plot_file,
-                lambda: plot_comparison(found, figure=figure),
-            )
+            _write_files(found, table_file, plot_file, figure)
         else:
-            contents = {"comparison.csv": csv_bytes(found.to_frame())}
-            image = "comparison.png"
-            drawn = {image: lambda: figure_bytes(plot_comparison(found, figure=figure), image)}
-            write_run_folder(Path(out_dir), case.inputs(), record, contents, drawn)
+            _write_folder(found, Path(out_dir), case.inputs(), record, figure)
     sized = [one.built for one in found.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)
+
+
+def _write_files(
+    found: Comparison, table_file: str | None, plot_file: str | None, figure: FigureOptions
+) -> None:
+    from studies.cli.outputs import write_results
+    from studies.models.plots import plot_comparison
+
+    write_results(
+        table_file,
+        lambda: table_bytes(found.to_frame(), table_file, title="models"),
+        plot_file,
+        lambda: plot_comparison(found, figure=figure),
+    )
+
+
+def _write_folder(
+    found: Comparison, folder: Path, inputs: RunInputs, record: Any, figure: FigureOptions
+) -> None:
+    from studies.cli.outputs import figure_bytes
+    from studies.models.plots import plot_comparison
+    from studies.output.run_folder import write_run_folder
+
+    contents = {"comparison.csv": csv_bytes(found.to_frame())}
+    image = "comparison.png"
+    drawn = {image: lambda: figure_bytes(plot_comparison(found, figure=figure), image)}
+    write_run_folder(folder, inputs, record, contents, drawn)
 
 
 def _needs_path(models: tuple[str, ...] | None, corrections: tuple[str, ...] | None) -> str | None:

@@ -26,7 +26,10 @@ from studies.cli.options import (
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
+    from missions.files.yaml import Document
     from missions.logs.columns import ColumnMap
+    from studies.cli.files import Case
+    from studies.fitting.flight import FlightFit
 
 
 @command("solar-uav fit atlantiksolar-as2 flight.csv --write mine.yaml")
@@ -83,12 +86,11 @@ def fit(
     from studies.cli.checks import check_outputs, refuse_to_overwrite
     from studies.cli.files import refuse_swapped_log
     from studies.cli.outputs import figure_bytes, told
-    from studies.fitting.files import file_text, fitted_document, fitted_lines
+    from studies.fitting.files import file_text, fitted_lines
     from studies.fitting.flight import fit_flight
-    from studies.fitting.parameters import chosen
     from studies.fitting.plots import plot_fit
     from studies.fitting.prediction import predict_flight
-    from studies.output.run_folder import InputFile, write_run_folder
+    from studies.output.run_folder import write_run_folder
 
     if out_dir is not None:
         check_writable_folder(Path(out_dir))
@@ -96,10 +98,7 @@ def fit(
     refuse_to_overwrite("--write", write_file, (asked.aircraft, asked.mission, log_file, other_log))
     refuse_swapped_log(asked.aircraft, log_file, "fit")
     case = asked.case()
-    try:
-        chosen(names, case.aircraft)
-    except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--fit") from None
+    _check_names(names, case)
     found = fit_flight(
         *(case.aircraft, read_flight_log(log_file, layout), case.mission),
         names=names,
@@ -114,14 +113,7 @@ def fit(
         write_file = out_dir = None
     with told(case, record, shown, out_dir=out_dir, files=(write_file,)):
         if write_file is not None or out_dir is not None:
-            log = InputFile.of(Path(log_file))
-            sources = {
-                "aircraft_sha256": case.craft.sha256,
-                "log": log.source,
-                "log_sha256": log.sha256,
-                "mission": case.where.document.source,
-            }
-            document = fitted_document(case.craft.document, found, sources)
+            document = _fitted(case, found, Path(log_file))
             if write_file is not None:
                 write_text_atomically(write_file, file_text(document, fitted_lines(found)))
             if out_dir is not None:
@@ -131,6 +123,31 @@ def fit(
     if not found.fitted:
         click.echo("solar-uav: the log tells none of the parameters; nothing is written", err=True)
         sys.exit(EXIT_FAILED)
+
+
+def _check_names(names: tuple[str, ...], case: Case) -> None:
+    """Refuse parameters that the aircraft does not have."""
+    from studies.fitting.parameters import chosen
+
+    try:
+        chosen(names, case.aircraft)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--fit") from None
+
+
+def _fitted(case: Case, found: FlightFit, log_file: Path) -> Document:
+    """File of the fitted aircraft, with where its numbers come from."""
+    from studies.fitting.files import fitted_document
+    from studies.output.run_folder import InputFile
+
+    log = InputFile.of(log_file)
+    sources = {
+        "aircraft_sha256": case.craft.sha256,
+        "log": log.source,
+        "log_sha256": log.sha256,
+        "mission": case.where.document.source,
+    }
+    return fitted_document(case.craft.document, found, sources)
 
 
 @command("solar-uav calibrate atlantiksolar-as2 atlantiksolar-design --write mine.yaml")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
@@ -16,6 +17,7 @@ from studies.cli.options import (
     aircraft_argument,
     check_image,
     figure_options,
+    gathered,
     mission_option,
     solar_options,
     work_options,
@@ -26,7 +28,36 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from studies.cli.files import Case
+    from studies.maps.grid import MapStudy
     from studies.output.gridded import OnGrid
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Places and days of the map, and what is computed of each."""
+
+    latitudes: list[float]
+    days: list[float]
+    endurance: bool
+    objective: str | None
+
+    def __post_init__(self) -> None:
+        """Refuse what does not go together."""
+        if self.objective is not None and self.endurance:
+            raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
+
+    def prepared(self, case: Case) -> MapStudy:
+        """Cells ready to be computed."""
+        flown = case.aircraft, case.mission
+        if self.objective is None:
+            from studies.maps import feasibility
+
+            return feasibility.prepare(
+                *flown, self.latitudes, self.days, case.solar, self.endurance
+            )
+        from studies.maps import resized  # the optimiser takes a seventh of a second
+
+        return resized.prepare(*flown, self.objective, self.latitudes, self.days, case.solar)
 
 
 @command("solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png", name="map")
@@ -76,12 +107,10 @@ if TYPE_CHECKING:
 @work_options
 @solar_options
 @figure_options
+@gathered("cells", _Cells)
 def map_(
     asked: Asked,
-    latitudes: list[float],
-    days: list[float],
-    endurance: bool,
-    objective: str | None,
+    cells: _Cells,
     weather_file: str | None,
     batteries: list[float],
     out_file: str | None,
@@ -98,11 +127,9 @@ def map_(
     from studies.cli.checks import check_outputs, refuse_climb, require_parametric, require_path
     from studies.cli.jobs import completed
     from studies.cli.outputs import call, told, write_results
-    from studies.maps import feasibility, results
+    from studies.maps import results
     from studies.output.gridded import to_netcdf_bytes
 
-    if objective is not None and endurance:
-        raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
     if out_file is not None and not out_file.lower().endswith(".nc"):
         raise click.BadParameter(f"{out_file!r} must end in .nc", param_hint="--out")
     check_image(plot_file)
@@ -110,21 +137,15 @@ def map_(
     case = asked.case()
     refuse_climb(case, "map")
     require_path(case)
-    if objective is not None:
+    if cells.objective is not None:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     check_outputs(out=out_file, plot=plot_file)
     if weather_file is not None:
         _in_weather(case, weather_file, batteries, (out_file, plot_file), figure)
         return
-    flown = case.aircraft, case.mission
-    if objective is None:
-        study = feasibility.prepare(*flown, latitudes, days, case.solar, endurance)
-        record, table = results.seasons_record, results.seasons_table
-    else:
-        from studies.maps import resized  # the optimiser takes a seventh of a second
-
-        study = resized.prepare(*flown, objective, latitudes, days, case.solar)
-        record, table = results.designs_record, results.designs_table
+    study, resized = cells.prepared(case), cells.objective is not None
+    record = results.designs_record if resized else results.seasons_record
+    table = results.designs_table if resized else results.seasons_table
     with completed(study.job, work, out_file, "cells") as outcome:
         data = study.gridded(outcome)
         with told(
@@ -136,7 +157,7 @@ def map_(
                 out_file,
                 lambda: to_netcdf_bytes(data),
                 plot_file,
-                lambda: _map_figure(data, figure, resized=objective is not None),
+                lambda: _map_figure(data, figure, resized=resized),
             )
 
 

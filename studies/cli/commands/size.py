@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from studies.cli.options import (
     aircraft_argument,
     completes,
     figure_options,
+    gathered,
     mission_option,
     out_option,
     report_option,
@@ -30,6 +31,7 @@ from studies.output.figures.options import FigureOptions
 if TYPE_CHECKING:
     from sizing.optimisation.objectives import Objective
     from sizing.results.sizing import SizingStudy
+    from studies.cli.files import Case
 
 
 def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
@@ -50,19 +52,109 @@ def _next_step(study: SizingStudy, written: str | None) -> str:
     return "ease what holds it back; docs/sizing.md, Infeasible, says how to read it"
 
 
-def _check_weather(objective: Objective, survive: float, others: Mapping[str, bool]) -> None:
-    """Refuse a share of days together with what is asked of clear days."""
-    from sizing.survival.sizing import check_survival
+@dataclass(frozen=True)
+class _Sizing:
+    """What is to be found, and how it is judged."""
 
-    for option, given in others.items():
-        if given:
+    objective: str
+    with_sensitivities: bool
+    with_cross_check: bool
+    reliability: float | None
+    weather_file: str | None
+    survive: float | None
+
+    def __post_init__(self) -> None:
+        """Refuse what does not go together."""
+        of_optimum = self.with_sensitivities or self.with_cross_check
+        if self.goal.of_range and of_optimum:
             raise click.UsageError(
-                f"{option} is of repeated clear days: leave it out, or --weather with --survive"
+                f"{self.objective} counts days or degrees: it has no sensitivities and no "
+                "cross-check"
             )
-    try:
-        check_survival(objective, survive)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
+        if self.reliability is not None and of_optimum:
+            raise click.UsageError("--sensitivities and --cross-check know of no --reliability")
+        if (self.weather_file is None) != (self.survive is None):
+            names = ("--weather", "--survive")
+            given, other = names if self.survive is None else names[::-1]
+            raise click.UsageError(f"{given} needs {other} as well")
+        if self.survive is not None:
+            self._check_weather(self.survive)
+
+    @property
+    def goal(self) -> Objective:
+        """Objective of the optimiser."""
+        from sizing.optimisation.objectives import Objective
+
+        return Objective(self.objective)
+
+    def _check_weather(self, survive: float) -> None:
+        """Refuse a share of days together with what is asked of clear days."""
+        from sizing.survival.sizing import check_survival
+
+        options = click.get_current_context().params
+        if options["report_file"] is not None:
+            raise click.UsageError(
+                "--report is of repeated clear days: use --out FOLDER, then solar-uav report "
+                "FOLDER --weather FILE"
+            )
+        others = {
+            "--sensitivities": self.with_sensitivities,
+            "--cross-check": self.with_cross_check,
+            "--reliability": self.reliability is not None,
+            "--required-excess-time": options["required_h"] is not None,
+        }
+        for option, given in others.items():
+            if given:
+                raise click.UsageError(
+                    f"{option} is of repeated clear days: leave it out, or --weather with --survive"
+                )
+        try:
+            check_survival(self.goal, survive)
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+
+    def check(self, case: Case) -> None:
+        """Refuse an aircraft or a mission that cannot be sized so."""
+        from sizing.reliability import check_reliability
+        from studies.cli import checks
+
+        checks.require_parametric(case, "a measured aircraft cannot be sized; allowed: parametric")
+        checks.refuse_climb(case, "size")
+        if not self.goal.of_range and self.weather_file is None:
+            checks.refuse_polar_night(case)
+        checks.require_path(case)
+        if self.reliability is not None:
+            with checks.uncertain_inputs_of(case):
+                check_reliability(
+                    *(case.aircraft, case.mission, self.goal, case.solar, self.reliability)
+                )
+
+    def run(self, case: Case) -> SizingStudy:
+        """Find the design."""
+        from missions.weather.files import load_weather
+        from sizing.results import sizing
+        from sizing.results.weather_sizing import size_in_weather
+        from studies.cli.progress import progress_of
+
+        model, correction = case.solar.model, case.solar.correction
+        if self.weather_file is None or self.survive is None:
+            return sizing.size(
+                *(case.aircraft, case.mission, self.goal),
+                model=model,
+                correction=correction,
+                with_sensitivities=self.with_sensitivities,
+                with_cross_check=self.with_cross_check,
+                reliability=self.reliability,
+            )
+        weather = load_weather(self.weather_file)
+        with progress_of("steps of the search") as progress:
+            return size_in_weather(
+                *(case.aircraft, case.mission, weather, self.goal),
+                survive=self.survive,
+                model=model,
+                correction=correction,
+                progress=progress,
+            )
 
 
 @command(
@@ -120,103 +212,31 @@ def _check_weather(objective: Objective, survive: float, others: Mapping[str, bo
 )
 @solar_options
 @figure_options
+@gathered("sizing", _Sizing)
 def size(
     asked: Asked,
-    objective: str,
-    required_h: float | None,
+    sizing: _Sizing,
     out_dir: str | None,
     figure: FigureOptions,
     report_file: str | None,
-    with_sensitivities: bool,
-    with_cross_check: bool,
-    reliability: float | None,
-    weather_file: str | None,
-    survive: float | None,
 ) -> None:
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
     from missions.files.writing import check_writable_folder
-    from missions.weather.files import load_weather
-    from sizing.optimisation.objectives import Objective
-    from sizing.reliability import check_reliability
-    from sizing.results import sizing
-    from sizing.results.weather_sizing import size_in_weather
-    from studies.cli.checks import (
-        refuse_climb,
-        refuse_polar_night,
-        require_parametric,
-        require_path,
-        uncertain_inputs_of,
-    )
     from studies.cli.outputs import told
-    from studies.cli.progress import progress_of
     from studies.cli.reports import check_report, report_on_sizing
     from studies.output.run_folder import write_run_folder
     from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
-    goal = Objective(objective)
-    if goal.of_range and (with_sensitivities or with_cross_check):
-        raise click.UsageError(
-            f"{objective} counts days or degrees: it has no sensitivities and no cross-check"
-        )
-    if reliability is not None and (with_sensitivities or with_cross_check):
-        raise click.UsageError("--sensitivities and --cross-check know of no --reliability")
-    if (weather_file is None) != (survive is None):
-        given, other = ("--weather", "--survive") if survive is None else ("--survive", "--weather")
-        raise click.UsageError(f"{given} needs {other} as well")
-    if survive is not None and report_file is not None:
-        raise click.UsageError(
-            "--report is of repeated clear days: use --out FOLDER, then solar-uav report FOLDER "
-            "--weather FILE"
-        )
-    if survive is not None:
-        _check_weather(
-            goal,
-            survive,
-            {
-                "--sensitivities": with_sensitivities,
-                "--cross-check": with_cross_check,
-                "--reliability": reliability is not None,
-                "--required-excess-time": required_h is not None,
-            },
-        )
     case = asked.case()
-    if required_h is not None:
-        case = case.with_mission(required_excess_time_h=required_h)
-    require_parametric(case, "a measured aircraft cannot be sized; allowed: parametric")
-    refuse_climb(case, "size")
-    if not goal.of_range and weather_file is None:
-        refuse_polar_night(case)
-    require_path(case)
-    if reliability is not None:
-        with uncertain_inputs_of(case):
-            check_reliability(case.aircraft, case.mission, goal, case.solar, reliability)
+    sizing.check(case)
     if out_dir is not None:
         if not out_dir:
             raise click.BadParameter("needs the name of a folder", param_hint="--out")
         check_writable_folder(Path(out_dir))
     check_report(report_file, option="--report")
-    if weather_file is not None and survive is not None:
-        record_read = load_weather(weather_file)
-        with progress_of("steps of the search") as progress:
-            study = size_in_weather(
-                *(case.aircraft, case.mission, record_read, goal),
-                survive=survive,
-                model=case.solar.model,
-                correction=case.solar.correction,
-                progress=progress,
-            )
-    else:
-        study = sizing.size(
-            *(case.aircraft, case.mission, goal),
-            model=case.solar.model,
-            correction=case.solar.correction,
-            with_sensitivities=with_sensitivities,
-            with_cross_check=with_cross_check,
-            reliability=reliability,
-        )
+    study = sizing.run(case)
     record = case.named(study.to_dict())
-    written = out_dir if study.feasible else None
-    reported = report_file if study.feasible else None
+    written, reported = (out_dir, report_file) if study.feasible else (None, None)
     with told(
         *(case, record, study),
         out_dir=written,
@@ -224,9 +244,9 @@ def size(
         next_step=_next_step(study, written),
     ):
         if written is not None:
-            read = case.inputs() if weather_file is None else case.inputs_with_weather(weather_file)
-            inputs, tables = sized_inputs(study, read), sizing_tables(study)
-            write_run_folder(Path(written), inputs, record, tables, sizing_figures(study, figure))
+            inputs = sized_inputs(study, case.inputs(sizing.weather_file))
+            contents = sizing_tables(study), sizing_figures(study, figure)
+            write_run_folder(Path(written), inputs, record, *contents)
         if reported is not None:
             report_on_sizing(case, study, record, reported, overrides=asked.overrides)
     if not study.feasible:

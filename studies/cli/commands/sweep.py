@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,6 +23,7 @@ from studies.cli.options import (
     check_table,
     completes,
     figure_options,
+    gathered,
     mission_option,
     solar_options,
     work_options,
@@ -31,11 +32,92 @@ from studies.cli.telling import tell_error
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
-    from studies.sweeps.axes import Axis
+    from matplotlib.figure import Figure
+    from xarray import Dataset
+
+    from sizing.results.tables import Summary
+    from studies.cli.files import Case
+    from studies.sweeps.axes import Axis, SampleName
+    from studies.sweeps.study import Study
 
 _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
 _MOST_SAMPLES = 1_000_000
 _TOP = 40
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Which points there are, and how each is judged."""
+
+    axes: tuple[Axis, ...]
+    objective: str | None
+    cover: bool | None
+    sample: SampleName
+    samples: int
+    seed: int
+
+    def prepared(self, case: Case) -> Study:
+        """Points ready to be computed; what is wrong with them is told by the option."""
+        from studies.sweeps.study import prepare
+
+        try:
+            return prepare(
+                *(case.aircraft, case.mission, self.axes, case.solar),
+                sample=self.sample,
+                samples=self.samples,
+                seed=self.seed,
+                resize=self.objective,
+                cover=self.cover,
+            )
+        except InputError as error:
+            named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
+            raise InputError(named) from None
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """Which points are printed and drawn, and in which order."""
+
+    pareto: tuple[str, str] | None
+    sort: str | None
+    top: int
+
+    def check(self, points: _Points) -> None:
+        """Refuse names that no result will have, before the work starts."""
+        from studies.sweeps.axes import axis_names
+        from studies.sweeps.points import BLANKS, SIZED_BLANKS
+
+        if self.pareto is not None and self.sort is not None:
+            raise click.UsageError("a front has its own order: give --pareto or --sort")
+        blanks = BLANKS if points.objective is None else SIZED_BLANKS
+        varied = axis_names(points.axes)
+        numbers = [n for n, axis in zip(varied, points.axes, strict=True) if not axis.names]
+        numbers += [*(n for n, blank in blanks.items() if isinstance(blank, float))]
+        texts = [n for n in varied if n not in numbers]
+        _check_names("--pareto", self.pareto or (), numbers)
+        sorted_by = () if self.sort is None else (self.sort.removeprefix("-"),)
+        _check_names("--sort", sorted_by, ["status", *texts, *numbers])
+
+    def record(self, data: Dataset) -> dict[str, Any]:
+        """What JSON says."""
+        from studies.sweeps.results import front_record, points_record
+
+        front = {} if self.pareto is None else front_record(data, *self.pareto)
+        return points_record(data) | front
+
+    def summary(self, data: Dataset) -> Summary:
+        """What is printed."""
+        from studies.sweeps.results import points_summary
+
+        return points_summary(data, sort=self.sort, top=self.top, front=self.pareto)
+
+    def figure(self, data: Dataset, options: FigureOptions) -> Figure:
+        """Chart of the points, or of their front."""
+        from studies.sweeps.plots import plot_pareto, plot_sweep
+
+        if self.pareto is None:
+            return plot_sweep(data, figure=options)
+        return plot_pareto(data, *self.pareto, figure=options)
 
 
 @command("solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5")
@@ -108,20 +190,15 @@ _TOP = 40
 @work_options
 @solar_options
 @figure_options
+@gathered("points", _Points)
+@gathered("shown", _Shown)
 def sweep(
     asked: Asked,
-    axes: tuple[Axis, ...],
-    objective: str | None,
-    cover: bool | None,
-    sample: str,
-    samples: int,
-    seed: int,
+    points: _Points,
+    shown: _Shown,
     out_file: str | None,
     plot_file: str | None,
     figure: FigureOptions,
-    pareto: tuple[str, str] | None,
-    sort: str | None,
-    top: int,
     work: WorkOptions,
 ) -> None:
     """Trade study: vary keys of AIRCRAFT (name, file or folder) and mission, each point judged.
@@ -132,22 +209,10 @@ def sweep(
     from studies.cli.checks import check_outputs, refuse_climb, require_path
     from studies.cli.jobs import completed
     from studies.cli.outputs import call, figure_bytes, told
-    from studies.sweeps import study
-    from studies.sweeps.axes import axis_names
     from studies.sweeps.files import FORMATS, table_format, to_bytes
-    from studies.sweeps.points import BLANKS, SIZED_BLANKS
-    from studies.sweeps.results import front_record, points_record, points_summary
+    from studies.sweeps.study import dataset
 
-    if pareto is not None and sort is not None:
-        raise click.UsageError("a front has its own order: give --pareto or --sort")
-    blanks = BLANKS if objective is None else SIZED_BLANKS
-    varied = axis_names(axes)
-    numbers = [n for n, axis in zip(varied, axes, strict=True) if not axis.names]
-    numbers += [*(n for n, blank in blanks.items() if isinstance(blank, float))]
-    texts = [n for n in varied if n not in numbers]
-    _check_names("--pareto", pareto or (), numbers)
-    sorted_by = () if sort is None else (sort.removeprefix("-"),)
-    _check_names("--sort", sorted_by, ["status", *texts, *numbers])
+    shown.check(points)
     check_image(plot_file)
     file_format = None if out_file is None else table_format(out_file)
     if out_file is not None:
@@ -155,43 +220,22 @@ def sweep(
     case = asked.case()
     refuse_climb(case, "sweep")
     require_path(case)
-    try:
-        prepared = study.prepare(
-            *(case.aircraft, case.mission, axes, case.solar),
-            sample=sample,  # type: ignore[arg-type]  # click checked it
-            samples=samples,
-            seed=seed,
-            resize=objective,
-            cover=cover,
-        )
-    except InputError as error:
-        named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
-        raise InputError(named) from None
+    prepared = points.prepared(case)
     check_outputs(out=out_file, plot=plot_file)
     with completed(prepared.job, work, out_file, "points") as outcome:
-        data = study.dataset(prepared, outcome)
-        record = case.named(points_record(data))
-        if pareto is not None:
-            record |= front_record(data, *pareto)
+        data = dataset(prepared, outcome)
         contents: dict[str | os.PathLike[str], bytes] = {}
         trouble = None
         with told(
-            *(case, record, lambda: points_summary(data, sort=sort, top=top, front=pareto)),
+            *(case, case.named(shown.record(data)), lambda: shown.summary(data)),
             files=contents,
             next_step=f"{call('explore')} (the same with sliders)",
         ):
             if out_file is not None and file_format is not None:
                 contents[out_file] = to_bytes(data, file_format)
             if plot_file is not None:
-                from studies.sweeps.plots import plot_pareto, plot_sweep
-
                 try:
-                    drawn = (
-                        plot_sweep(data, figure=figure)
-                        if pareto is None
-                        else plot_pareto(data, *pareto, figure=figure)
-                    )
-                    contents[plot_file] = figure_bytes(drawn, plot_file)
+                    contents[plot_file] = figure_bytes(shown.figure(data, figure), plot_file)
                 except ValueError as error:
                     # The points are worth keeping even where there is nothing to draw.
                     trouble = str(error)
