@@ -15,23 +15,3 @@ CORRECTION_NAMES: tuple[CorrectionName, ...] = get_args(CorrectionName)
 
 # Models that know the attitude: they need module surfaces on the aircraft and a flight path.
 ATTITUDE_MODELS: tuple[ModelName, ...] = ("VM", "FM")
-
-# The objectives of sizing; what they mean is in sizing.optimisation.objectives.
-OBJECTIVE_NAMES = (
-    "max_excess_time",
-    "min_wingspan",
-    "min_mass",
-    "max_payload_mass",
-    "max_payload_power",
-    "longest_season",
-    "widest_latitude_band",
-)
-# Those that a map or a trade study can have in every cell.
-RESIZE_NAMES = (
-    "min_wingspan",
-    "max_excess_time",
-    "min_mass",
-    "max_payload",
-    "max_payload_mass",
-    "max_payload_power",
-)

@@ -47,13 +47,9 @@ class Verdict(NamedTuple):
 
 def least_mission(mission: Mission, objective: Objective) -> Mission:
     """Mission without the payload that is to be as large as possible: the easiest one."""
-    keys = {
-        Objective.max_payload_mass: "mission.payload.mass_kg",
-        Objective.max_payload_power: "mission.payload.power_w",
-    }
-    if objective not in keys:
+    if objective.payload_key is None:
         return mission
-    return with_parameter(mission, mission, keys[objective], 0.0)[1]
+    return with_parameter(mission, mission, objective.payload_key, 0.0)[1]
 
 
 def short_of_largest_excess(

@@ -74,18 +74,10 @@ def objective_value(objective: Objective, perf: Performance) -> FloatArray:
     ``perf``: of one design, or of a batch; the scenarios are the last axis. Returns of the shape of
     the batch, in the objective's unit.
     """
-    worst = np.min(perf.cycle.excess_time_h, axis=-1)
-    design = perf.design
-    values = {
-        Objective.max_excess_time: worst,
-        Objective.min_wingspan: design.variables.wingspan_m,
-        Objective.min_mass: design.total_mass_kg,
-        Objective.max_payload_mass: design.masses.payload,
-        Objective.max_payload_power: design.variables.payload_power_w,
-    }
-    if objective not in values:
+    if objective.of_range:
         raise ValueError(f"{objective.value} is no number of a single simulation")
-    value = values[objective]
+    worst = np.min(perf.cycle.excess_time_h, axis=-1)
+    value = objective.value_of(perf.design) if objective.of_design else worst
     if value is None:  # the payload is not a variable: the mission's
         value = perf.mission.payload.power_w
     return np.array(np.broadcast_to(np.asarray(value, float), worst.shape))

@@ -51,16 +51,8 @@ _NOT_QUITE = 0.999
 _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
 _OTHER_SLACK_WEIGHT = 100.0
 
-_COSTS: dict[Objective, dict[str, float]] = {
-    Objective.max_excess_time: {WORST_EXCESS: -1.0 / 24.0},
-    Objective.min_wingspan: {"wingspan_m": 1.0},
-    Objective.min_mass: {"total_mass_kg": 1.0},
-    Objective.max_payload_mass: {"payload_mass_kg": -1.0},
-    Objective.max_payload_power: {"payload_power_w": -1.0},
-}
-
 # What an hour of excess time has a price in.
-_SIZES = {name for cost in _COSTS.values() for name in cost} - {WORST_EXCESS}
+_SIZES = {name for objective in Objective for name in objective.cost} - {WORST_EXCESS}
 
 
 @dataclass(frozen=True)
@@ -91,13 +83,12 @@ class ProblemInstance:
     @classmethod
     def of(cls, objective: Objective, required_h: float) -> ProblemInstance:
         """Instance of an objective, with a cushion on the required excess time where that costs."""
-        payload = (Objective.max_payload_mass, Objective.max_payload_power)
         best_excess = objective is Objective.max_excess_time
         return cls(
-            cost=_COSTS[objective],
+            cost=objective.cost,
             goal_h=required_h if best_excess else required_h + GOAL_CUSHION_H,
             best_excess=best_excess,
-            freed=(objective.variable,) if objective in payload else (),
+            freed=() if objective.payload_key is None else (objective.variable,),
         )
 
     def always_lit(self, scenarios: Iterable[int], *, all_of_them: bool) -> ProblemInstance:
@@ -109,7 +100,7 @@ class ProblemInstance:
         lit = replace(self, lit=frozenset(scenarios))
         if not all_of_them:
             return lit
-        cost = _COSTS[Objective.min_mass] if self.best_excess else self.cost
+        cost = Objective.min_mass.cost if self.best_excess else self.cost
         return replace(lit, cost=cost, goal_h=0.0, best_excess=False)
 
     def penalised(self, penalty: float) -> ProblemInstance:

@@ -214,14 +214,9 @@ class SurvivalSearch:
 
     def _cost(self, design: Design) -> float:
         """Logarithm of what is to be small, or the negative of what is to be large."""
-        if self.objective is Objective.min_wingspan:
-            return math.log(float(np.asarray(design.variables.wingspan_m)))
-        if self.objective is Objective.min_mass:
-            return math.log(float(np.asarray(design.total_mass_kg)))
-        if self.objective is Objective.max_payload_mass:
-            return -float(np.asarray(design.masses.payload))
-        power_w = design.variables.payload_power_w
-        return -float(np.asarray(0.0 if power_w is None else power_w))
+        found = self.objective.value_of(design)
+        value = float(np.asarray(0.0 if found is None else found))
+        return -value if self.objective.maximised else math.log(value)
 
     # --- along the edge ----------------------------------------------------------------------
 

@@ -36,12 +36,7 @@ from sizing.survival.search import Candidate, Steps, SurvivalSearch
 from solar.types import FloatArray
 
 # What has a smallest or largest design on the edge of closing enough days.
-OBJECTIVES = (
-    Objective.min_mass,
-    Objective.min_wingspan,
-    Objective.max_payload_mass,
-    Objective.max_payload_power,
-)
+OBJECTIVES = tuple(one for one in Objective if one.of_design)
 DAYS_THAT_CLOSE = "days_that_close"
 # Days before the season that the search flies, from a full battery. The answer is of all days.
 _LEAD_DAYS = 20

@@ -15,6 +15,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from missions.dates import MONTH_NAMES, date_label
+from sizing.optimisation.objectives import Objective
 from studies.output.cells import (
     cell_edges,
     diverging,
@@ -42,14 +43,6 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_map", "plot_resized_map"]
 
-# Objective -> variable that is drawn.
-_SHOWN = {
-    "max_excess_time": "excess_time",
-    "min_wingspan": "wingspan",
-    "min_mass": "total_mass",
-    "max_payload_mass": "payload_mass",
-    "max_payload_power": "payload_power",
-}
 _LEVELS = 6  # on either side of zero
 _DATES = 6  # along an axis of less than two months
 
@@ -105,7 +98,7 @@ def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     -------
     Figure
     """
-    name = _SHOWN[data.attrs["objective"]]
+    name = Objective(data.attrs["objective"]).column
     drawn, axes = _begun(figure, data, objective_caption(data.attrs["objective"]))
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     sized, about = np.isin(data["status"].to_numpy(), SIZED), data[name].attrs

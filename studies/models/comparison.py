@@ -18,8 +18,8 @@ from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, design_of
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingResult, SizingStatus
+from sizing.optimisation.objectives import RESIZE_NAMES, Objective
+from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
@@ -33,7 +33,7 @@ from sizing.validity.checks import (
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, together, told, worst_of
-from solar.names import RESIZE_NAMES, CorrectionName, ModelName
+from solar.names import CorrectionName, ModelName
 from solar.versions import software_record
 from studies.maps.season import Flags, Season, perpetual_flags, season_of
 from studies.models.prediction import Prediction, duration, predict
@@ -62,11 +62,7 @@ class Built:
         design, simulated = self.sizing.design, self.sizing.simulated
         if design is None or simulated is None:
             return None
-        if objective is Objective.max_excess_time:
-            return float(np.min(simulated.cycle.excess_time_h))
-        if objective is Objective.min_mass:
-            return float(design.total_mass_kg)
-        return float(getattr(design.variables, objective.variable))
+        return float(objective_value(objective, simulated))
 
     def result(self, objective: Objective) -> str:
         """What the sizing arrived at, in words."""

@@ -15,12 +15,11 @@ import numpy as np
 from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.optimisation.objectives import Objective, SizingStatus
+from sizing.optimisation.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import from_text, together
 from solar._version import __version__
-from solar.names import RESIZE_NAMES
 from solar.versions import FORMAT_VERSION
 from studies.output.gridded import Labelled, OnGrid
 

@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from sizing.energy.cycle import ENDS
+from sizing.optimisation.objectives import Objective
 from studies.output.cells import (
     draw_cells,
     draw_colour_bar,
@@ -56,15 +57,6 @@ __all__ = ["plot_pareto", "plot_sweep"]
 MAXIMUM_PANELS = 12
 # How lines mark points without a result.
 _MARKERS = {"infeasible": "x", "invalid": "+", "not_converged": "*", "failed": "v"}
-# Objective -> variable that a chart of sized points shows, and another one beside it.
-_SHOWN = {
-    "": ("excess_time", "charge_margin"),
-    "max_excess_time": ("excess_time", "total_mass"),
-    "min_wingspan": ("wingspan", "total_mass"),
-    "min_mass": ("total_mass", "wingspan"),
-    "max_payload_mass": ("payload_mass", "wingspan"),
-    "max_payload_power": ("payload_power", "wingspan"),
-}
 # More of these is better; less of everything else.
 
 
@@ -120,7 +112,10 @@ def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
 
 
 def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
-    return _SHOWN.get(data.attrs["objective"], _SHOWN["min_wingspan"])
+    objective = data.attrs["objective"]
+    if not objective:
+        return "excess_time", "charge_margin"
+    return Objective(objective).column, Objective(objective).beside
 
 
 def _drawable(data: xr.Dataset) -> xr.DataArray:

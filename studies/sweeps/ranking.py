@@ -32,14 +32,6 @@ MORE_IS_BETTER = {
     "payload_power",
     "payload_mass_kg",  # the varied key
 }
-# Column of the table that an objective is about.
-_COLUMN_OF: dict[Objective, str] = {
-    Objective.min_wingspan: "wingspan",
-    Objective.min_mass: "total_mass",
-    Objective.max_excess_time: "excess_time",
-    Objective.max_payload_mass: "payload_mass",
-    Objective.max_payload_power: "payload_power",
-}
 
 
 def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
@@ -49,7 +41,7 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
     excess time where nothing was sized. Equal points remain in the order of the study.
     """
     objective = data.attrs["objective"]
-    column = _COLUMN_OF[Objective(objective)] if objective else "excess_time"
+    column = Objective(objective).column if objective else "excess_time"
     table = to_table(data).assign(_better=np.asarray(feasible(data)).ravel())
     upwards = column not in MORE_IS_BETTER
     table = table.sort_values(["_better", column], ascending=[False, upwards], kind="stable")

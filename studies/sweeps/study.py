@@ -297,7 +297,7 @@ def _check_request(
                 axis.key,
                 "a measured aircraft's power does not follow from its wing; take a parametric one",
             )
-        if resize is Objective.min_wingspan and axis.design_variable == "wingspan_m":
+        if resize is not None and axis.design_variable == resize.variable:
             raise _error(axis.key, "is varied and cannot be minimised as well")
         others = [*axes[:number], *axes[number + 1 :]] if combined else []
         _check_values(files, axis, others)

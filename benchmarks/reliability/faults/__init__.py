@@ -6,6 +6,7 @@ Linux alone: processes are found in ``/proc``, small disks are mounted where the
 from __future__ import annotations
 
 import random
+import sys
 from collections.abc import Iterator
 
 import click
@@ -43,9 +44,7 @@ def attacks(count: int | None, seed: int, only: str) -> Iterator[Row]:
             found = []
             numbers = range(count or fault.cases)
             # Hundreds of cases take an hour: what breaks is told at once, besides in the record.
-            with click.progressbar(
-                numbers, label=name, file=click.get_text_stream("stderr")
-            ) as bar:
+            with click.progressbar(numbers, label=name, file=sys.stderr) as bar:
                 for number in bar:
                     rng = random.Random(f"{seed}/{name}/{number}")
                     with own_folder() as folder:

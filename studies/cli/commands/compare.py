@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
+from sizing.optimisation.objectives import RESIZE_NAMES
 from solar.names import (
     ATTITUDE_MODELS,
     CORRECTION_NAMES,
     MODEL_NAMES,
-    RESIZE_NAMES,
     CorrectionName,
     ModelName,
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
-from solar.names import RESIZE_NAMES
+from sizing.optimisation.objectives import RESIZE_NAMES
 from studies.cli.help_texts import command
 from studies.cli.options import (
     Asked,

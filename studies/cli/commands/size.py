@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from solar.names import OBJECTIVE_NAMES
+from sizing.optimisation.objectives import OBJECTIVE_NAMES, Objective
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
@@ -29,7 +29,6 @@ from studies.cli.options import (
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
-    from sizing.optimisation.objectives import Objective
     from sizing.results.sizing import SizingStudy
     from studies.cli.files import Case
 
@@ -83,8 +82,6 @@ class _Sizing:
     @property
     def goal(self) -> Objective:
         """Objective of the optimiser."""
-        from sizing.optimisation.objectives import Objective
-
         return Objective(self.objective)
 
     def _check_weather(self, survive: float) -> None:

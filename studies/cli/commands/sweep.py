@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from missions.files.errors import InputError
-from solar.names import RESIZE_NAMES
+from sizing.optimisation.objectives import RESIZE_NAMES
 from studies.cli.help_texts import command
 from studies.cli.options import (
     EXIT_FAILED,
