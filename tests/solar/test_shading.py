@@ -467,3 +467,12 @@ def test_impossible_losses_are_refused(lost: float) -> None:
 def test_losses_of_another_shape_are_refused() -> None:
     with pytest.raises(ValueError, match="shape"):
         apply_losses(1.0, np.zeros(2), lambda shaded: shaded[:1])
+
+
+@pytest.mark.parametrize(
+    ("above_boom_m", "is_one"), [(0.1, False), (0.19, False), (0.21, True), (0.4, True)]
+)
+def test_a_tail_on_the_upper_half_of_the_fin_makes_a_t(above_boom_m: float, is_one: bool) -> None:
+    tail = t_tail(vertical_height_m=0.4, boom_height_m=0.1, horizontal_height_m=0.1 + above_boom_m)
+    assert tail.is_t_tail is is_one
+    assert not t_tail(vertical_height_m=-0.4, horizontal_height_m=-0.4).is_t_tail

@@ -11,7 +11,7 @@ import yaml
 
 from missions.files import yaml as reading
 from missions.files.errors import InputError
-from missions.files.yaml import parse_yaml, read_yaml
+from missions.files.yaml import parse_yaml, read_yaml, set_absolute_paths
 
 
 def parse_problem(text: str) -> str:
@@ -290,3 +290,12 @@ def test_other_encodings_are_refused(tmp_path: Path, raw: bytes, place: str) -> 
     path = tmp_path / "a.yaml"
     path.write_bytes(raw)
     assert read_problem(path).startswith(f"{path}:{place}")
+
+
+def test_relative_paths_are_those_beside_the_file(tmp_path):
+    data = {"modules": {"cell": "mine.yaml", "name": "mine.yaml"}, "others": [{"airfoil": "a.dat"}]}
+    set_absolute_paths(data, tmp_path)
+    assert data == {
+        "modules": {"cell": str(tmp_path / "mine.yaml"), "name": "mine.yaml"},
+        "others": [{"airfoil": str(tmp_path / "a.dat")}],
+    }

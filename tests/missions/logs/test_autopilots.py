@@ -14,6 +14,8 @@ from ulog_files import EPOCH_S, topics, ulog_bytes
 from missions.files.errors import InputError
 from missions.logs.columns import ColumnMap, parse_column
 from missions.logs.csv import read_flight_log
+from missions.logs.dataflash import _first_battery
+from missions.logs.streams import Stream
 from missions.logs.table import FlightLog
 
 COUNT = 24
@@ -187,3 +189,10 @@ def test_time_of_gps_is_ahead_by_the_leap_seconds(
     epoch_s = float(np.datetime64(instant, "s").astype(np.int64))
     log = read(tmp_path, dataflash(epoch_s=epoch_s, leap_s=leap_s), layout())
     assert log.time_s[0] == pytest.approx(epoch_s, abs=1e-3)
+
+
+def test_an_empty_battery_is_known_and_a_charge_that_cannot_be_is_not() -> None:
+    shares = np.array([-1.0, 0.0, 55.0, 100.0, 101.0])
+    found = _first_battery({"BAT": Stream("BAT", np.arange(5.0), {"RemPct": shares})})
+    nan = np.nan
+    assert found["state_of_charge"].values == pytest.approx([nan, 0.0, 0.55, 1.0, nan], nan_ok=True)

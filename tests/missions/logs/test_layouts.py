@@ -14,7 +14,7 @@ from missions.logs.clock import parse_zone
 from missions.logs.columns import ColumnMap, parse_column, read_column_map, recipes_for
 from missions.logs.csv import read_csv
 from missions.logs.table import FlightLog, log_from_table
-from missions.logs.units import UNITS, Dimension
+from missions.logs.units import UNITS, Dimension, in_radians, recognised, surely_radians
 
 COUNT = 200
 MINUTE = "2015-06-30T09:{:02d}:{:06.3f}Z"
@@ -290,3 +290,26 @@ def test_units_are_those_of_their_definitions(dimension: Dimension) -> None:
     for name, unit in UNITS[dimension].items():
         assert unit.factor == pytest.approx(expected[name], rel=1e-12), name
         assert unit.offset == pytest.approx(ZEROS.get(name, 0.0), rel=1e-12), name
+
+
+@pytest.mark.parametrize(
+    ("largest", "unit"), [(1.0, None), (1.5, None), (2.0, "%"), (105.0, "%"), (106.0, None)]
+)
+def test_per_cent_are_told_from_shares_by_their_size(largest: float, unit: str | None) -> None:
+    assert recognised("state_of_charge", "share", np.array([0.4, largest, np.nan])) == unit
+
+
+@pytest.mark.parametrize(("half_turn", "sure"), [(np.pi, True), (0.97 * np.pi, True), (2.9, False)])
+def test_a_yaw_that_fills_a_turn_can_be_in_nothing_but_radians(
+    half_turn: float, sure: bool
+) -> None:
+    level = np.full(400, 0.1)
+    turns = np.linspace(0.0, 3.0, 400) % 1.0
+    assert surely_radians(level, level, half_turn * (2.0 * turns - 1.0)) is sure
+
+
+def test_a_yaw_without_jumps_by_a_turn_may_be_in_degrees() -> None:
+    level = np.full(400, 0.1)
+    to_and_fro = np.pi * np.sin(np.linspace(0.0, 20.0, 400))
+    assert in_radians(level, level, to_and_fro)
+    assert not surely_radians(level, level, to_and_fro)

@@ -5,6 +5,8 @@ import pytest
 from weather_files import SITE, clear_record, write_plain
 
 from missions.files.errors import InputError
+from missions.weather.air import TEMPERATURE, checked_air
+from missions.weather.checks import _diffuse_fraction
 from missions.weather.files import load_weather
 from missions.weather.record import day_of_year
 from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
@@ -257,3 +259,23 @@ def test_a_record_spans_no_more_than_sixty_years(tmp_path, years, told):
     record = clear_record(3, first="1950-06-20")
     with pytest.raises(InputError, match=told):
         load(tmp_path, record, rows=lambda rows: [*rows, f"{later}Z,0,0,0"])
+
+
+def test_air_at_the_ends_of_what_can_be_is_kept():
+    ends = np.array([-90.0, 70.0, 20.0])
+    found, repairs = checked_air(TEMPERATURE, {"temp_air": ends}, np.zeros(3, int), "a.csv")
+    assert found == pytest.approx(ends)
+    assert not repairs
+
+
+def test_light_without_a_sun_is_diffuse():
+    assert _diffuse_fraction(np.array([3.0]), np.array([0.0])).tolist() == [1.0]
+
+
+# Erbs et al. (1982), equation 1, worked by hand.
+@pytest.mark.parametrize(
+    ("clearness", "share"), [(0.2, 0.982), (0.5, 0.65915), (0.79, 0.16463391), (0.9, 0.165)]
+)
+def test_share_of_diffuse_light(clearness, share):
+    found = _diffuse_fraction(np.array([1000.0 * clearness]), np.array([1000.0]))
+    assert found == pytest.approx([share], abs=1e-8)

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sizing.energy.battery import Battery, NoChargeLimit, RuleChargeLimit, Store
-from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
+from sizing.energy.carried_days import Dawns, carried_over, dawns_of, flight_hours
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance
@@ -240,3 +240,17 @@ def test_flights_end_when_a_battery_marched_alone_is_empty(clearness, energy, la
             assert hours[begin] == pytest.approx((days - begin) * 24.0 - launches[0])
         else:
             assert flown - 1e-6 <= hours[begin] <= flown + 0.5 + 1e-6  # within that interval
+
+
+def test_a_battery_that_is_empty_at_midnight_was_so_before_a_later_dawn_alone():
+    balance = days_of([0.3])
+    its_store = store(400.0, 1)
+    carried = carried_over(balance, its_store, its_store.battery_energy_wh, 1)
+    # What midnight lacks was not delivered: so much less than the whole deficit of the day.
+    emptied_wh = balance.deficit_wh.sum() + 0.97 * carried.run.midnight_wh[0]
+    assert carried.run.midnight_wh[0] < -100.0
+    for beside_wh, empty in ((-1.0, False), (1.0, True)):
+        dawn = Dawns(np.array([20.0]), np.array([emptied_wh + beside_wh]))
+        before, after = carried.runs_empty(dawn)
+        assert before.tolist() == [empty]
+        assert after.tolist() == [True]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from functools import cache, partial
 from itertools import product
+from types import SimpleNamespace
 from typing import get_args
 
 import builders
@@ -505,6 +506,30 @@ def test_run_that_is_known_to_have_no_design_is_not_sized_again(
     growth.apart, growth.failed = list(map(frozenset, apart)), set(map(frozenset, failed))
     # Without an aircraft: a sizing would be an error.
     assert growth._covering([2, 3, 4]) is None
+
+
+def test_an_easy_season_beside_a_run_is_looked_at_and_the_run_is_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Excess time with a peak on day 80 and a lower one on day 266; the run is around the first."""
+    apart = [np.minimum((DAYS - peak) % 365, (peak - DAYS) % 365) for peak in (80, 266)]
+    excess_h = np.maximum(9.0 - 0.1 * apart[0], 7.0 - 0.1 * apart[1])
+    asked: list[int] = []
+
+    def sized(members: list[int]) -> SimpleNamespace:
+        asked.extend(members)
+        return SimpleNamespace(objective_value=float(excess_h[members[0]]))
+
+    growth = _Growth.__new__(_Growth)
+    growth.season, growth.members, growth.start = True, DAYS.astype(float), None
+    monkeypatch.setattr(growth, "_excess_h", lambda _: excess_h)
+    monkeypatch.setattr(growth, "_sized", sized)
+    held = list(range(60, 100))
+    found = growth._other_centres(SimpleNamespace(design=None, objective_value=9.0), held)
+    assert not set(asked) & set(held)
+    others = [centre for centre, _ in found if centre not in held]
+    assert others
+    assert DAYS[others[0]] == pytest.approx(266, abs=365 / 30)
 
 
 # ---- relaxations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,11 @@ import pytest
 import missions
 import sizing
 from sizing.aircraft import Aircraft
+from sizing.optimisation.relaxations import Relaxation
 from sizing.results.analysis import Analysis
+from sizing.results.analysis_summary import flight_table
 from sizing.results.sizing import SizingStudy
+from sizing.results.sizing_summary import relaxation_table
 
 
 @pytest.fixture(scope="module")
@@ -223,3 +227,19 @@ def test_results_are_compared_by_identity(analysis: Analysis) -> None:
     assert analysis == analysis
     assert analysis != again
     assert len({analysis, again}) == 2
+
+
+def test_a_replayed_flight_is_told_by_its_facts() -> None:
+    aircraft, mission = sizing.load_aircraft("atlantiksolar-as2"), missions.load_mission("rafz-28h")
+    flight = sizing.analyse(aircraft, mission).to_dict()["flight"]
+    rows = dict(flight_table(flight).rows)
+    assert rows["launch (local time)"] == "30 Jun 11:14"
+    assert rows["minimum state of charge"] == f"{100.0 * flight['minimum_state_of_charge']:.1f} %"
+    assert list(rows)[-2:] == ["flown", "state of charge at the end"]
+
+
+def test_needed_values_of_relaxations_stand_to_the_right() -> None:
+    one = Relaxation("wingspan_m", "m", 4.0, "at least", 5.25, 1.0)
+    text = relaxation_table([one, replace(one, value=100.5)]).to_text()
+    ends = {line.index(" m ") for line in text.splitlines() if "at least" in line}
+    assert len(ends) == 1

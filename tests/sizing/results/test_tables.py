@@ -8,6 +8,7 @@ import math
 import pandas as pd
 import pytest
 
+from sizing.results.layout import Grid
 from sizing.results.records import clock_label
 from sizing.results.tables import Column, Line, Summary, Table, facts
 
@@ -133,3 +134,12 @@ def test_numbers_keep_their_units_and_days_their_months() -> None:
 def test_items_are_indented_further_on_their_second_line() -> None:
     lines = Summary(("  one two three", "- four five six")).to_text(10).splitlines()
     assert lines == ["  one two", "    three", "- four", "  five six"]
+
+
+def test_texts_of_cells_are_broken_no_more_than_the_width_asks_for() -> None:
+    grid = Grid(("part", "text"), [("wing", "one two three four five six")], (False, False))
+    assert [line.split() for line in grid.lines(24)[2:]] == [
+        ["wing", "one", "two", "three", "four"],
+        ["five", "six"],
+    ]
+    assert Grid(None, (("a",),), (False,))._least(0, whole_cell=False) == 1

@@ -169,3 +169,14 @@ def test_wing_on_its_aerodynamic_centre_does_not_diverge() -> None:
 def test_impossible_torsion_is_refused(change: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):
         WingTorsion(**change)
+
+
+def test_divergence_at_its_own_speed_needs_the_stiffness_that_there_is() -> None:
+    found = assess(RibWingStructure(model="rib_wing", torsion=WingTorsion()), wing_inputs(30.0))
+    assert found.torsion is not None
+    ratio = found.torsion.divergence_speed_ratio
+    assert ratio is not None
+    torsion = WingTorsion(speed_margin=ratio)
+    wing = RibWingStructure(model="rib_wing", torsion=torsion)
+    needed = torsion.needed_nm2(wing.twisting(wing.wing(wing_inputs(30.0))))["divergence"]
+    assert float(needed) == pytest.approx(found.torsion.stiffness_nm2, rel=1e-3)

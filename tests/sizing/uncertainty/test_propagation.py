@@ -8,7 +8,12 @@ from missions.uncertainty import Normal
 from sizing.library import load_aircraft
 from sizing.parameters import MISSION_PREFIX, parameter_value
 from sizing.sunlight import SolarModel
-from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInput, UncertainInputs
+from sizing.uncertainty.inputs import (
+    SOLAR_MODEL,
+    UncertainInput,
+    UncertainInputs,
+    uncertain_inputs,
+)
 from sizing.uncertainty.propagation import Propagation, check_inputs
 
 DESIGN = {
@@ -77,6 +82,7 @@ def alone(aircraft, mission, values, number):
     [
         ("atlantiksolar-design", DESIGN, "CAM"),
         ("atlantiksolar-design", {k: v for k, v in DESIGN.items() if "diffuse" not in k}, "CDM"),
+        ("atlantiksolar-design", {"modules.diffuse_efficiency": 0.05}, "CAM"),
         ("atlantiksolar-as2", MEASURED, "CAM"),
         ("atlantiksolar-design", BATTERY, "CAM"),
         ("atlantiksolar-as2", BATTERY, "CAM"),
@@ -176,3 +182,12 @@ def test_what_draws_take_from_outside_is_what_each_alone_takes():
         assert found[quantity].value == pytest.approx(worst.value, rel=1e-8)
         if found[quantity].of:  # the sun's height is one for all draws
             assert (found[quantity].count, found[quantity].of) == (len(each), 24)
+
+
+def test_error_of_the_solar_model_is_an_input_of_its_own():
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
+    for name, rms in (("CDM", 0.2003), ("CAM", 0.0702)):
+        found = uncertain_inputs(aircraft, mission, SolarModel(name)).inputs
+        (error,) = (one for one in found if one.key == SOLAR_MODEL)
+        assert error.nominal == 1.0
+        assert error.values(np.array([0.8413]))[0] == pytest.approx(1.0 + rms, abs=1e-4)
