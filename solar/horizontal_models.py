@@ -263,6 +263,8 @@ def _fill(
     time_axis: int | None,
 ) -> None:
     """Compute a result block by block along its first axis of more than one element."""
+    if not result.size:
+        return
     wide = [axis for axis in range(-result.ndim, 0) if result.shape[axis] > 1]
     first = wide[0] if wide else None
     step = 1 if first is None else max(1, _POINTS_AT_ONCE * result.shape[first] // result.size)

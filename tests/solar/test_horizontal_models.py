@@ -450,3 +450,14 @@ def test_large_maps_are_computed_part_by_part_and_no_times_give_no_power() -> No
     assert max(sizes) < 20_000
     np.testing.assert_array_equal(power(days[1500:1510], times), whole[1500:1510])
     assert power(np.array([172.5]), np.array([])).shape == (0,)
+
+
+def test_nothing_asked_is_nothing_answered() -> None:
+    found = horizontal_specific_power(
+        np.empty((0, 1)),
+        172.5,
+        np.linspace(0.0, 24.0, 5),
+        cell=SolarCell(efficiency_stc=0.2),
+        module_temperature_c=25.0,
+    )
+    assert found.shape == (0, 5)
