@@ -210,7 +210,10 @@ def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -
     [
         ({"models": ["XM"]}, "model must be one of CDM, CAM, VM, FM .got 'XM'"),
         ({"corrections": ["all"]}, "correction must be one of none, report, loiter .got 'all'"),
-        ({"objective": "fun"}, "objective must be one of min_wingspan, .* .got 'fun'"),
+        (
+            {"objective": "fun"},
+            "objective must be one of max_excess_time, min_wingspan, .* .got 'fun'",
+        ),
         ({"objective": "longest_season"}, "objective must be one of .* .got 'longest_season'"),
         ({"models": []}, "no model to compare"),
     ],
@@ -326,7 +329,7 @@ def test_no_design_at_all_ends_with_1() -> None:
         (["--models", ""], "'' is not one of CDM, CAM, VM, FM"),
         (["--corrections", "all"], "'all' is not one of none, report, loiter"),
         (["--objective", "fun"], "'fun' is not one of"),
-        (["--objective", "longest_season"], "'longest_season' is not one of 'min_wingspan'"),
+        (["--objective", "longest_season"], "'longest_season' is not one of 'max_excess_time'"),
         (["--required-excess-time", "nan"], "--required-excess-time"),
         (["--required-excess-time", "-1"], "--required-excess-time"),
         (["--out", "x", "--csv", "y.csv"], "give --out, or --table and --plot, not both"),
