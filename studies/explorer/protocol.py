@@ -29,6 +29,7 @@ class Connection(H11Protocol):
         cycle: Any = self.cycle  # none before the first one
         return cycle is None or bool(cycle.response_complete)
 
+    # uvicorn narrows the type of asyncio's own argument as well.
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Take a connection, and close the one that waits longest where there are too many."""
         self._since_s = self.loop.time()

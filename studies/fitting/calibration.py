@@ -175,6 +175,7 @@ def calibrate(
     drag = _drag(start, built, flight, drag_key)
     start = replaced(start, drag_key.split("."), drag)
     structure_key = _structure_key(start)
+    # Of a measured aircraft alone, which was checked before.
     mass_kg = built.airframe.mass_without_battery_kg + built.battery.mass_kg  # type: ignore[union-attr]
     structure = _structure(start, flight, mass_kg, structure_key)
     start = replaced(start, structure_key.split("."), structure)

@@ -57,7 +57,6 @@ __all__ = ["plot_pareto", "plot_sweep"]
 MAXIMUM_PANELS = 12
 # How lines mark points without a result.
 _MARKERS = {"infeasible": "x", "invalid": "+", "not_converged": "*", "failed": "v"}
-# More of these is better; less of everything else.
 
 
 @styled

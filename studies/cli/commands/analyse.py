@@ -63,7 +63,6 @@ class _Flight:
 
     def __post_init__(self) -> None:
         """Refuse what does not go together."""
-        dated = "--date" if self.date is not None else "--day-of-year"
         if self.day_of_year is not None and self.date is not None:
             raise click.UsageError("give --day-of-year or --date, not both")
         if self.weather_file is None:
@@ -75,6 +74,7 @@ class _Flight:
                 "a weather record has its own place: give --latitude or --weather"
             )
         if self.day_of_year is not None or self.date is not None:
+            dated = "--date" if self.date is not None else "--day-of-year"
             raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
 
     def of(self, case: Case) -> Case:
