@@ -109,7 +109,7 @@ PowerModel: TypeAlias = Callable[[Irradiance, ArrayLike, SolarCell, ArrayLike], 
 As :func:`conceptual_design_model`: everything broadcasts, and no light gives no power.
 """
 
-HORIZONTAL_MODELS: dict[str, PowerModel] = {
+HORIZONTAL_MODELS: dict[ModelName, PowerModel] = {
     "CDM": conceptual_design_model,
     "CAM": conceptual_analysis_model,
 }

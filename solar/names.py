@@ -5,7 +5,7 @@ A command line that lists the choices does not have to import the models.
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 ModelName = Literal["CDM", "CAM", "VM", "FM"]
 CorrectionName = Literal["none", "report", "loiter"]
@@ -13,5 +13,25 @@ CorrectionName = Literal["none", "report", "loiter"]
 MODEL_NAMES: tuple[ModelName, ...] = get_args(ModelName)
 CORRECTION_NAMES: tuple[CorrectionName, ...] = get_args(CorrectionName)
 
-# Models that know the attitude: they need module surfaces on the aircraft and a flight path.
-ATTITUDE_MODELS: tuple[ModelName, ...] = ("VM", "FM")
+
+class ModelEntry(NamedTuple):
+    """What is known of a solar power model besides its formula.
+
+    ``needs_path``: whether it knows the attitude, and so needs module surfaces on the aircraft and
+    a flight path. ``average_error``, ``rms_error``: relative to flight, table 3 of the report
+    that :mod:`solar.systematic_errors` names.
+    """
+
+    label: str
+    needs_path: bool
+    average_error: float
+    rms_error: float
+
+
+MODELS: dict[ModelName, ModelEntry] = {
+    "CDM": ModelEntry("constant efficiencies", False, 0.1781, 0.2003),
+    "CAM": ModelEntry("light and temperature", False, 0.0531, 0.0702),
+    "VM": ModelEntry("attitude on the path", True, -0.0196, 0.0396),
+    "FM": ModelEntry("full model", True, -0.0175, 0.0419),
+}
+ATTITUDE_MODELS: tuple[ModelName, ...] = tuple(m for m in MODEL_NAMES if MODELS[m].needs_path)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, MODELS, CorrectionName, ModelName
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,7 @@ class ModelError:
 
 
 REPORTED_ERRORS: dict[str, ModelError] = {
-    "CDM": ModelError(average=0.1781, rms=0.2003),
-    "CAM": ModelError(average=0.0531, rms=0.0702),
-    "VM": ModelError(average=-0.0196, rms=0.0396),
-    "FM": ModelError(average=-0.0175, rms=0.0419),
+    name: ModelError(model.average_error, model.rms_error) for name, model in MODELS.items()
 }
 
 

@@ -12,7 +12,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe, Range
 from sizing.design import ImpossibleDesignError, design_of
 from sizing.parameters import parameter, parameter_value
 from sizing.sunlight import SolarModel
-from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES
+from solar.names import CORRECTION_NAMES, MODELS
 
 __all__ = ["DAY", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
 
@@ -109,12 +109,6 @@ class Choice:
         return ", ".join(option.name for option in self.options if not option.reason)
 
 
-_MODEL_LABELS = {
-    "CDM": "CDM – constant efficiencies",
-    "CAM": "CAM – light and temperature",
-    "VM": "VM – attitude on the path",
-    "FM": "FM – full model",
-}
 _CORRECTION_LABELS = {
     "none": "none",
     "report": "report – measured in one flight",
@@ -210,8 +204,8 @@ def _choices(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Sequenc
     elif mission.flight_path is None:
         lacking = "needs a flight path: flight_path of the mission"
     models = tuple(
-        Option(name, _MODEL_LABELS[name], lacking if name in ATTITUDE_MODELS else "")
-        for name in MODEL_NAMES
+        Option(name, f"{name} – {model.label}", lacking if model.needs_path else "")
+        for name, model in MODELS.items()
     )
     corrections = tuple(
         Option(name, _CORRECTION_LABELS[name], lacking if name == "loiter" else "")

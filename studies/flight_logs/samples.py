@@ -21,7 +21,7 @@ from solar.attitude import direction_cosines
 from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import ClearSky, Irradiance
 from solar.geometry import ModuleGeometry
-from solar.horizontal_models import conceptual_analysis_model, conceptual_design_model
+from solar.horizontal_models import HORIZONTAL_MODELS
 from solar.names import ModelName
 from solar.shading import shaded_area
 from solar.sun import SECONDS_PER_DAY, sun_position
@@ -263,10 +263,7 @@ def _joined(parts: Sequence[dict[ModelName, FloatArray]]) -> dict[ModelName, Flo
 def _horizontal(lit: _Lit) -> dict[ModelName, FloatArray]:
     modules, light = lit.aircraft.modules, lit.light()
     given = (light, -lit.sun[:, 2], modules, lit.module_c)
-    return {
-        "CDM": modules.area_m2 * conceptual_design_model(*given),
-        "CAM": modules.area_m2 * conceptual_analysis_model(*given),
-    }
+    return {name: modules.area_m2 * model(*given) for name, model in HORIZONTAL_MODELS.items()}
 
 
 def _with_attitude(

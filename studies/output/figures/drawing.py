@@ -10,6 +10,7 @@ import io
 import math
 import os
 from collections.abc import Callable, Iterable, Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
 
 from missions.files.writing import write_bytes_atomically
@@ -17,7 +18,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.results.notes import extrapolation_caption
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
-from solar.names import ModelName
+from solar.names import MODEL_NAMES
 from studies.output.figures.options import (
     DEFAULT,
     DOTS_PER_INCH,
@@ -46,13 +47,8 @@ GREY, DARK_GREY = "#DDDDDD", "#808080"
 SUN, LOAD, CHARGE, NIGHT = ORANGE, BLUE, GREEN, GREY
 # A line style for each colour, so that print in grey is read as well.
 SUN_LINE, LOAD_LINE, CHARGE_LINE = "-", "--", "-"
-MODEL_COLOURS: dict[ModelName, str] = {
-    "CDM": ORANGE,
-    "CAM": SKY,
-    "VM": GREEN,
-    "FM": VERMILLION,
-}
-MODEL_LINES: dict[ModelName, str] = {"CDM": ":", "CAM": "-.", "VM": "--", "FM": "-"}
+MODEL_COLOURS = dict(zip(MODEL_NAMES, cycle((ORANGE, SKY, GREEN, VERMILLION)), strict=False))
+MODEL_LINES = dict(zip(MODEL_NAMES, cycle((":", "-.", "--", "-")), strict=False))
 _DARK_NIGHT = "#404040"
 _USUAL_TYPE = 10.0  # [pt], for which the sizes of figures are meant
 _SHORT_NOTE = 40  # characters
