@@ -15,15 +15,9 @@ import numpy as np
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import FloatArray
 from studies.fitting.parameters import PARAMETERS, with_values
-from studies.validation.flights.published_flights import (
-    FLIGHT_28H,
-    FLIGHT_81H,
-    FLIGHT_81H_CLOCK,
-    Flight,
-    Quantity,
-    Trial,
-)
+from studies.validation.flights.published_flights import FLIGHTS, Flight, Quantity, Trial
 
+FLIGHT_28H = FLIGHTS["as2-28h"]
 NIGHT_LOAD_W = 43.0  # published mean of the night, FLIGHT_28H
 _FITTED = ("specific_energy", "module_efficiency")
 _TO = ("minimum state of charge", "state of charge after 24 h")
@@ -114,7 +108,11 @@ def _figures(values: FloatArray) -> Table:
         Column("use"),
     )
     rows = []
-    for name, flight in (("28 h", FLIGHT_28H), ("81 h", FLIGHT_81H), ("81 h", FLIGHT_81H_CLOCK)):
+    for name, flight in (
+        ("28 h", FLIGHT_28H),
+        ("81 h", FLIGHTS["as2-81h"]),
+        ("81 h", FLIGHTS["as2-81h-clock"]),
+    ):
         before, after = flight.trial(), _changed(flight, values)
         for one in flight.quantities:
             use = "fitted to" if flight is FLIGHT_28H and one.name in _TO else "predicted"

@@ -6,6 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from sizing.sunlight import SolarModel, solar_day
+from solar.names import ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 from studies.cli.__main__ import cli
 from studies.models.transfer import transferred_errors
@@ -21,7 +22,7 @@ def result() -> study.Reproduction:
 @pytest.mark.parametrize(
     ("model", "tolerance"), [("CDM", 0.015), ("CAM", 0.015), ("VM", 0.03), ("FM", 0.03)]
 )
-def test_mean_power(result: study.Reproduction, model: str, tolerance: float) -> None:
+def test_mean_power(result: study.Reproduction, model: ModelName, tolerance: float) -> None:
     assert result.models_w[model] == pytest.approx(study.PUBLISHED_W[model], rel=tolerance)
 
 
