@@ -6,28 +6,48 @@ import re
 
 DAYS_PER_YEAR = 365
 _MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
-MONTH_NAMES = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
-_FORM = re.compile(r"([0-9]{1,2})-([0-9]{1,2})")
+_MONTHS = (
+    *("January", "February", "March", "April", "May", "June"),
+    *("July", "August", "September", "October", "November", "December"),
+)
+MONTH_NAMES = tuple(name[:3] for name in _MONTHS)
+_FORM = re.compile(r"(?:[0-9]{4}-)?([0-9]{1,2})-([0-9]{1,2})")
+_WORDS = re.compile(r"([0-9]{1,2})\.? *([a-z]{3,9})|([a-z]{3,9}) *([0-9]{1,2})", re.IGNORECASE)
 
 
 def day_of_year(date: str) -> int:
-    """Day of year, 1 to 365, of a date written ``MM-DD``.
+    """Day of year, 1 to 365, of a date written ``MM-DD``, ``YYYY-MM-DD`` or ``21 Jun``.
+
+    A year is read and plays no part.
 
     Raises
     ------
     ValueError
         If the text is no such date; 29 February is not in a year of 365 days.
     """
-    match = _FORM.fullmatch(date.strip())
-    if match is None:
+    written = _month_and_day_written(date.strip())
+    if written is None:
         raise ValueError(f"must be a date MM-DD, for instance 07-15 (got {date!r})")
-    month, day = int(match[1]), int(match[2])
+    month, day = written
     if not 1 <= month <= 12:
         raise ValueError(f"the month must be 01 to 12 (got {date!r})")
     length = _MONTH_LENGTHS[month - 1]
     if not 1 <= day <= length:
         raise ValueError(f"month {month:02d} has days 01 to {length} (got {date!r})")
     return sum(_MONTH_LENGTHS[: month - 1]) + day
+
+
+def _month_and_day_written(date: str) -> tuple[int, int] | None:
+    """Month and day of month as written, None where the text is in no form of a date."""
+    if match := _FORM.fullmatch(date):
+        return int(match[1]), int(match[2])
+    if match := _WORDS.fullmatch(date):
+        name, day = (match[2] or match[3]).title(), int(match[1] or match[4])
+        # Three letters are enough to tell one month from another.
+        return next(
+            ((i, day) for i, month in enumerate(_MONTHS, 1) if month.startswith(name)), None
+        )
+    return None
 
 
 def month_and_day(day: int) -> tuple[int, int]:

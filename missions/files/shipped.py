@@ -62,7 +62,8 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
     if Path(name).exists():
         return read_yaml(name)
     other: Kind = "mission" if kind == "aircraft" else "aircraft"
-    close = get_close_matches(name, names, n=1)
+    beside = [path.name for path in Path().glob("*.y*ml")] if Path(name).parent == Path() else []
+    close = get_close_matches(name, [*beside, *names], n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
     if name in shipped_names(other):
         hint = f": {name!r} is one of the {other if other == 'aircraft' else 'missions'}"

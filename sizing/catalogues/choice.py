@@ -71,9 +71,9 @@ def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
     ``data``: as a validator of the mode ``wrap`` receives them.
     """
     name = data.get(key) if isinstance(data, Mapping) else None
-    if not isinstance(name, str):
+    if not isinstance(name, str | int) or isinstance(name, bool):
         return handler(data)
-    found = _entry(key, kind, name).parameters(data)
+    found = _entry(key, kind, str(name)).parameters(data)
     new = {one: value for one, value in found.items() if one not in data}
     record = handler({**data, **new})
     record.__pydantic_fields_set__.difference_update(new)

@@ -23,8 +23,8 @@ KINDS: Mapping[Kind, type[Entry]] = MappingProxyType(
     {"cells": CellEntry, "batteries": BatteryEntry, "motors": MotorEntry}
 )
 _SUFFIXES = (".yaml", ".yml")
-# Names that a message lists.
-_LISTED = 3
+# Names that a message lists: spelled alike, or having what was asked for in their name or label.
+_ALIKE, _HAVING = 3, 10
 
 E = TypeVar("E", bound=Entry)
 
@@ -67,11 +67,26 @@ def entry(kind: Kind, name: str) -> Entry:
     names = list(_documents(kind))
     if name in names:
         return _shipped(kind, name)
-    near = get_close_matches(name.lower(), names, n=_LISTED, cutoff=0.5)
-    meant = f"; did you mean {', '.join(near)}?" if near else ""
+    meant = f"; did you mean {', '.join(_near(kind, name))}?" if _near(kind, name) else ""
     elsewhere = [other for other in KINDS if name in _documents(other)]
     meant = f"; it is one of the {elsewhere[0]}" if elsewhere else meant
     shown = printable(shortened(name))
     raise file_error(
         "", f"the catalogue of {kind} has no {shown!r}{meant} (solar-uav list --{kind} has all)"
     )
+
+
+def _near(kind: Kind, name: str) -> list[str]:
+    """Names that have this one in their name or label, such as a format; else those alike."""
+    part = _letters(name)
+    having = [
+        entry
+        for entry, document in _documents(kind).items()
+        if len(part) > 1 and (part in _letters(entry) or part in _letters(document.data["label"]))
+    ]
+    alike = get_close_matches(name.lower(), _documents(kind), n=_ALIKE, cutoff=0.5)
+    return having[:_HAVING] or alike
+
+
+def _letters(text: str) -> str:
+    return "".join(filter(str.isalnum, text.lower()))

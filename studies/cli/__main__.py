@@ -76,6 +76,9 @@ _COMMANDS = {
 }
 
 
+_SPELLED = {"analyze": "analyse"}
+
+
 class _LazyGroup(click.Group):
     """Group whose commands are imported when they are called.
 
@@ -88,8 +91,8 @@ class _LazyGroup(click.Group):
         return list(_COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Command of a name, None where there is none."""
-        lazy = _COMMANDS.get(cmd_name)
+        """Command of a name, in either spelling; None where there is none."""
+        lazy = _COMMANDS.get(_SPELLED.get(cmd_name, cmd_name))
         if lazy is None:
             return None
         module = importlib.import_module(f"studies.cli.commands.{lazy.module}")

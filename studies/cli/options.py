@@ -76,8 +76,11 @@ class Grid(ParamType["list[float]"]):
 
     name = "first:last:step"
 
-    def __init__(self, lowest: float, highest: float, *, whole: bool = False) -> None:
+    def __init__(
+        self, lowest: float, highest: float, *, whole: bool = False, latitudes: bool = False
+    ) -> None:
         self.lowest, self.highest, self.whole = lowest, highest, whole
+        self.latitudes = latitudes
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -87,7 +90,8 @@ class Grid(ParamType["list[float]"]):
         Returns from the first to the last in steps, both in the unit of the option.
         """
         try:
-            first, last, step = (float(part) for part in str(value).split(":"))
+            parts = str(value).split(":")
+            first, last, step = map(float, self._in_numbers(parts) if self.latitudes else parts)
         except ValueError:
             self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
         # NaN is no number that rises, and a step without end none that could be added.
@@ -106,6 +110,12 @@ class Grid(ParamType["list[float]"]):
         numbers = [first + i * step for i in range(int(steps) + 1)]
         note_last(numbers[-1], last, f"{param.opts[0] if param else ''} {value}".strip())
         return numbers
+
+    def _in_numbers(self, parts: list[str]) -> list[Any]:
+        """Ends that may be written as 40N and 20S, and what follows them."""
+        from missions.places import latitude_deg
+
+        return [*map(latitude_deg, parts[:2]), *parts[2:]]
 
 
 def note_last(reached: float, last: float, written: str) -> None:

@@ -40,6 +40,13 @@ def test_dates_may_be_written_without_leading_zeros(text: str, day: int) -> None
 
 
 @pytest.mark.parametrize(
+    "text", ["2026-06-21", "21 Jun", "21 june", "21. June", "Jun 21", "21Jun", date_label(172)]
+)
+def test_dates_may_be_written_as_people_and_the_program_do(text: str) -> None:
+    assert day_of_year(text) == 172
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("02-29", "has days 01 to 28"),
@@ -53,7 +60,12 @@ def test_dates_may_be_written_without_leading_zeros(text: str, day: int) -> None
         ("", "MM-DD"),
         ("07", "MM-DD"),
         ("07/01", "MM-DD"),
-        ("2015-07-01", "MM-DD"),
+        ("15-07-01", "MM-DD"),
+        ("21 Ju", "MM-DD"),
+        ("21 Juno", "MM-DD"),
+        ("Jun", "MM-DD"),
+        ("31 Jun", "has days 01 to 30"),
+        ("2024-02-29", "has days 01 to 28"),
         ("07-01-2015", "MM-DD"),
         ("07-001", "MM-DD"),
         ("-7-1", "MM-DD"),

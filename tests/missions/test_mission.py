@@ -90,11 +90,11 @@ def test_days_are_distinct_members_of_their_range_with_both_ends(
 
 
 def test_dates_are_normalised() -> None:
-    assert Dates(on=" 7-5 ").on == "07-05"
+    assert Dates(on=" 7-5 ").on == Dates(on="2015-07-05").on == "07-05"
 
 
 @pytest.mark.parametrize(
-    "text", ["02-29", "13-01", "00-01", "04-31", "abc", "", "2015-07-01", 715, 7.15, True]
+    "text", ["02-29", "13-01", "00-01", "04-31", "abc", "", "07-01-2015", 715, 7.15, True]
 )
 def test_other_dates_are_refused(text: Any) -> None:
     with pytest.raises(ValidationError, match="on\n"):

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 from studies.cli.help_texts import command
 from studies.cli.options import (
     Asked,
-    ParamType,
     Parsed,
     aircraft_argument,
     check_image,
@@ -26,29 +25,6 @@ from studies.cli.options import (
 )
 from studies.output.figures.options import FigureOptions
 from studies.output.formats import table_bytes
-
-
-class Latitude(ParamType[float]):
-    """Latitude in degrees, -90 to 90."""
-
-    name = "deg"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """Read the number and check its range; NaN is outside.
-
-        Returns latitude [deg], north positive, from -90 to 90.
-        """
-        try:
-            if "_" in str(value):  # Python's own notation, nobody's latitude
-                raise ValueError
-            number = float(value)
-        except (TypeError, ValueError):
-            self.fail(f"{value!r} is not a number", param, ctx)
-        if not -90.0 <= number <= 90.0:
-            self.fail(f"must be from -90 to 90 (got {value})", param, ctx)
-        return number
 
 
 @dataclass(frozen=True)
@@ -97,13 +73,15 @@ class _Flight:
 @aircraft_argument()
 @mission_option()
 @click.option(
-    "--latitude", type=Latitude(), help="Latitude, -90 to 90 (north), instead of the mission's."
+    "--latitude",
+    type=Parsed("deg", "missions.places:latitude_deg"),
+    help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
 )
 @click.option("--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's.")
 @click.option(
     "--date",
     type=Parsed("mm-dd", "missions.dates:day_of_year"),
-    help="Date instead of the mission's, e.g. 10-15.",
+    help="Date instead of the mission's, e.g. 10-15 or 15 Oct.",
 )
 @click.option(
     "--days",

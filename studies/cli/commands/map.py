@@ -65,7 +65,7 @@ class _Cells:
 @mission_option()
 @click.option(
     "--latitudes",
-    type=Grid(-90.0, 90.0),
+    type=Grid(-90.0, 90.0, latitudes=True),
     default="-70:70:2",
     show_default=True,
     help="Latitudes [deg], north positive; the last one is met where the steps lead to it.",

@@ -157,7 +157,11 @@ SOURCE = "measured in the garden"
         ({"modules": {"cell": "lg-mh1"}}, r"has no 'lg-mh1'; it is one of the batteries"),
         ({"modules": {"cell": "x" * 500}}, r"modules\.cell: the catalogue of cells has no 'xxx"),
         ({"modules": {"cell": "azur-3g30c"}}, "give efficiency_stc"),
-        ({"modules": {"cell": 3}}, r"modules\.cell: must be text"),
+        ({"modules": {"cell": 3.5}}, r"modules\.cell: must be text"),
+        ({"modules": {"cell": "C60"}}, r"did you mean sunpower-c60, sunpower-c60-bin-g\?"),
+        # A format is an integer to YAML, and stands in the labels.
+        ({"battery": {"cell": 21700}}, "molicel-p50b, samsung-50e, samsung-50s, lg-m50lt"),
+        ({"battery": {"cell": 3}}, r"battery\.cell: the catalogue of batteries has no '3'"),
         ({"modules": {"cell": "nothing.yaml"}}, "cannot read .*nothing.yaml"),
         ({"battery": {"cell": "solong-pack", "cell_mass_fraction": 0.9}}, "whole pack"),
         ({"propulsion": {"motor": "axi-4130-16"}}, "motor_voltage_v: required key is missing"),

@@ -184,6 +184,19 @@ def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
     assert "'rafz-july' is one of the missions" in outcome.err
 
 
+def test_places_and_dates_as_they_are_printed(run: Run) -> None:
+    usual = run("analyse", AS2, "--latitude", "-33.9", "--date", "12-21", "--json").json()
+    assert run("analyze", AS2, "--latitude", "33.9 S", "--date", "21 Dec", "--json").json() == usual
+    grid = ("--days", "100:200:100", "--json")
+    south = run("map", AS2, "--latitudes", "-40:50:45", *grid).out
+    assert run("map", AS2, "--latitudes", "40S:50N:45", *grid).out == south
+
+
+def test_a_file_of_nearly_that_name_is_proposed(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "mp.yaml").write_text("name: mp\n")
+    assert "did you mean 'mp.yaml'?" in run("analyse", AS2, "-m", "mp.yml").err
+
+
 def test_published_numbers_are_met(run: Run, tmp_path: Path) -> None:
     outcome = run("published", "--json", "--markdown", "table.md")
     assert (outcome.code, outcome.err) == (0, "")

@@ -72,7 +72,7 @@ def test_wrong_aircraft(run: Run, tmp_path: Path, old: str, new: str, said: str)
     [
         ("on: 07-15", "on: 02-29", ":5:7: dates.on: month 02 has days 01 to 28 (got '02-29')"),
         ("on: 07-15", "on: 13-01", ":5:7: dates.on: the month must be 01 to 12 (got '13-01')"),
-        ("on: 07-15", "on: 2015-07-15", "dates.on: must be a date MM-DD, for instance 07-15"),
+        ("on: 07-15", "on: 15.07.", "dates.on: must be a date MM-DD, for instance 07-15"),
         ("on: 07-15", "on: 715", "dates.on: must be a date MM-DD, for instance 07-15 (got 715)"),
         ("dates:\n  on: 07-15", "dates: {}", ":4:1: dates: empty date range: give"),
         ("on: 07-15", "from: 07-15", ":4:1: dates: empty date range: give"),
@@ -268,6 +268,7 @@ def test_wrong_overrides(run: Run, override: str, said: str) -> None:
     ("options", "said"),
     [
         (["--latitude", "95"], "'--latitude': must be from -90 to 90 (got 95)"),
+        (["--latitude", "95S"], "'--latitude': must be from -90 to 90 (got 95S)"),
         (["--latitude", "nan"], "'--latitude': must be from -90 to 90 (got nan)"),
         (["--latitude", "north"], "'--latitude': 'north' is not a number"),
         (["--date", "02-29"], "'--date': month 02 has days 01 to 28 (got '02-29')"),
