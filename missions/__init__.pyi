@@ -27,3 +27,5 @@ from .mission import UncertaintyMargins as UncertaintyMargins
 from .weather.files import load_weather as load_weather
 from .weather.record import Site as Site
 from .weather.record import Weather as Weather
+
+__version__: str

@@ -256,6 +256,18 @@ class Mission(FileRecord):
     climb: Climb | None = None
     uncertainty: Uncertainty | None = None
 
+    def facts(self) -> dict[str, Any]:
+        """Name, place and time."""
+        every = self.dates.range()
+        return {
+            "name": self.name,
+            "latitude": " to ".join(
+                map(latitude_label, self.latitudes()[:: len(self.latitudes()) - 1 or 1])
+            ),
+            "dates": " to ".join(map(dates.date_label, every[:: len(every) - 1 or 1])),
+            "altitude [m]": self.altitude_m,
+        }
+
     @field_validator("clear_sky")
     @classmethod
     def _check_sky(cls, value: str) -> str:

@@ -10,10 +10,7 @@ _FORM = re.compile(r"([0-9]+(?:\.[0-9]*)?|\.[0-9]+) *°? *([ns])", re.IGNORECASE
 def latitude_deg(text: str) -> float:
     """Latitude [deg], north positive, of ``-33.9``, ``33.9S`` or ``33.9° S``.
 
-    Raises
-    ------
-    ValueError
-        If the text is no latitude from -90 to 90.
+    Another text is a ValueError.
     """
     match = _FORM.fullmatch(text.strip())
     try:

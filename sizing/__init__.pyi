@@ -37,3 +37,5 @@ from .sunlight import SolarDay as SolarDay
 from .sunlight import SolarModel as SolarModel
 from .sunlight import solar_day as solar_day
 from .validity.ranges import Extrapolation as Extrapolation
+
+__version__: str

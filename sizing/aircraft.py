@@ -398,6 +398,17 @@ class Aircraft(FileRecord):
     uncertainty: Uncertainty | None = None
     provenance: Provenance | None = None
 
+    def facts(self) -> dict[str, Any]:
+        """Name, kind and size."""
+        return {
+            "name": self.name,
+            "airframe": self.airframe.kind,
+            "wingspan [m]": self.airframe.wingspan_m,
+            "aspect ratio": self.airframe.aspect_ratio,
+            "battery [kg]": self.battery.mass_kg,
+            "modules [m2]": self.modules.area_m2,
+        }
+
     @property
     def texts_read(self) -> dict[str, str]:
         """Text of every file that it names, by path; see :func:`texts_as_read`."""

@@ -29,7 +29,7 @@ from solar.types import BoolArray, FloatArray
 _SCENARIOS_AT_ONCE = 2048
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Performance:
     """Converged cycles of a design in its scenarios, and what went in.
 
@@ -45,6 +45,14 @@ class Performance:
     nominal_load_w: FloatArray
     store: Store
     cycle: Cycle
+
+    def __repr__(self) -> str:
+        excess_h = np.asarray(self.cycle.excess_time_h)
+        designs = "x".join(map(str, excess_h.shape[:-1])) or "1"
+        return (
+            f"<Performance of {designs} design(s) in {excess_h.shape[-1]} scenario(s): excess time "
+            f"{np.min(excess_h):.2f} to {np.max(excess_h):.2f} h>"
+        )
 
     def worst_scenario(self) -> int:
         """Index of the scenario with the least excess time (of a single design)."""

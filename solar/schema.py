@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from html import escape
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
@@ -74,6 +75,24 @@ class FileRecord(Record):
     """Record that is a file of its own, and so states the version of the file's format."""
 
     format_version: Annotated[int, Strict(), Field(ge=1, le=FORMAT_VERSION)] = FORMAT_VERSION
+
+    def facts(self) -> dict[str, Any]:
+        """What tells it from others, units in the names: a line, or a table in a notebook."""
+        return {}
+
+    def __repr__(self) -> str:
+        facts = ", ".join(f"{name} {value}" for name, value in self.facts().items())
+        return f"<{type(self).__name__} {facts}>"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _repr_html_(self) -> str:
+        rows = (
+            f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>"
+            for name, value in self.facts().items()
+        )
+        return f"<table>{''.join(rows)}</table>"
 
     @model_validator(mode="before")
     @classmethod

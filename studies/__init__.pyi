@@ -38,3 +38,5 @@ from .uncertainty.plots import plot_uncertainty as plot_uncertainty
 from .weather.battery_map import battery_map as battery_map
 from .weather.battery_map import plot_battery_map as plot_battery_map
 from .weather.plots import plot_weather as plot_weather
+
+__version__: str

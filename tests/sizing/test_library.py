@@ -7,14 +7,20 @@ from pathlib import Path
 
 import pytest
 
+import missions
+import sizing
+import solar
+import studies
 from missions.files.errors import InputError
 from missions.files.shipped import find_document
 from missions.files.validation import validate
 from missions.files.writing import to_yaml
 from missions.files.yaml import parse_yaml
+from missions.library import load_mission
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.library import load_aircraft
+from sizing.performance import performance
 
 WING = {"model": "wing_polar", "design_aspect_ratio": 18.5, "design_reynolds": 158_000.0}
 SHIPPED = resources.files("sizing").joinpath("data", "polars", "e214.csv").read_text("utf-8")
@@ -87,3 +93,24 @@ def test_text_that_only_looks_like_a_file_stays(folder: Path) -> None:
         f"description: own.csv\n{text}".replace("\ndescription", "\n# ")
     )
     assert load_aircraft(folder / "bird.yaml").description == "own.csv"
+
+
+def test_files_show_themselves_in_one_line() -> None:
+    aircraft, mission = load_aircraft("sky-sailor"), load_mission("central-europe-summer")
+    assert repr(aircraft) == str(aircraft)
+    for one, words in (
+        (aircraft, ("Aircraft name sky-sailor", "wingspan [m] 3.2", "battery [kg] 1.06")),
+        (mission, ("Mission name central-europe-summer", "45 N to 50 N", "1 May to 15 Aug")),
+        (performance(aircraft, mission), ("Performance of 1 design", "9 scenario(s)")),
+    ):
+        assert len(repr(one).splitlines()) == 1
+        assert len(repr(one)) < 160
+        assert all(word in repr(one) for word in words), repr(one)
+    odd = aircraft.model_copy(update={"name": "<b>"})
+    assert "<td>&lt;b&gt;</td>" in odd._repr_html_()
+    assert repr(load_mission("rafz-july")).count("15 Jul") == 1
+
+
+def test_every_package_says_its_version() -> None:
+    versions = {one.__version__ for one in (solar, missions, sizing, studies)}
+    assert versions == {solar.__version__}
