@@ -16,6 +16,8 @@ import pytest
 from command_line import BIRD, FIELD, Run, edited, files
 
 from missions.files.shipped import shipped_text
+from sizing.library import load_aircraft
+from sizing.validity.ranges import ranges
 from studies.cli import __main__ as cli
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
@@ -33,6 +35,28 @@ def test_starters_validate_analyse_and_size(run: Run, tmp_path: Path) -> None:
     record = run("size", "heron.yaml", *mission).json()
     assert record["status"] == "optimal"
     assert record["simulated"]["excess_time_h"] >= 3.0
+
+
+def test_starters_take_cells_where_their_comments_say(run: Run, tmp_path: Path) -> None:
+    run("init", "heron")
+    path = tmp_path / "heron.yaml"
+    text = re.sub(r"^  # (cell\w*: \S+) .*$", r"  \1", path.read_text(), flags=re.MULTILINE)
+    replaced = ("efficiency_stc", "temperature_coefficient_per_k", "mass_kg_per_m2")
+    for key in (*replaced, "specific_energy_wh_per_kg", "charge_limit"):
+        text, count = re.subn(rf"^  {key}:.*\n(    .*\n)*", "", text, flags=re.MULTILINE)
+        assert count == 1, key
+    path.write_text(text)
+    record = run("analyse", "heron.yaml", "-m", "heron-mission.yaml", "--json").json()
+    # Data sheet of the 50E: 4.9 Ah at 3.6 V in 69 g; nine tenths of the pack are cells.
+    given = {one["key"]: one["value"] for one in record["from_catalogues"]}
+    assert given["battery.specific_energy_wh_per_kg"] == pytest.approx(0.9 * 4.9 * 3.6 / 0.069)
+    assert "modules.efficiency_stc" in given
+
+
+def test_starters_look_where_their_models_were_checked(run: Run) -> None:
+    run("init", "heron")
+    space, known = load_aircraft("heron.yaml").design_space, ranges()["wingspan_m", "rib_wing"]
+    assert (space.wingspan_m.minimum, space.wingspan_m.maximum) == (known.minimum, known.maximum)
 
 
 def test_starters_overwrite_nothing(run: Run, tmp_path: Path) -> None:
