@@ -525,6 +525,43 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     )
 
 
+def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:
+    """Aircraft of a known total mass: what the mass budget does not account for is other mass.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Aircraft as its file gives it; air and payload.
+    total_mass_kg : float
+        Take-off mass, payload included [kg].
+
+    Returns
+    -------
+    Aircraft
+        With ``airframe.other_mass_kg`` (of a measured aircraft ``mass_without_battery_kg``)
+        changed; structure and propulsion are those of the total mass.
+
+    Raises
+    ------
+    ImpossibleDesignError
+        If the parts alone are heavier.
+    """
+    airframe = aircraft.airframe
+    if isinstance(airframe, MeasuredAirframe):
+        key, rest_kg = "mass_without_battery_kg", aircraft.battery.mass_kg + mission.payload.mass_kg
+    else:
+        masses = parametric_design(aircraft, mission, variables_of(aircraft), total_mass_kg).masses
+        key, rest_kg = "other_mass_kg", float(masses.total_kg - masses.other)
+    other_kg = total_mass_kg - rest_kg
+    if other_kg < 0.0 or (other_kg == 0.0 and isinstance(airframe, MeasuredAirframe)):
+        raise ImpossibleDesignError(
+            f"a total mass of {total_mass_kg:g} kg is less than the {rest_kg:.3f} kg of "
+            f"{aircraft.name} without airframe.{key}"
+        )
+    changed = airframe.model_copy(update={key: other_kg})
+    return aircraft.model_copy(update={"airframe": changed})
+
+
 def load_profile(
     time_h: ArrayLike, design: Design, mission: Mission, sunrise_h: ArrayLike, sunset_h: ArrayLike
 ) -> Value:

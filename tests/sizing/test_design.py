@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.design import (
     DesignVariables,
+    ImpossibleDesignError,
     closed_design,
     constant_power_w,
     design_of,
@@ -21,6 +22,7 @@ from sizing.design import (
     parametric_design,
     thermal_shape,
     variables_of,
+    with_total_mass,
 )
 from sizing.energy.cycle import Status
 from sizing.performance import performance_of_designs
@@ -249,6 +251,20 @@ def test_measured_aircraft_has_no_mass_budget_to_size() -> None:
 
 
 # ---- load
+
+
+@pytest.mark.parametrize("plane", [AS2, DESIGN, SKY_SAILOR], ids=lambda one: one.name)
+def test_a_known_total_mass_is_met_and_the_rest_is_other_mass(plane: Aircraft) -> None:
+    laden = mission(payload={"mass_kg": 0.3})
+    heavier = 1.1 * float(design_of(plane, laden).total_mass_kg)
+    design = design_of(with_total_mass(plane, laden, heavier), laden)
+    assert design.total_mass_kg == pytest.approx(heavier, rel=1e-9)
+    assert design.masses.total_kg == pytest.approx(heavier, rel=1e-9)
+    assert design.masses.battery == plane.battery.mass_kg
+    # Structure and motor carry the weight.
+    assert design.propulsion_power_w > design_of(plane, laden).propulsion_power_w
+    with pytest.raises(ImpossibleDesignError, match=r"a total mass of 0\.5 kg is less than"):
+        with_total_mass(plane, laden, 0.5)
 
 
 def test_constant_power_goes_through_the_supply() -> None:
