@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +25,9 @@ from sizing.validity.told import told
 from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
-from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
+from studies.grid import GridStudy, chunks_of
+from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapConfiguration, cell_time_s
+from studies.output.columns import attributes
 from studies.output.gridded import OnGrid, can_be_result
 
 if TYPE_CHECKING:
@@ -62,16 +63,6 @@ _DESCRIBED = {
 _ENDURANCE = {"endurance": ("h", "longest flight over all launch times; infinite where perpetual")}
 _CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
 _STATUS = {"status": ("1", "how the repeated day ends")}
-
-
-@dataclass(frozen=True)
-class MapConfiguration:
-    """What all cells of a map have in common."""
-
-    aircraft: Aircraft
-    mission: Mission
-    solar: SolarModel
-    endurance: bool = False
 
 
 def feasibility_map(
@@ -138,24 +129,25 @@ def prepare(
     days: ArrayLike,
     solar: SolarModel,
     endurance: bool = False,
-) -> MapStudy:
-    """Check a map and divide it into chunks.
-
-    Returns chunks of the map, and how their results become a dataset.
-    """
+) -> GridStudy:
+    """Check a map and divide it into chunks."""
     grid = Grid.of(latitudes, days)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
     blanks["status"] = np.int8(Status.failed)
-    configuration = MapConfiguration(aircraft, mission, solar, endurance)
-    possible = can_be_result(ENDS, ENDS)
-    job = Job(_map_chunk, configuration, grid.chunks(cell_s), blanks, possible)
-    title = f"Feasibility of {aircraft.name}"
-    return MapStudy(
-        *(job, grid, title, described | _STATUS, (Status.failed, *ENDS)),
-        extrapolated=lambda columns: _extrapolations_of_map(configuration, grid, columns),
+    asked = MapConfiguration(aircraft, mission, solar, endurance)
+    numbers = grid.chunks(cell_s)
+    chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(ENDS, ENDS)
+    return GridStudy(
+        Job(_map_chunk, asked, chunks, blanks, possible),
+        np.concatenate(numbers),
+        grid.coordinates(),
+        described | _STATUS,
+        (Status.failed, *ENDS),
+        attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
+        lambda columns: _extrapolations_of_map(asked, grid, columns),
     )
 
 

@@ -32,7 +32,6 @@ __all__ = [
     "attributes",
     "extrapolation_attribute",
     "extrapolations_of",
-    "failed_cells",
     "failed_count",
     "resize_objective",
     "status_names",
@@ -147,26 +146,6 @@ def attributes(
         "aircraft": aircraft.model_dump_json(),
         "mission": mission.model_dump_json(),
     }
-
-
-def failed_cells(
-    cells: Sequence[tuple[Any, ...]], failures: Mapping[int, str], names: Sequence[str]
-) -> dict[str, str]:
-    """Attribute that says which cells failed, and why; none where none did.
-
-    Returns the attribute ``failed_cells``, one line for each cell, or nothing.
-    """
-    if not failures:
-        return {}
-    lines = [
-        ", ".join(
-            f"{name} {value if isinstance(value, str) else format(value, 'g')}"
-            for name, value in zip(names, cells[i], strict=True)
-        )
-        + f": {text}"
-        for i, text in sorted(failures.items())
-    ]
-    return {"failed_cells": "\n".join(lines)}
 
 
 def extrapolation_attribute(found: Sequence[Extrapolation]) -> dict[str, str]:

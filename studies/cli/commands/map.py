@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from studies.cli.files import Case
-    from studies.maps.grid import MapStudy
+    from studies.grid import GridStudy
     from studies.output.gridded import OnGrid
 
 
@@ -46,7 +46,7 @@ class _Cells:
         if self.objective is not None and self.endurance:
             raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
 
-    def prepared(self, case: Case) -> MapStudy:
+    def prepared(self, case: Case) -> GridStudy:
         """Cells ready to be computed."""
         flown = case.aircraft, case.mission
         if self.objective is None:

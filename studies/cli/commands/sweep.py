@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
     from sizing.results.tables import Summary
     from studies.cli.files import Case
+    from studies.grid import GridStudy
     from studies.sweeps.axes import Axis, SampleName
-    from studies.sweeps.study import Study
 
 _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
 _MOST_SAMPLES = 1_000_000
@@ -56,7 +56,7 @@ class _Points:
     samples: int
     seed: int
 
-    def prepared(self, case: Case) -> Study:
+    def prepared(self, case: Case) -> GridStudy:
         """Points ready to be computed; what is wrong with them is told by the option."""
         from studies.sweeps.study import prepare
 
