@@ -32,17 +32,19 @@ class Quantity(Column):
 
     ``of``: its value of a design, or of one in flight; or in every design and scenario of a
     performance. ``symbol``: in LaTeX. ``meaning``: long name in files on a grid, where it is not
-    the label.
+    the label; ``short``: its name there, where it is not the key without its unit.
     """
 
     of: Getter = field(kw_only=True)
     symbol: str = field(default="", kw_only=True)
     meaning: str = field(default="", kw_only=True)
+    short: str = field(default="", kw_only=True)
 
     @property
     def variable(self) -> str:
-        """Name in files on a grid: the key without its unit."""
-        return self.name.removesuffix(f"_{self.unit.lower().replace('/', '_per_')}")
+        """Name in files on a grid."""
+        ending = f"_{self.unit.lower().replace('/', '_per_')}"
+        return self.short or self.name.removesuffix(ending)
 
     @property
     def described(self) -> tuple[str, str]:
@@ -180,6 +182,8 @@ DAYS_TO_SETTLE = Quantity("days_to_settle", of=Performance.days_to_settle)
 LOAD = Quantity(
     *("power_out_w", "load", "W", ".1f"),
     of=lambda found: np.broadcast_to(found.nominal_load_w, found.cycle.status.shape),
+    meaning="nominal load",
+    short="power",
 )
 SOLAR_ENERGY = _of_budget(
     *("solar_energy_wh", "solar energy of the day", r"E_\mathrm{solar}"),
