@@ -47,7 +47,7 @@ from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
 
 def headline(analysis: Analysis) -> str:
     """Aircraft, mission, place and excess time in one line."""
-    values = _at(analysis, analysis.worst)
+    values = _of_scenario(analysis, analysis.worst)
     flown = "" if analysis.days is None else f" after {_days(analysis.days)}"
     return (
         f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}{flown}: "
@@ -62,7 +62,7 @@ def summary(analysis: Analysis) -> Summary:
     flown = "" if analysis.days is None else f", after {_days(analysis.days)} from an empty battery"
     title = (
         f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}{worst}{flown}: "
-        f"{_status(_at(analysis, analysis.worst))}"
+        f"{_status(_of_scenario(analysis, analysis.worst))}"
     )
     blocks: list[Any] = [Line(title, "strong")]
     table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
@@ -136,7 +136,7 @@ def _where(analysis: Analysis) -> str:
     return analysis.performance.day.scenarios.label(analysis.worst)
 
 
-def _at(analysis: Analysis, index: int) -> dict[Quantity, Any]:
+def _of_scenario(analysis: Analysis, index: int) -> dict[Quantity, Any]:
     """Quantities of a scenario."""
     return {one: analysis.values[one.name][index] for one in SCENARIO}
 
@@ -151,7 +151,7 @@ def _endurance(values: dict[Quantity, Any]) -> str:
 
 
 def _rows(analysis: Analysis) -> list[tuple[str, str]]:
-    values, design = _at(analysis, analysis.worst), analysis.performance.design
+    values, design = _of_scenario(analysis, analysis.worst), analysis.performance.design
     endurance = _endurance(values)
     if not np.isnan(values[BEST_LAUNCH]) and not np.isnan(values[SUNRISE]):
         # Without sun every launch is as good.
@@ -206,7 +206,7 @@ def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Ta
     )
     rows = []
     for index in range(len(scenarios)) if shown is None else shown:
-        values = _at(analysis, index)
+        values = _of_scenario(analysis, index)
         rows.append(
             (
                 latitude_label(float(scenarios.latitude_deg[index])),

@@ -192,6 +192,9 @@ SOLAR_ENERGY = _of_budget(
 LOAD_ENERGY = _of_budget("load_energy_wh", "load", "", "energy drawn over the day")
 CURTAILED_ENERGY = _of_budget("curtailed_energy_wh", "not collected, the battery being full")
 
+# Of tables that have no room for more.
+CHARGE_PERCENT = Column("minimum_state_of_charge_percent", "min. SoC", "%", ".1f")
+
 # ---- Groups: what is made of quantities
 
 # Record of a scenario, and the frame of them all.
@@ -217,6 +220,8 @@ MAP = (
 )
 CHOSEN = (WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA)
 DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
+# Frame of the draws of uncertain inputs.
+DRAWN = (EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS, PROPULSION_POWER)
 # Table of a sized design.
 SIZED_TABLE = (*(*CHOSEN, TOTAL_MASS, AIRSPEED, STALL_SPEED, WING_LOADING, CLIMB_RATE, LOAD),)
 # Energy of the design sheet.

@@ -273,7 +273,7 @@ def _row_of_design(
 ) -> dict[str, Any]:
     """Row of one design."""
     design = found.design
-    row: dict[str, Any] = {one.variable: _at(one.of(design), place) for one in CHOSEN}
+    row: dict[str, Any] = {one.variable: _of_place(one.of(design), place) for one in CHOSEN}
     row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
     texts = [
         one.text.format(missed=f"{100.0 * float(one.amount[place]):.3g} %")
@@ -290,15 +290,15 @@ def _row_of_design(
     scenarios = found.day.scenarios
     return row | {
         "status": Status(int(cycle.status[place][worst])),
-        TOTAL_MASS.variable: _at(TOTAL_MASS.of(design), place),
+        TOTAL_MASS.variable: _of_place(TOTAL_MASS.of(design), place),
         **{one.variable: float(one.of(found)[place][worst]) for one in (*REACHED, LOAD)},
-        ENDURANCE.variable: _at(endurance_h, place),
+        ENDURANCE.variable: _of_place(endurance_h, place),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),
     }
 
 
-def _at(values: Value, place: tuple[int, ...]) -> float:
+def _of_place(values: Value, place: tuple[int, ...]) -> float:
     return float(np.asarray(values)[place])
 
 
