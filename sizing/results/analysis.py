@@ -16,18 +16,9 @@ from sizing.design import ImpossibleDesignError, design_of, structure_assessment
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
 from sizing.replay import CalendarRun, calendar_run
+from sizing.results import quantities as q
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
-from sizing.results.quantities import (
-    ANALYSED,
-    BEST_LAUNCH,
-    DAYS_TO_SETTLE,
-    ENDURANCE,
-    SCENARIO,
-    SCENARIO_FRAME,
-    TOTAL_MASS,
-    design_record,
-)
 from sizing.results.records import check_subjects, finite
 from sizing.results.tables import Result
 from sizing.structures.assessment import StructureAssessment
@@ -156,18 +147,20 @@ class Analysis(Result):
         return self.performance.days_to_settle()
 
     @cached_property
-    def values(self) -> dict[str, Any]:
-        """Quantities of every scenario by key: infinite if unlimited, NaN where there is none."""
+    def values(self) -> dict[q.Quantity, Any]:
+        """Quantities of all scenarios: infinite where unlimited, NaN where there is none."""
         flights = self.endurances
         known = {
-            ENDURANCE.name: [np.inf if one is None else float(one.endurance_h) for one in flights],
-            BEST_LAUNCH.name: [np.nan if one is None else float(one.launch_h) for one in flights],
-            DAYS_TO_SETTLE.name: self.days_to_settle,
+            q.ENDURANCE: [np.inf if one is None else float(one.endurance_h) for one in flights],
+            q.BEST_LAUNCH: [np.nan if one is None else float(one.launch_h) for one in flights],
+            q.DAYS_TO_SETTLE: self.days_to_settle,
         }
-        return {
-            one.name: known[one.name] if one.name in known else one.of(self.performance)
-            for one in SCENARIO
-        }
+        return {one: known[one] if one in known else one.of(self.performance) for one in q.SCENARIO}
+
+    def scenario(self, index: int | None = None) -> dict[q.Quantity, Any]:
+        """Quantities of a scenario, by default of the worst."""
+        at = self.worst if index is None else index
+        return {one: values[at] for one, values in self.values.items()}
 
     def to_dict(self) -> dict[str, Any]:
         """Whole analysis, JSON-ready; the top level is the worst scenario."""
@@ -182,10 +175,10 @@ class Analysis(Result):
             "model": solar.model,
             "correction": solar.correction,
             "days": self.days,
-            **design_record(design, [TOTAL_MASS]),
+            **q.design_record(design, [q.TOTAL_MASS]),
             "masses_kg": self.masses_kg,
             "structure": None if self.structure is None else self.structure.to_dict(),
-            **design_record(design, ANALYSED),
+            **q.design_record(design, q.ANALYSED),
             "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
             "extrapolations": extrapolation_records(self.extrapolations),
             **software_record(),
@@ -205,7 +198,7 @@ class Analysis(Result):
 
         scenarios = self.performance.day.scenarios
         columns = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        columns |= {one.name: self.values[one.name] for one in SCENARIO_FRAME}
+        columns |= {one.name: self.values[one] for one in q.SCENARIO_FRAME}
         return pd.DataFrame(columns)
 
     def trajectory(self) -> pd.DataFrame:
@@ -322,13 +315,13 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     """Metrics of one scenario, JSON-ready."""
     perf, scenarios = analysis.performance, analysis.performance.day.scenarios
     day = int(scenarios.day_of_year[index])
-    values = {name: values[index] for name, values in analysis.values.items()}
     record: dict[str, Any] = {
-        name: value if isinstance(value, str) else finite(value) for name, value in values.items()
+        one.name: value if isinstance(value, str) else finite(value)
+        for one, value in analysis.scenario(index).items()
     }
-    settled = record[DAYS_TO_SETTLE.name]
+    settled = record[q.DAYS_TO_SETTLE.name]
     record |= {
-        DAYS_TO_SETTLE.name: None if settled is None else int(settled),
+        q.DAYS_TO_SETTLE.name: None if settled is None else int(settled),
         "model": perf.solar.model,
         "correction": perf.solar.correction,
         "latitude_deg": finite(scenarios.latitude_deg[index]),

@@ -12,6 +12,7 @@ from missions.mission import Mission, latitude_label
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.performance import Performance
 from sizing.replay import CalendarRun
+from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.battery import battery_line
 from sizing.results.notes import (
@@ -20,38 +21,17 @@ from sizing.results.notes import (
     mass_table,
     structure_blocks,
 )
-from sizing.results.quantities import (
-    AIRSPEED,
-    BATTERY_ENERGY,
-    BEST_LAUNCH,
-    CHARGE_MARGIN,
-    ENDURANCE,
-    EQUAL_POWER_EVENING,
-    EQUAL_POWER_MORNING,
-    EXCESS_TIME,
-    FULL_CHARGE,
-    LOAD,
-    MINIMUM_CHARGE,
-    REACHED,
-    SCENARIO,
-    SOLAR_ENERGY,
-    STATUS,
-    SUNRISE,
-    SUNSET,
-    TOTAL_MASS,
-    Quantity,
-)
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
 
 
 def headline(analysis: Analysis) -> str:
     """Aircraft, mission, place and excess time in one line."""
-    values = _of_scenario(analysis, analysis.worst)
+    values = analysis.scenario()
     flown = "" if analysis.days is None else f" after {_days(analysis.days)}"
     return (
         f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}{flown}: "
-        f"{' '.join(EXCESS_TIME.fact(values[EXCESS_TIME]))}, {_status(values)}"
+        f"{' '.join(q.EXCESS_TIME.fact(values[q.EXCESS_TIME]))}, {_status(values)}"
     )
 
 
@@ -62,7 +42,7 @@ def summary(analysis: Analysis) -> Summary:
     flown = "" if analysis.days is None else f", after {_days(analysis.days)} from an empty battery"
     title = (
         f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}{worst}{flown}: "
-        f"{_status(_of_scenario(analysis, analysis.worst))}"
+        f"{_status(analysis.scenario())}"
     )
     blocks: list[Any] = [Line(title, "strong")]
     table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
@@ -116,7 +96,7 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
     ``low``, ``high``: with the solar power one RMS error lower and higher. ``mission``: with its
     uncertainty margins, which are taken off before that error.
     """
-    ends_h = [float(EXCESS_TIME.of(one)[index]) for one in (low, high)]
+    ends_h = [float(q.EXCESS_TIME.of(one)[index]) for one in (low, high)]
     means = (
         "leaves the excess time unlimited"
         if np.isinf(ends_h).all()
@@ -136,38 +116,33 @@ def _where(analysis: Analysis) -> str:
     return analysis.performance.day.scenarios.label(analysis.worst)
 
 
-def _of_scenario(analysis: Analysis, index: int) -> dict[Quantity, Any]:
-    """Quantities of a scenario."""
-    return {one: analysis.values[one.name][index] for one in SCENARIO}
+def _status(values: dict[q.Quantity, Any]) -> str:
+    return str(values[q.STATUS]).replace("_", " ")
 
 
-def _status(values: dict[Quantity, Any]) -> str:
-    return str(values[STATUS]).replace("_", " ")
-
-
-def _endurance(values: dict[Quantity, Any]) -> str:
-    endurance_h, unlimited = values[ENDURANCE], values[STATUS] in ("perpetual", "always_lit")
+def _endurance(values: dict[q.Quantity, Any]) -> str:
+    endurance_h, unlimited = values[q.ENDURANCE], values[q.STATUS] in ("perpetual", "always_lit")
     return "over a year" if np.isinf(endurance_h) and not unlimited else hours(endurance_h)
 
 
 def _rows(analysis: Analysis) -> list[tuple[str, str]]:
-    values, design = _of_scenario(analysis, analysis.worst), analysis.performance.design
+    values, design = analysis.scenario(), analysis.performance.design
     endurance = _endurance(values)
-    if not np.isnan(values[BEST_LAUNCH]) and not np.isnan(values[SUNRISE]):
+    if not np.isnan(values[q.BEST_LAUNCH]) and not np.isnan(values[q.SUNRISE]):
         # Without sun every launch is as good.
-        endurance += f", launched {clock_label(values[BEST_LAUNCH])}"
-    morning, evening = EQUAL_POWER_MORNING, EQUAL_POWER_EVENING
+        endurance += f", launched {clock_label(values[q.BEST_LAUNCH])}"
+    morning, evening = q.EQUAL_POWER_MORNING, q.EQUAL_POWER_EVENING
     return [
-        *(one.fact(values[one]) for one in (EXCESS_TIME, CHARGE_MARGIN)),
-        (ENDURANCE.label, endurance),
-        MINIMUM_CHARGE.fact(values[MINIMUM_CHARGE]),
-        TOTAL_MASS.fact(design.total_mass_kg, ".2f"),
-        ("battery", BATTERY_ENERGY.fact(design.battery_energy_wh, ".0f")[1]),
-        AIRSPEED.fact(design.airspeed_m_per_s, ".1f"),
-        *(one.fact(values[one]) for one in (LOAD, SOLAR_ENERGY)),
-        ("sunrise, sunset (solar time)", _clocks(values[SUNRISE], values[SUNSET])),
+        *(one.fact(values[one]) for one in (q.EXCESS_TIME, q.CHARGE_MARGIN)),
+        (q.ENDURANCE.label, endurance),
+        q.MINIMUM_CHARGE.fact(values[q.MINIMUM_CHARGE]),
+        q.TOTAL_MASS.fact(design.total_mass_kg, ".2f"),
+        ("battery", q.BATTERY_ENERGY.fact(design.battery_energy_wh, ".0f")[1]),
+        q.AIRSPEED.fact(design.airspeed_m_per_s, ".1f"),
+        *(one.fact(values[one]) for one in (q.LOAD, q.SOLAR_ENERGY)),
+        ("sunrise, sunset (solar time)", _clocks(values[q.SUNRISE], values[q.SUNSET])),
         ("equal power, morning and evening", _clocks(values[morning], values[evening])),
-        (FULL_CHARGE.label, clock_label(values[FULL_CHARGE])),
+        (q.FULL_CHARGE.label, clock_label(values[q.FULL_CHARGE])),
     ]
 
 
@@ -187,7 +162,7 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
         ("stored potential energy", f"{flown.maximum_potential_energy_wh[worst]:.1f} Wh"),
         (
             "excess time at constant altitude",
-            EXCESS_TIME.fact(EXCESS_TIME.of(analysis.climb.constant)[worst])[1],
+            q.EXCESS_TIME.fact(q.EXCESS_TIME.of(analysis.climb.constant)[worst])[1],
         ),
         ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
     ]
@@ -199,19 +174,19 @@ def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Ta
     columns = (
         Column("latitude"),
         Column("date"),
-        Column("excess_time", EXCESS_TIME.label),
-        Column("charge_margin", CHARGE_MARGIN.label),
+        Column("excess_time", q.EXCESS_TIME.label),
+        Column("charge_margin", q.CHARGE_MARGIN.label),
         Column("minimum_state_of_charge", "min. SoC"),
         Column("endurance"),
     )
     rows = []
     for index in range(len(scenarios)) if shown is None else shown:
-        values = _of_scenario(analysis, index)
+        values = analysis.scenario(index)
         rows.append(
             (
                 latitude_label(float(scenarios.latitude_deg[index])),
                 date_label(int(scenarios.day_of_year[index])),
-                *(one.fact(values[one])[1] for one in REACHED),
+                *(one.fact(values[one])[1] for one in q.REACHED),
                 _endurance(values),
             )
         )
@@ -223,9 +198,9 @@ def flight_table(flight: CalendarRun) -> Table:
     first_day = day_of_year(flight.launch.date)
     rows = [("launch (local time)", f"{date_label(first_day)} {flight.launch.time_local}")]
     for clock in flight.full_charge_clock_h:
-        rows.append((FULL_CHARGE.label, clock_label(clock, first_day=first_day)))
+        rows.append((q.FULL_CHARGE.label, clock_label(clock, first_day=first_day)))
     rows += [
-        MINIMUM_CHARGE.fact(flight.minimum_state_of_charge),
+        q.MINIMUM_CHARGE.fact(flight.minimum_state_of_charge),
         ("flown", hours(float(flight.clock_h[-1] - flight.clock_h[0]))),
         ("state of charge at the end", f"{100 * flight.state_of_charge[-1]:.1f} %"),
     ]

@@ -37,22 +37,10 @@ from sizing.optimisation.sensitivity import (
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
 from sizing.reliability import Reliability, check_reliability, size_reliably
+from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
-from sizing.results.quantities import (
-    CHOSEN,
-    EXCESS_TIME,
-    LOAD,
-    REACHED,
-    REACHED_FRAME,
-    SIZED,
-    SIZED_TABLE,
-    TOTAL_MASS,
-    Quantity,
-    design_record,
-    worst_record,
-)
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result
 from sizing.structures.assessment import StructureAssessment
@@ -174,7 +162,7 @@ class SizingStudy(Result):
         variables = self._optimum().variables
         data = self.aircraft.model_dump(mode="json", exclude_unset=True)
         data["name"] = f"{data['name']}-sized"
-        for one in CHOSEN:
+        for one in q.CHOSEN:
             section, key = parameter(one.name).key.split(".")
             data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
@@ -246,7 +234,7 @@ class SizingStudy(Result):
         if self.cross_check is not None:
             record["cross_check"] = finite_values(self.cross_check.__dict__)
         if self.without_margins is not None:
-            record["as_assumed"] = worst_record(self.without_margins, REACHED)
+            record["as_assumed"] = q.worst_record(self.without_margins, q.REACHED)
         if self.reliability is not None:
             record["reliability"] = finite_values(self.reliability.to_dict())
         if self.survival is not None:
@@ -271,13 +259,13 @@ class SizingStudy(Result):
             values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
         return values
 
-    def design_values(self) -> list[tuple[Quantity, float]]:
+    def design_values(self) -> list[tuple[q.Quantity, float]]:
         """Quantities of the optimum that tables show."""
         design, perf, quantities = self._optimum(), self.result.simulated, self.quantities
         assert perf is not None
         assert quantities is not None
-        known = design.variables._asdict() | quantities | worst_record(perf, [LOAD])
-        return [(one, float(known[one.name])) for one in SIZED_TABLE]
+        known = design.variables._asdict() | quantities | q.worst_record(perf, [q.LOAD])
+        return [(one, float(known[one.name])) for one in q.SIZED_TABLE]
 
     def to_frame(self) -> pd.DataFrame:
         """Design as rows of quantity, value and unit.
@@ -308,7 +296,7 @@ class SizingStudy(Result):
         assert perf is not None
         scenarios = perf.day.scenarios
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        return pd.DataFrame(places | {one.name: one.of(perf) for one in REACHED_FRAME})
+        return pd.DataFrame(places | {one.name: one.of(perf) for one in q.REACHED_FRAME})
 
 
 def size(
@@ -507,38 +495,38 @@ def _nearest_record(perf: Performance) -> dict[str, Any]:
     """Design that comes closest to an infeasible requirement, and what it reaches."""
     return {
         **{name: float(value) for name, value in perf.design.variables.chosen().items()},
-        **design_record(perf.design, [TOTAL_MASS]),
-        **worst_record(perf, [EXCESS_TIME]),
+        **q.design_record(perf.design, [q.TOTAL_MASS]),
+        **q.worst_record(perf, [q.EXCESS_TIME]),
         "worst_scenario": perf.day.scenarios.label(perf.worst_scenario()),
     }
 
 
 def _design_record(design: Design | None) -> dict[str, Any]:
     if design is None:
-        names = (one.name for one in SIZED)
-        return dict.fromkeys((*DesignVariables._fields, TOTAL_MASS.name, "masses_kg", *names))
+        names = (one.name for one in q.SIZED)
+        return dict.fromkeys((*DesignVariables._fields, q.TOTAL_MASS.name, "masses_kg", *names))
     return {
         **design.variables._asdict(),
-        **design_record(design, [TOTAL_MASS]),
+        **q.design_record(design, [q.TOTAL_MASS]),
         "masses_kg": design.masses._asdict(),
-        **design_record(design, SIZED),
+        **q.design_record(design, q.SIZED),
     }
 
 
 def _simulated_record(perf: Performance | None) -> dict[str, Any]:
     if perf is None:
-        return {LOAD.name: None, "worst_scenario": None, "simulated": None}
+        return {q.LOAD.name: None, "worst_scenario": None, "simulated": None}
     worst, scenarios = perf.worst_scenario(), perf.day.scenarios
     return {
-        **worst_record(perf, [LOAD]),
+        **q.worst_record(perf, [q.LOAD]),
         "worst_scenario": {
             "latitude_deg": float(scenarios.latitude_deg[worst]),
             "day_of_year": int(scenarios.day_of_year[worst]),
             "label": scenarios.label(worst),
         },
         "simulated": {
-            **worst_record(perf, REACHED),
-            **design_record(perf.design, [TOTAL_MASS]),
+            **q.worst_record(perf, q.REACHED),
+            **q.design_record(perf.design, [q.TOTAL_MASS]),
             "model": perf.solar.model,
             "correction": perf.solar.correction,
         },

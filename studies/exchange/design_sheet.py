@@ -10,19 +10,8 @@ from sizing.aircraft import ParametricAirframe
 from sizing.design import FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, parameter, parameter_value
+from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
-from sizing.results.quantities import (
-    AIRSPEED,
-    BATTERY_ENERGY,
-    CHOSEN,
-    PROPULSION_POWER,
-    SHEET_ENERGY,
-    TOTAL_MASS,
-    WING_AREA,
-    WING_LOADING,
-    WINGSPAN,
-    Quantity,
-)
 from sizing.results.records import finite_values
 from sizing.results.tables import MISSING, Column, Table
 
@@ -31,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["DesignSheet", "Entry", "design_sheet"]
 
-_GEOMETRY = (WINGSPAN.name, "aspect_ratio", "wing_area_m2", "chord_m", "module_area_m2",
+_GEOMETRY = (q.WINGSPAN.name, "aspect_ratio", "wing_area_m2", "chord_m", "module_area_m2",
              "module_coverage")  # fmt: skip
 _FLIGHT = ("airspeed_m_per_s", "lift_coefficient", "reynolds_number", "stall_speed_m_per_s",
            "climb_rate_m_per_s")  # fmt: skip
@@ -87,8 +76,8 @@ class DesignSheet:
     def table(self) -> Table:
         """Table for people, with a line between the groups."""
         columns = (Column("quantity"), Column("value", to_right=True), Column("unit"))
-        rows = tuple((q.label, q.text(), unit_text(q.unit)) for q in self.quantities)
-        groups = [q.group for q in self.quantities]
+        rows = tuple((one.label, one.text(), unit_text(one.unit)) for one in self.quantities)
+        groups = [one.group for one in self.quantities]
         lines = tuple(i for i in range(1, len(groups)) if groups[i] != groups[i - 1])
         return Table(self.title, columns, rows, self.notes, sections=lines)
 
@@ -100,7 +89,7 @@ class DesignSheet:
 
     def to_dict(self) -> dict[str, Any]:
         """Values by key, JSON-ready."""
-        return finite_values({q.key: q.value for q in self.quantities})
+        return finite_values({one.key: one.value for one in self.quantities})
 
 
 def design_sheet(analysis: Analysis) -> DesignSheet:
@@ -119,7 +108,7 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
     notes = (f"Energy: {worst}; {solar.model}, correction: {solar.correction}.",)
     return DesignSheet(
         f"{analysis.aircraft.name} on {analysis.mission.name}",
-        tuple(q for q in quantities if q.value is not None),
+        tuple(one for one in quantities if one.value is not None),
         notes,
     )
 
@@ -152,7 +141,7 @@ def _of_catalogue(group: str, names: tuple[str, ...], analysis: Analysis) -> lis
 def _values(analysis: Analysis) -> dict[str, float | None]:
     """Quantities of the design by name; those that only a parametric aircraft has are left out."""
     aircraft, design = analysis.aircraft, analysis.performance.design
-    known = (*CHOSEN, WING_AREA, AIRSPEED, PROPULSION_POWER, BATTERY_ENERGY)
+    known = (*q.CHOSEN, q.WING_AREA, q.AIRSPEED, q.PROPULSION_POWER, q.BATTERY_ENERGY)
     values = {one.name: _number(one.of(design)) for one in known}
     load_w, area_m2 = float(design.nominal_load_w(analysis.mission)), float(design.wing_area_m2)
     values |= {
@@ -186,17 +175,17 @@ def _masses(analysis: Analysis) -> list[Entry]:
                 Entry("masses", f"{name}_mass_kg", f"mass: {text}", symbol, "kg", float(mass))
             )
     mass_kg = float(design.total_mass_kg)
-    values = ((TOTAL_MASS, mass_kg), (WING_LOADING, mass_kg / float(design.wing_area_m2)))
+    values = ((q.TOTAL_MASS, mass_kg), (q.WING_LOADING, mass_kg / float(design.wing_area_m2)))
     return [*found, *(_entry("masses", one, value) for one, value in values)]
 
 
 def _energy(analysis: Analysis) -> list[Entry]:
     """Metrics of the worst scenario."""
-    values = ((one, float(analysis.values[one.name][analysis.worst])) for one in SHEET_ENERGY)
+    values = ((one, float(analysis.scenario()[one])) for one in q.SHEET_ENERGY)
     return [_entry("energy", one, None if isnan(value) else value) for one, value in values]
 
 
-def _entry(group: str, one: Quantity, value: float | None) -> Entry:
+def _entry(group: str, one: q.Quantity, value: float | None) -> Entry:
     return Entry(group, one.name, one.label, one.symbol, one.unit or "1", value)
 
 

@@ -10,20 +10,8 @@ from sizing.design import Design
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.results import quantities as q
 from sizing.results.constraint_words import constraint_words
-from sizing.results.quantities import (
-    AIRSPEED,
-    ASPECT_RATIO,
-    BATTERY_ENERGY,
-    LOAD,
-    MODULE_AREA,
-    PROPULSION_POWER,
-    SOLAR_ENERGY,
-    TOTAL_MASS,
-    WING_AREA,
-    WINGSPAN,
-    Quantity,
-)
 from sizing.results.sizing_summary import (
     cross_check_line,
     multiplier_table,
@@ -61,16 +49,16 @@ def aircraft_section(subject: Subject) -> Section:
 
 def _design_tables(subject: Subject) -> Iterator[Any]:
     aircraft, analysis = subject.aircraft, subject.analysis
-    design, worst = analysis.performance.design, analysis.worst
+    design, values = analysis.performance.design, analysis.scenario()
     area, modules = design.wing_area_m2, aircraft.modules
     yield facts(
         "geometry and mass",
         [
-            *(_fact(one, design) for one in (WINGSPAN, ASPECT_RATIO, WING_AREA)),
+            *(_fact(one, design) for one in (q.WINGSPAN, q.ASPECT_RATIO, q.WING_AREA)),
             ("chord", f"{design.variables.wingspan_m / design.variables.aspect_ratio:.3f} m"),
-            _fact(MODULE_AREA, design),
+            _fact(q.MODULE_AREA, design),
             ("modules over wing area", f"{100.0 * modules.area_m2 / area:.0f} %"),
-            _fact(TOTAL_MASS, design),
+            _fact(q.TOTAL_MASS, design),
             ("wing loading", f"{design.total_mass_kg / area:.2f} kg/m²"),
         ],
     )
@@ -78,19 +66,19 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
     yield facts(
         "power and energy",
         [
-            _fact(AIRSPEED, design),
-            ("propulsion power", _fact(PROPULSION_POWER, design)[1]),
-            LOAD.fact(analysis.values[LOAD.name][worst]),
-            _fact(BATTERY_ENERGY, design),
+            _fact(q.AIRSPEED, design),
+            ("propulsion power", _fact(q.PROPULSION_POWER, design)[1]),
+            q.LOAD.fact(values[q.LOAD]),
+            _fact(q.BATTERY_ENERGY, design),
             ("specific energy", f"{aircraft.battery.specific_energy_wh_per_kg:g} Wh/kg"),
             ("battery over total mass", f"{share:.0f} %"),
             ("module efficiency", f"{100.0 * modules.efficiency_stc:.1f} %"),
-            SOLAR_ENERGY.fact(analysis.values[SOLAR_ENERGY.name][worst]),
+            q.SOLAR_ENERGY.fact(values[q.SOLAR_ENERGY]),
         ],
     )
 
 
-def _fact(quantity: Quantity, design: Design) -> tuple[str, str]:
+def _fact(quantity: q.Quantity, design: Design) -> tuple[str, str]:
     label, text = quantity.fact(quantity.of(design))
     return label, text.replace("m2", "m²")
 

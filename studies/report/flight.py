@@ -74,7 +74,7 @@ def day_section(subject: Subject) -> Section:
     where = analysis.performance.day.scenarios.label(analysis.worst)
     several = len(analysis.performance.cycle.status) > 1
     height = 5.2 if analysis.climb is None else 7.2
-    _, least = MINIMUM_CHARGE.fact(analysis.values[MINIMUM_CHARGE.name][analysis.worst])
+    _, least = MINIMUM_CHARGE.fact(analysis.scenario()[MINIMUM_CHARGE])
     described = (
         f"Solar power and load over the hours of the day, and below the state of charge, which is "
         f"least, {least}, in the morning."

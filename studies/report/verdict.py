@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sizing.results.quantities import (
-    CHARGE_MARGIN,
-    EXCESS_TIME,
-    LOAD,
-    MINIMUM_CHARGE,
-    SCENARIO,
-    SOLAR_ENERGY,
-    TOTAL_MASS,
-    WINGSPAN,
-    Quantity,
-)
+from sizing.results import quantities as q
 from sizing.results.records import hours
 from studies.report.blocks import Fact
 from studies.report.subject import Subject
@@ -127,23 +117,23 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
         return
     aircraft, analysis = subject.aircraft, subject.analysis
     required, design = subject.mission.required_excess_time_h, analysis.performance.design
-    values = {one: analysis.values[one.name][analysis.worst] for one in SCENARIO}
-    yield _fact(EXCESS_TIME, values, f"required: {required:g} h" if required else "")
-    yield _fact(CHARGE_MARGIN, values, "first to last full charge")
-    yield _fact(MINIMUM_CHARGE, values, "in the morning")
+    values = analysis.scenario()
+    yield _fact(q.EXCESS_TIME, values, f"required: {required:g} h" if required else "")
+    yield _fact(q.CHARGE_MARGIN, values, "first to last full charge")
+    yield _fact(q.MINIMUM_CHARGE, values, "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
-    yield Fact(WINGSPAN.label, f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")
-    yield Fact(TOTAL_MASS.label, f"{design.total_mass_kg:.2f}", "kg",
+    yield Fact(q.WINGSPAN.label, f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")
+    yield Fact(q.TOTAL_MASS.label, f"{design.total_mass_kg:.2f}", "kg",
                f"battery {aircraft.battery.mass_kg:.2f} kg")  # fmt: skip
     yield Fact("battery", f"{design.battery_energy_wh:.0f}", "Wh",
                f"{aircraft.battery.specific_energy_wh_per_kg:g} Wh/kg")  # fmt: skip
     coverage = aircraft.modules.area_m2 * ratio / span**2
     yield Fact("modules", f"{aircraft.modules.area_m2:.3g}", "m²",
                f"{100.0 * coverage:.0f} % of the wing")  # fmt: skip
-    yield _fact(LOAD, values, f"sun: {SOLAR_ENERGY.fact(values[SOLAR_ENERGY])[1]} a day")
+    yield _fact(q.LOAD, values, f"sun: {q.SOLAR_ENERGY.fact(values[q.SOLAR_ENERGY])[1]} a day")
 
 
-def _fact(quantity: Quantity, values: Mapping[Quantity, Any], note: str) -> Fact:
+def _fact(quantity: q.Quantity, values: Mapping[q.Quantity, Any], note: str) -> Fact:
     label, text = quantity.fact(values[quantity])
     number, _, unit = text.partition(" ")
     return Fact(label, number, unit, note)

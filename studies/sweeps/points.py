@@ -229,10 +229,12 @@ def _variables(
     for name in values:
         key = next((k for k in given if design_variable(k) == name), None)
         values[name] = np.full(count, values[name]) if key is None else given[key]
-    if configuration.cover:
-        coverage = getattr(aircraft.airframe, "maximum_module_coverage", 1.0)
-        values["module_area_m2"] = coverage * values["wingspan_m"] ** 2 / values["aspect_ratio"]
-    return DesignVariables(**values)
+    variables = DesignVariables(**values)
+    if not configuration.cover:
+        return variables
+    coverage = getattr(aircraft.airframe, "maximum_module_coverage", 1.0)
+    covered_m2 = coverage * variables.wingspan_m**2 / variables.aspect_ratio
+    return variables._replace(module_area_m2=covered_m2)
 
 
 class _Missed(NamedTuple):
