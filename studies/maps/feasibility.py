@@ -13,6 +13,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of
 from sizing.energy.cycle import ENDS, Status
 from sizing.performance import Performance, performance
+from sizing.results.quantities import ENDURANCE, MAP
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     charge_rate_check,
@@ -49,18 +50,8 @@ _ENDURANCE_S = 2e-4  # of a cell, roughly
 _PERPETUAL = (Status.perpetual, Status.always_lit)
 
 # Variable -> unit, long name.
-_DESCRIBED = {
-    "excess_time": ("h", "excess time; infinite where solar power always exceeds the load"),
-    "minimum_state_of_charge": ("1", "minimum state of charge of the repeated day"),
-    "charge_margin": ("h", "time from first full charge to last instant of full charge"),
-    "equal_power_morning": ("h", "solar time at which solar power first equals the load"),
-    "equal_power_evening": ("h", "solar time at which solar power last equals the load"),
-    "full_charge": ("h", "solar time of the first full charge"),
-    "solar_energy": ("Wh", "electric energy of the modules over the day"),
-    "load_energy": ("Wh", "energy drawn over the day"),
-    "day_length": ("h", "time from sunrise to sunset"),
-}
-_ENDURANCE = {"endurance": ("h", "longest flight over all launch times; infinite where perpetual")}
+_DESCRIBED = {one.variable: one.described for one in MAP}
+_ENDURANCE = {ENDURANCE.variable: ENDURANCE.described}
 _CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
 _STATUS = {"status": ("1", "how the repeated day ends")}
 
@@ -223,21 +214,10 @@ def _cells(
 ) -> dict[str, NDArray[Any]]:
     lit = solar_day(aircraft, mission, solar, scenarios=cells)
     found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
-    cycle = found.cycle
     columns: dict[str, NDArray[Any]] = {
-        "excess_time": cycle.excess_time_h,
-        "minimum_state_of_charge": cycle.minimum_state_of_charge,
-        "charge_margin": cycle.charge_margin_h,
-        "equal_power_morning": cycle.equal_power_morning_h,
-        "equal_power_evening": cycle.equal_power_evening_h,
-        "full_charge": cycle.full_charge_h,
-        "solar_energy": cycle.energy_budget.solar_wh,
-        "load_energy": cycle.energy_budget.load_wh,
-        "day_length": found.day.sunset_h - found.day.sunrise_h,
-        "status": cycle.status.astype(np.int8),
+        **{one.variable: one.of(found) for one in (*MAP, *([ENDURANCE] if endurance else []))},
+        "status": found.cycle.status.astype(np.int8),
     }
-    if endurance:
-        columns["endurance"] = found.endurance_h()
     for check in charge_rate_check(
         aircraft, mission, found.design, found.solar_power_w.max(axis=-1)
     ):

@@ -10,8 +10,9 @@ import numpy as np
 
 from missions.dates import DAYS_PER_YEAR, date_label
 from missions.mission import latitude_label
-from sizing.results.analysis import flight_record
+from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table, scenario_table
+from sizing.results.quantities import MINIMUM_CHARGE
 from sizing.results.tables import Line, Summary, Table
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
 from studies.report.figures import figure_markup, page_options
@@ -71,13 +72,12 @@ def day_section(subject: Subject) -> Section:
 
     analysis = subject.analysis
     where = analysis.performance.day.scenarios.label(analysis.worst)
-    scenarios = subject.record["scenarios"]
-    several = len(scenarios) > 1
+    several = len(analysis.performance.cycle.status) > 1
     height = 5.2 if analysis.climb is None else 7.2
-    record = subject.record
+    _, least = MINIMUM_CHARGE.fact(analysis.scenario()[MINIMUM_CHARGE])
     described = (
         f"Solar power and load over the hours of the day, and below the state of charge, which is "
-        f"least, {100.0 * record['minimum_state_of_charge']:.1f} %, in the morning."
+        f"least, {least}, in the morning."
     )
     caption = (
         f"Solar power, load and state of charge over solar time at {where}"
@@ -92,9 +92,8 @@ def day_section(subject: Subject) -> Section:
     )
     blocks: list[Block] = [Figure(markup, caption, scrolls=True)]
     if several:
-        blocks.append(Tables((_scenarios(scenarios),)))
+        blocks.append(Tables((_scenarios(analysis),)))
     if analysis.flight is not None:
-        table = flight_table(flight_record(analysis.flight))
         blocks.append(
             Figure(
                 figure_markup(
@@ -107,24 +106,18 @@ def day_section(subject: Subject) -> Section:
                 scrolls=True,
             )
         )
-        blocks.append(Tables((table,)))
+        blocks.append(Tables((flight_table(analysis.flight),)))
     return Section("day", "The day", blocks)
 
 
-def _scenarios(records: list[dict[str, Any]]) -> Table:
+def _scenarios(analysis: Analysis) -> Table:
     """Scenarios; of many those with the least excess time."""
-    many = len(records) > _MOST_SCENARIOS
-
-    def weakness(record: dict[str, Any]) -> float:
-        excess = record["excess_time_h"]
-        return float("inf") if excess is None else float(excess)
-
-    shown = sorted(records, key=weakness)[:_MOST_SCENARIOS] if many else records
-    table = scenario_table(shown)
-    if not many:
-        return table
-    note = f"the {_MOST_SCENARIOS} weakest of {len(records)} scenarios"
-    return dataclasses.replace(table, notes=(*table.notes, note))
+    excess_h = analysis.performance.cycle.excess_time_h
+    if len(excess_h) <= _MOST_SCENARIOS:
+        return scenario_table(analysis)
+    weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
+    note = f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"
+    return dataclasses.replace(scenario_table(analysis, weakest), notes=(note,))
 
 
 # ---- Season

@@ -26,6 +26,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.energy.cycle import ENDS, Status
 from sizing.optimisation.objectives import Objective
+from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
@@ -69,6 +70,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["dataset", "feasible", "prepare", "sweep", "to_table"]
+
+_WING = {WINGSPAN.name, ASPECT_RATIO.name}
 
 _CHUNK_S = 0.5
 _CHECKED_VALUES = 50
@@ -289,7 +292,7 @@ def _check_request(
     for number, axis in enumerate(axes):
         if any(other.key == axis.key for other in axes[:number]):
             raise _error(axis.key, "is varied twice")
-        if measured and axis.design_variable in ("wingspan_m", "aspect_ratio"):
+        if measured and axis.design_variable in _WING:
             raise _error(
                 axis.key,
                 "a measured aircraft's power does not follow from its wing; take a parametric one",
@@ -379,11 +382,7 @@ def _covers(
         raise _error("modules.area_m2", "is varied and cannot follow the wing as well")
     if cover is not None:
         return cover
-    return (
-        parametric
-        and bool(varied & {"wingspan_m", "aspect_ratio"})
-        and ("module_area_m2" not in varied)
-    )
+    return parametric and bool(varied & _WING) and ("module_area_m2" not in varied)
 
 
 # ---- Points in chunks
