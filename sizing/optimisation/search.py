@@ -432,6 +432,12 @@ def _promising(solver: ProgramSolver) -> list[Promising]:
     return promising_designs(solver.aircraft, solver.mission, solver.solar, solver.day)
 
 
+@lru_cache(maxsize=1)
+def _flown(solver: ProgramSolver, variables: DesignVariables) -> Performance:
+    """Simulated design, kept: the branches of a problem start from the same."""
+    return solver.performance(variables)
+
+
 class _Sizing:
     """One sizing: where it starts, its search, and the verdict."""
 
@@ -478,7 +484,7 @@ class _Sizing:
     @cached_property
     def first(self) -> Performance:
         """What the simulator finds for the design that the search starts from."""
-        return self.solver.performance(self.start)
+        return _flown(self.solver, self.start)
 
     def explained(self) -> SizingResult:
         """Why a run without explanation has found no design; or the design, after all."""
