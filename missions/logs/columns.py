@@ -180,6 +180,11 @@ class Recipe:
         return [factor.column for term in self.terms for factor in term]
 
     @property
+    def expression(self) -> str:
+        """Sum of products of columns, as a mistake in its values names it."""
+        return " + ".join(" * ".join(factor.column for factor in term) for term in self.terms)
+
+    @property
     def plain(self) -> bool:
         """Whether the column stands in the log as the format has it."""
         return self.columns == [self.quantity] and self.factor == 1.0 and self.unit is None
