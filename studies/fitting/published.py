@@ -16,15 +16,13 @@ from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import FloatArray
 from studies.fitting.parameters import PARAMETERS, with_values
 from studies.validation.flights.published_flights import (
-    FLIGHT_28H,
-    FLIGHT_81H,
-    FLIGHT_81H_CLOCK,
+    FLIGHTS,
     Flight,
-    Quantity,
     Trial,
 )
 
-NIGHT_LOAD_W = 43.0  # published mean of the night, FLIGHT_28H
+_FLIGHT_28H = FLIGHTS["28h"]
+NIGHT_LOAD_W = 43.0  # published mean of the night of the 28 h flight
 _FITTED = ("specific_energy", "module_efficiency")
 _TO = ("minimum state of charge", "state of charge after 24 h")
 
@@ -57,13 +55,13 @@ def fit_published() -> PublishedFit:
     from scipy.optimize import least_squares
 
     chosen = tuple(PARAMETERS[name] for name in _FITTED)
-    shipped = FLIGHT_28H.trial()
+    shipped = _FLIGHT_28H.trial()
     loaded = shipped.with_load(NIGHT_LOAD_W)
     start = np.array([one.value(shipped.aircraft) for one in chosen])
-    wanted = [FLIGHT_28H.quantity(name) for name in _TO]
+    wanted = [_FLIGHT_28H.quantity(name) for name in _TO]
 
     def apart(scale: FloatArray) -> FloatArray:
-        trial = _changed(FLIGHT_28H, start * scale)
+        trial = _changed(_FLIGHT_28H, start * scale)
         return np.array([one.compute(trial) - one.published for one in wanted])
 
     found = least_squares(apart, np.ones(2), bounds=(0.5, 1.5), diff_step=[1e-3, 1e-3])
@@ -97,7 +95,7 @@ def fit_published() -> PublishedFit:
 def _changed(flight: Flight, values: FloatArray) -> Trial:
     """Flight of the aircraft with the night's load and the fitted values."""
     trial = flight.trial()
-    level = FLIGHT_28H.trial().with_load(NIGHT_LOAD_W).aircraft
+    level = _FLIGHT_28H.trial().with_load(NIGHT_LOAD_W).aircraft
     chosen = (PARAMETERS["level_power"], *(PARAMETERS[name] for name in _FITTED))
     power_w = chosen[0].value(level)
     craft = with_values(trial.aircraft, chosen, (power_w, *values.tolist()))
@@ -114,25 +112,17 @@ def _figures(values: FloatArray) -> Table:
         Column("use"),
     )
     rows = []
-    for name, flight in (("28 h", FLIGHT_28H), ("81 h", FLIGHT_81H), ("81 h", FLIGHT_81H_CLOCK)):
+    for name, flight in (
+        ("28 h", _FLIGHT_28H),
+        ("81 h", FLIGHTS["81h"]),
+        ("81 h", FLIGHTS["81h_clock"]),
+    ):
         before, after = flight.trial(), _changed(flight, values)
         for one in flight.quantities:
-            use = "fitted to" if flight is FLIGHT_28H and one.name in _TO else "predicted"
-            rows.append(
-                (
-                    name,
-                    _quantity_name(one),
-                    one.published,
-                    one.compute(before),
-                    one.compute(after),
-                    use,
-                )
-            )
+            use = "fitted to" if flight is _FLIGHT_28H and one.name in _TO else "predicted"
+            computed = (one.published, one.compute(before), one.compute(after))
+            rows.append((name, f"{one.name} [{one.unit}]", *computed, use))
     return Table("figures", columns, tuple(rows))
-
-
-def _quantity_name(quantity: Quantity) -> str:
-    return f"{quantity.name} [{quantity.unit}]"
 
 
 if __name__ == "__main__":

@@ -8,14 +8,21 @@ to the Expression of Uncertainty in Measurement, 4.3.7), unless the source gives
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from missions.mission import Turbulence
 from sizing.sunlight import SolarModel
 from solar.systematic_errors import REPORTED_ERRORS
-from studies.validation.flights import published_flights as flights
-from studies.validation.flights.published_flights import Flight, Quantity, Trial
+from studies.validation.flights.published_flights import (
+    FLIGHTS,
+    Flight,
+    Quantity,
+    Trial,
+    published_data,
+    source_of,
+)
 
 
 @dataclass(frozen=True)
@@ -180,91 +187,29 @@ LAUNCH = Input(
     lambda used: (0.3, 1.0),
 )
 
-_ASSUMED = "assumption"
-_CAM_ERROR = Spread(
-    SOLAR_POWER,
-    1.0 - REPORTED_ERRORS["CAM"].rms,
-    1.0 + REPORTED_ERRORS["CAM"].rms,
-    "RMS error of CAM in flight, report's table 3",
-    REPORTED_ERRORS["CAM"].rms,
-)
-_SKIES = Spread(CLEARNESS, 0.91, 1.02, "Ineichen and simplified Solis at Rafz, 21 June")
-_E60 = Spread(MODULES, 0.230, 0.244, "assumption: 3 % of 0.237")
-_AS2_LOAD = Spread(LOAD, 35.0, 46.0, flights.NEWS_81H)
-_AS2_BATTERY = Spread(BATTERY, 705.0, 732.0, flights.PAPERS)
-_AS2_DISCHARGE = Spread(DISCHARGE, 0.95, 1.0, _ASSUMED)
-_CALM = Spread(TURBULENCE, 0.0, 0.1, "assumption: calm nights")
-_AS2_WIND = Spread(WIND, 0.0, 5.0, flights.BLOG_28H)
-_NEARLY_FULL = Spread(FULL, 0.98, 1.0, _ASSUMED)
-_HOT = "assumption: air, to modules 12 K above it (report)"
+_INPUTS = {
+    one.name: one
+    for one in (
+        *(LOAD, SOLAR_POWER, CLEARNESS, MODULES, BATTERY, DISCHARGE, TEMPERATURE, TURBULENCE),
+        *(THERMALS, WIND, FULL, LAUNCH),
+    )
+}
 
-MISSES = (
-    Miss(
-        flights.FLIGHT_81H,
-        flights.FLIGHT_81H.quantity("excess time"),
-        (
-            _AS2_LOAD, _CAM_ERROR, _SKIES, _E60, _AS2_BATTERY, _AS2_DISCHARGE,
-            Spread(TEMPERATURE, 21.3, 43.3, "assumption: 10 K colder, to modules 12 K warmer"),
-            _CALM, _AS2_WIND,
-        ),
-    ),
-    Miss(
-        flights.FLIGHT_28H,
-        flights.FLIGHT_28H.quantity("minimum state of charge"),
-        (
-            _AS2_LOAD, _CAM_ERROR, _SKIES, _E60, _AS2_BATTERY, _AS2_DISCHARGE,
-            Spread(TEMPERATURE, 17.0, 37.0, f"{flights.REPORT}: 27 and 37 C; night assumed"),
-            _CALM, _AS2_WIND,
-        ),
-    ),
-    Miss(
-        flights.FLIGHT_28H,
-        flights.FLIGHT_28H.quantity("full charge on the first day (CEST)"),
-        (
-            _NEARLY_FULL, _CAM_ERROR, _SKIES, _AS2_LOAD, _AS2_BATTERY,
-            Spread(LAUNCH, 0.57, 0.577, "57 and 57.7 %"),
-        ),
-    ),
-    Miss(
-        flights.FLIGHT_81H_CLOCK,
-        flights.FLIGHT_81H_CLOCK.quantity("full charge on the second day (CEST)"),
-        (_NEARLY_FULL, _CAM_ERROR, _SKIES, _AS2_LOAD, _AS2_BATTERY),
-    ),
-    Miss(
-        flights.FLIGHT_27H,
-        flights.FLIGHT_27H.quantity("minimum state of charge"),
-        (
-            Spread(LOAD, 16.0, 17.1, "16 W; 8 % more propulsion at 9.0 than at 8.4 m/s (polar)"),
-            _CAM_ERROR, _SKIES,
-            Spread(MODULES, 0.164, 0.174, "assumption: 3 % of 0.169"),
-            Spread(BATTERY, 234.0, 254.0, "40 % of 2.44 kg, and 1.06 kg, of 240 Wh/kg"),
-            Spread(DISCHARGE, 0.90, 1.0, _ASSUMED),
-            Spread(TEMPERATURE, 10.0, 32.0, "assumption: night, to modules 12 K above the air"),
-            Spread(TURBULENCE, 0.0, 0.2, "assumption: a rather windy night (ETH Life)"),
-        ),
-    ),
-    Miss(
-        flights.FLIGHT_48H,
-        flights.FLIGHT_48H.quantity("time flown"),
-        (
-            Spread(LOAD, 90.0, 100.0, "assumption: 5 % of 95 W"),
-            _CAM_ERROR,
-            Spread(CLEARNESS, 0.99, 1.01, "Ineichen and simplified Solis at Tucson, 21 June"),
-            Spread(MODULES, 0.193, 0.2, f"{flights.SOLONG_ENGINEER}: cells of 20 %"),
-            Spread(BATTERY, 1200.0, 1240.0, "1.2 kWh, and 44 % of 12.8 kg of 220 Wh/kg"),
-            Spread(DISCHARGE, 0.95, 1.0, f"{flights.SOLONG_ENGINEER}: over 95 % a cycle"),
-            Spread(THERMALS, 0.0, 1.0, "assumption: at most a motor that is off at noon"),
-        ),
-    ),
-    Miss(
-        flights.SEASON,
-        flights.SEASON.quantity("days of perpetual flight"),
-        (
-            _AS2_LOAD, _CAM_ERROR,
-            Spread(CLEARNESS, 0.88, 1.0, "Ineichen and simplified Solis at Rafz, March, September"),
-            _E60, _AS2_BATTERY, _AS2_DISCHARGE,
-            Spread(TEMPERATURE, 5.0, 32.0, _ASSUMED),
-            Spread(TURBULENCE, 0.0, 0.3, "assumption: thermals by day, gusts"),
-        ),
-    ),
-)  # fmt: skip
+
+def _spread(data: dict[str, Any]) -> Spread:
+    return Spread(_INPUTS[data["input"]], data["low"], data["high"], source_of(data["source"]))
+
+
+def _misses() -> Iterator[Miss]:
+    """Differences from flights, each with the ranges of the inputs that may explain it."""
+    of_cam = REPORTED_ERRORS["CAM"].rms
+    source = "RMS error of CAM in flight, report's table 3"
+    shared = {name: _spread(one) for name, one in published_data()["ranges"].items()}
+    shared["cam_error"] = Spread(SOLAR_POWER, 1.0 - of_cam, 1.0 + of_cam, source, of_cam)
+    for one in published_data()["differences"]:
+        flight = FLIGHTS[one["flight"]]
+        spreads = (shared[s] if isinstance(s, str) else _spread(s) for s in one["inputs"])
+        yield Miss(flight, flight.quantity(one["quantity"]), tuple(spreads))
+
+
+MISSES = tuple(_misses())

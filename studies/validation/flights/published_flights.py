@@ -1,17 +1,21 @@
 """Published flights of solar aircraft: what is known of each, and what the simulator makes of it.
 
 A flight has facts with their sources, quantities that were published, and inputs whose published or
-assumed range says how well they are known (:mod:`studies.validation.flights.inputs`).
+assumed range says how well they are known (:mod:`studies.validation.flights.inputs`). What was
+published is in ``flights.yaml``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
+from importlib import resources
 from typing import Any
 
 import numpy as np
 
+from missions.files.yaml import parse_yaml
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -183,138 +187,67 @@ def _season_days(trial: Trial) -> float:
     return float(len(perpetual_days(trial.aircraft, trial.mission, latitude, trial.solar)))
 
 
-BLOG_28H = "AtlantikSolar project (atlantiksolar.ethz.ch), 28 h flight"
-NEWS_81H = "drohnen.de, July 2015, after the project's report"
-PAPER_81H = "Oettershagen et al., Journal of Field Robotics 34 (2017), 1352"
-PAPERS = "papers on AtlantikSolar, 2015 to 2017"
-REPORT = "Oettershagen, High-Fidelity Solar Power Income Modeling (2017)"
-ETH_LIFE = "ETH Life, 23 June 2008"
-SKY_SAILOR_PAGE = "sky-sailor.ethz.ch"
-SOLONG_PRESS = "AC Propulsion, press release of 3 June 2005"
-SOLONG_EERE = "EERE Network News, 29 June 2005"
-SOLONG_ENGINEER = "The Engineer, July 2005"
-SOLONG_AVIATION_WEEK = "military.com, 29 June 2005, after Aviation Week"
+_COMPUTED: dict[str, Callable[[Trial], float]] = {
+    "minimum charge of the repeated day": _minimum_charge_of_day,
+    "excess time": _excess_time_h,
+    "charge margin": _charge_margin_h,
+    "minimum charge of the flight": _minimum_charge_of_flight,
+    "charge after a day": _charge_after_a_day,
+    "full charge of day 0": _full_charge_on_day(0),
+    "full charge of day 1": _full_charge_on_day(1),
+    "largest solar power": _largest_solar_power_w,
+    "time flown": _flown_h,
+    "days of perpetual flight": _season_days,
+}
 
-_AS2_BATTERY = Fact("battery", "732 Wh; 705 Wh in another paper", PAPERS)
 
-FLIGHT_81H = Flight(
-    name="AtlantikSolar AS-2, 81 h flight, July 2015",
-    aircraft="atlantiksolar-as2",
-    mission="rafz-july",
-    facts=(
-        Fact("place", "Rafz, 47.6 N 8.53 E", PAPER_81H),
-        Fact("time", "14 July 2015 9:32 to 17 July 18:56 (CEST)", NEWS_81H),
-        Fact("distance", "2338 km over ground, 8.0 m/s on average", PAPER_81H),
-        Fact("load", "35 to 46 W on average in calm air, such as at night", NEWS_81H),
-        Fact("level flight", "35.8 W of propulsion, 6.0 W of avionics", PAPERS),
-        _AS2_BATTERY,
-        Fact("wind, temperature", "not found; 31.3 C used", ""),
-    ),
-    quantities=(
-        Quantity("excess time", "h", 6.8, 0.6, _excess_time_h),
-        Quantity("minimum state of charge", "%", 39.0, 3.0, _minimum_charge_of_day),
-        Quantity("charge margin", "h", 6.2, 0.5, _charge_margin_h),
-    ),
-)
+@cache
+def published_data() -> dict[str, Any]:
+    """Contents of ``flights.yaml``."""
+    file = resources.files("studies.validation.flights").joinpath("flights.yaml")
+    return parse_yaml(file.read_text(encoding="utf-8"), "flights.yaml").data
 
-FLIGHT_81H_CLOCK = Flight(
-    name="AtlantikSolar AS-2, 81 h flight by the clock",
-    aircraft="atlantiksolar-as2",
-    mission="rafz-81h",
-    facts=(
-        Fact("full charge", "about 13:05", NEWS_81H),
-        Fact("largest solar power", "about 260 W", NEWS_81H),
-    ),
-    quantities=(
+
+def source_of(name: str) -> str:
+    """Source in words: one of the list, or as it stands."""
+    return str(published_data()["sources"].get(name, name))
+
+
+def _flight(key: str) -> Flight:
+    data = published_data()["flights"][key]
+    facts = tuple(
+        Fact(name, one["text"], source_of(one.get("source", "")))
+        for name, one in data["facts"].items()
+    )
+    quantities = tuple(
         Quantity(
-            "full charge on the second day (CEST)",
-            "h",
-            13.0 + 5.0 / 60.0,
-            40.0 / 60.0,
-            _full_charge_on_day(1),
-        ),
-        Quantity("largest solar power", "W", 260.0, 13.0, _largest_solar_power_w),
-    ),
-)
+            name,
+            one["unit"],
+            _number(one["published"]),
+            _number(one["allowed"]),
+            _COMPUTED[one["computed"]],
+            one.get("known_miss", False),
+        )
+        for name, one in data["quantities"].items()
+    )
+    return Flight(data["name"], data["aircraft"], data["mission"], facts, quantities)
 
-FLIGHT_28H = Flight(
-    name="AtlantikSolar AS-2, 28 h flight, 30 June 2015",
-    aircraft="atlantiksolar-as2",
-    mission="rafz-28h",
-    facts=(
-        Fact("place", "Rafz, 47.6 N 8.53 E", BLOG_28H),
-        Fact("time", "30 June 2015 11:14 to 1 July 15:35 (CEST)", BLOG_28H),
-        Fact("charge at launch", "57 %; 57.7 % in a paper", BLOG_28H),
-        Fact("load", "43 W on average at night, at 8.4 m/s", BLOG_28H),
-        Fact("wind", "up to 5 m/s at night; strong thermals by day", BLOG_28H),
-        Fact("temperature", "air 27 C, modules 37 C at 9.5 h solar time", REPORT),
-        _AS2_BATTERY,
-    ),
-    quantities=(
-        Quantity("minimum state of charge", "%", 35.0, 6.0, _minimum_charge_of_flight),
-        Quantity(
-            "full charge on the first day (CEST)",
-            "h",
-            14.0 + 8.0 / 60.0,
-            40.0 / 60.0,
-            _full_charge_on_day(0),
-        ),
-        Quantity("state of charge after 24 h", "%", 84.0, 6.0, _charge_after_a_day, True),
-    ),
-)
 
-FLIGHT_27H = Flight(
-    name="Sky-Sailor, 27 h flight, 20 June 2008",
-    aircraft="sky-sailor-2008",
-    mission="niederwil-27h",
-    facts=(
-        Fact("place", "Niederwil near Cham, 200 to 400 m above ground", ETH_LIFE),
-        Fact("time", "20 June 2008 12:33 (CEST), more than 27 h", ETH_LIFE),
-        Fact("distance", "874.4 km, 9.0 m/s on average", SKY_SAILOR_PAGE),
-        Fact("load", "16 W in level flight", SKY_SAILOR_PAGE),
-        Fact("wind", "rather windy at night; no thermals or height used", ETH_LIFE),
-        Fact("battery", "1 kg, 40 % of the mass; 1.06 kg of 240 Wh/kg", f"{ETH_LIFE}; Noth (2008)"),
-        Fact("charge", "full in the afternoon, and at the landing", ETH_LIFE),
-        Fact("temperature", "not found; 20 C assumed", ""),
-    ),
-    quantities=(
-        Quantity("minimum state of charge", "%", 5.8, 6.0, _minimum_charge_of_flight, True),
-    ),
-)
+def _number(value: float | str) -> float:
+    """Number, or a clock such as 13:05 in hours."""
+    if isinstance(value, str):
+        hours, minutes = value.split(":")
+        return int(hours) + int(minutes) / 60.0
+    return value
 
-FLIGHT_48H = Flight(
-    name="SoLong, 48 h flight, 1 June 2005",
-    aircraft="solong",
-    mission="desert-center-48h",
-    facts=(
-        Fact("place", "Desert Center, California, 33.75 N 115.32 W", SOLONG_PRESS),
-        Fact("time", "1 June 2005 16:08 to 3 June 16:24 (PDT)", SOLONG_PRESS),
-        Fact("end", "its pilots were tired; the battery was not low", SOLONG_AVIATION_WEEK),
-        Fact("load", "95 W in level flight", SOLONG_EERE),
-        Fact("modules", "225 W from 76 cells", SOLONG_EERE),
-        Fact("battery", "220 Wh/kg, 44 % of 28.2 lb; over 95 % a cycle", SOLONG_ENGINEER),
-        Fact("thermals", "earlier flights of over 24 h used them (Noth)", "FAZ, June 2008"),
-        Fact("wind, temperature", "not found; 30 C assumed", ""),
-    ),
-    quantities=(Quantity("time flown", "h", 48.27, 0.5, _flown_h, True),),
-)
 
-SEASON = Flight(
-    name="AtlantikSolar AS-2, season at 47.6 N",
-    aircraft="atlantiksolar-as2",
-    mission="rafz-july",
-    facts=(Fact("season", "a 6-month window around 21 June", PAPER_81H),),
-    quantities=(Quantity("days of perpetual flight", "days", 182.5, 38.0, _season_days),),
-)
-
-FLIGHTS = (FLIGHT_81H, FLIGHT_81H_CLOCK, FLIGHT_28H, FLIGHT_27H, FLIGHT_48H)
-WITH_SEASON = (*FLIGHTS, SEASON)
+FLIGHTS = {key: _flight(key) for key in published_data()["flights"]}
 
 
 def facts_table() -> Table:
     """What is published about every flight, and where."""
     columns = tuple(map(Column, ("flight", "what", "published", "source")))
-    rows = tuple((f.name, x.name, x.text, x.source) for f in WITH_SEASON for x in f.facts)
+    rows = tuple((f.name, x.name, x.text, x.source) for f in FLIGHTS.values() for x in f.facts)
     return Table("published flights", columns, rows)
 
 

@@ -71,7 +71,7 @@ def test_81_hour_flight_stays_up() -> None:
 
 
 def test_load_of_a_trial_is_the_one_asked_for() -> None:
-    trial = study.FLIGHT_27H.trial()
+    trial = study.FLIGHTS["27h"].trial()
     assert trial.load_w == pytest.approx(16.0, abs=0.02)  # published, all consumers
     changed = trial.with_load(20.0)
     assert changed.load_w == pytest.approx(20.0, rel=1e-12)
@@ -79,8 +79,8 @@ def test_load_of_a_trial_is_the_one_asked_for() -> None:
 
 
 def test_battery_is_nearly_full_before_it_is_full() -> None:
-    full_h = study.FLIGHT_28H.quantity("full charge on the first day (CEST)").compute
-    trial = study.FLIGHT_28H.trial()
+    full_h = study.FLIGHTS["28h"].quantity("full charge on the first day (CEST)").compute
+    trial = study.FLIGHTS["28h"].trial()
     instants = [full_h(replace(trial, full_charge=c)) for c in (0.98, 0.99, 0.999, 1.0)]
     assert instants == sorted(instants)
     assert instants[-1] == pytest.approx(trial.replay().full_charge_clock_h[0], abs=1e-3)
@@ -89,13 +89,13 @@ def test_battery_is_nearly_full_before_it_is_full() -> None:
 
 
 def test_full_charge_that_is_not_reached_is_the_end_of_the_day() -> None:
-    full_h = study.FLIGHT_81H_CLOCK.quantity("full charge on the second day (CEST)").compute
-    dim = study.FLIGHT_81H_CLOCK.trial().with_mission(clearness=0.2)
+    full_h = study.FLIGHTS["81h_clock"].quantity("full charge on the second day (CEST)").compute
+    dim = study.FLIGHTS["81h_clock"].trial().with_mission(clearness=0.2)
     assert full_h(dim) == full_h(replace(dim, full_charge=0.99)) == 24.0
 
 
 def test_27_hour_flight() -> None:
-    run = study.FLIGHT_27H.trial().replay()
+    run = study.FLIGHTS["27h"].trial().replay()
     assert run.empty_clock_h is None
     # Flown: full on the first afternoon, and at the landing on the second.
     assert 24.0 > run.full_charge_clock_h[0] > 12.55
@@ -107,7 +107,7 @@ def test_27_hour_flight() -> None:
 
 
 def test_solong_draws_more_than_its_modules_bring_in_a_day() -> None:
-    trial = study.FLIGHT_48H.trial()
+    trial = study.FLIGHTS["48h"].trial()
     day = performance(trial.aircraft, trial.mission)
     brought_wh = float(day.cycle.energy_budget.solar_wh[0])
     # Published: 225 W, at 1000 W/m2. Of 8 kWh/m2 on a clear day in June some 10 % are lost.
@@ -116,24 +116,24 @@ def test_solong_draws_more_than_its_modules_bring_in_a_day() -> None:
 
 
 def test_every_fact_has_a_source() -> None:
-    for flight in study.WITH_SEASON:
+    for flight in study.FLIGHTS.values():
         for fact in flight.facts:
             assert fact.source or fact.text.startswith("not found"), fact
-    assert len(study.facts_table().rows) == sum(len(f.facts) for f in study.WITH_SEASON)
+    assert len(study.facts_table().rows) == sum(len(f.facts) for f in study.FLIGHTS.values())
 
 
 def test_numbers_of_the_words_on_the_flights() -> None:
     """What ``docs/validation.md`` says of combinations that no table has."""
-    of_28h, of_48h = study.FLIGHT_28H.trial(), study.FLIGHT_48H.trial()
-    charge = study.FLIGHT_28H.quantity("minimum state of charge").compute
+    of_28h, of_48h = study.FLIGHTS["28h"].trial(), study.FLIGHTS["48h"].trial()
+    charge = study.FLIGHTS["28h"].quantity("minimum state of charge").compute
     assert charge(of_28h.with_load(43.0)) == pytest.approx(37.1, abs=0.05)
     for flight, name, clock_h in (
-        (study.FLIGHT_28H, "full charge on the first day (CEST)", 14.0 + 5.0 / 60.0),
-        (study.FLIGHT_81H_CLOCK, "full charge on the second day (CEST)", 13.0 + 5.0 / 60.0),
+        (study.FLIGHTS["28h"], "full charge on the first day (CEST)", 14.0 + 5.0 / 60.0),
+        (study.FLIGHTS["81h_clock"], "full charge on the second day (CEST)", 13.0 + 5.0 / 60.0),
     ):
         nearly = replace(flight.trial(), full_charge=0.99)
         assert flight.quantity(name).compute(nearly) == pytest.approx(clock_h, abs=0.5 / 60.0)
-    flown = study.FLIGHT_48H.quantity("time flown").compute
+    flown = study.FLIGHTS["48h"].quantity("time flown").compute
     assert flown(inputs.THERMALS.change(of_48h, 0.85)) < 40.0
     assert flown(inputs.THERMALS.change(of_48h.with_load(90.0), 0.85)) == pytest.approx(48.27)
     with_payload = shipped_mission("rafz-july", payload={"power_w": 6.5})

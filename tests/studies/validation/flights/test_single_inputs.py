@@ -92,7 +92,7 @@ def test_all_inputs_together_lead_towards_the_published_number(found: Explanatio
 
 
 def test_impossible_number_has_no_explanation() -> None:
-    flight = published_flights.FLIGHT_27H
+    flight = published_flights.FLIGHTS["27h"]
     spread = Spread(inputs.TEMPERATURE, 10.0, 32.0, "a test")
     told: list[tuple[int, int]] = []
     result = explain(
