@@ -153,7 +153,7 @@ def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
     for quantity, recipe in raw.recipes.items():
         if quantity != "time":
             columns.append(_quantity(raw, recipe, check, told))
-            labels[quantity] = " * ".join(recipe.columns) or quantity
+            labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in columns})
     _turn_radians(raw, table, told)
