@@ -33,7 +33,6 @@ from sizing.optimisation.problem import Effort, Role, SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
-    ROW_TOLERANCE,
     SizingStatus,
     objective_value,
 )
@@ -284,10 +283,7 @@ class _Cells:
         return value if self.objective.maximised else -value
 
     def _keeps_requirements(self, perf: Performance) -> NDArray[np.bool_]:
-        solver = self.solver
-        return meets_requirements(
-            solver.aircraft, perf.design, solver.conditions, tolerance=ROW_TOLERANCE
-        )
+        return meets_requirements(self.solver.aircraft, self.solver.mission, perf.design)
 
     def _simulated(self, searches: Sequence[Search]) -> list[Simulated]:
         cells = np.array([one.scenarios[0] // self.each for one in searches])

@@ -33,18 +33,6 @@ _PROMISING = 3
 _HEAVIER = np.geomspace(1.0, 100.0, 9)
 
 
-class Verdict(NamedTuple):
-    """That a sizing ends without a design, and why; ``nearest`` is the design that comes closest.
-
-    ``active_constraints`` name what holds it back.
-    """
-
-    status: SizingStatus
-    violations: tuple[Violation, ...]
-    nearest: Performance | None
-    active_constraints: tuple[str, ...] = ()
-
-
 def least_mission(mission: Mission, objective: Objective) -> Mission:
     """Mission without the payload that is to be as large as possible: the easiest one."""
     if objective.payload_key is None:
@@ -54,10 +42,10 @@ def least_mission(mission: Mission, objective: Objective) -> Mission:
 
 def short_of_largest_excess(
     aircraft: Aircraft, largest: SizingResult, required_h: float
-) -> Verdict | None:
+) -> SizingResult | None:
     """Verdict where even the largest excess time is too short; None where it is enough."""
     if not largest.feasible and largest.status is not SizingStatus.infeasible:
-        return Verdict(largest.status, (), largest.nearest)
+        return largest
     nearest = largest.nearest if largest.simulated is None else largest.simulated
     # Where no design flies perpetually, what else is missing comes first.
     missed = [v for v in largest.violations if v.requirement != "excess_time"]
@@ -69,8 +57,7 @@ def short_of_largest_excess(
         # required, what else is missing says it all.
         if shortfall_h > 0.0 and (required_h > 0.0 or not missed):
             missed += violations(aircraft, {"excess_time": shortfall_h}, nearest, required_h)
-    status = SizingStatus.infeasible if largest.feasible else largest.status
-    return Verdict(status, tuple(missed), nearest, largest.active_constraints)
+    return largest.without_design(SizingStatus.infeasible, nearest, *missed)
 
 
 def violations(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
-from sizing.design import DesignVariables, FlightConditions
+from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.infeasibility import least_mission
@@ -47,7 +47,7 @@ from sizing.optimisation.solver import (
     Solution,
 )
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -60,7 +60,6 @@ _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
 _BLOCKS = 2
 _AT_ONCE = 4  # latitudes that are sized together
-_ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _STEPS_BEYOND = 3  # where the scenarios left out need a little more
 MINIMAL = 0.01  # of the value told: with so much less of a change no design is feasible
 _BISECTED = 1e-3  # of the value, well within that
@@ -292,7 +291,8 @@ class _Relaxations:
         perf = performance_of_designs(aircraft, mission, solution.design, self.solar, day=day)
         worst = perf.worst_scenario()
         excess_h = float(perf.cycle.excess_time_h[worst])
-        return Simulated(excess_h, worst, merit, _sound(aircraft, mission, perf), perf)
+        sound = bool(meets_requirements(aircraft, mission, perf.design))
+        return Simulated(excess_h, worst, merit, sound, perf)
 
     def _confirmed(
         self, key: str, present: float, found: float, variables: DesignVariables
@@ -351,7 +351,7 @@ class _Relaxations:
         perf = performance_of_designs(aircraft, mission, variables, self.solar, day=day)
         worst_h = float(np.min(perf.cycle.excess_time_h))
         enough = worst_h > 0.0 and worst_h >= self.required_h
-        return worst_h if enough and _sound(aircraft, mission, perf) else None
+        return worst_h if enough and meets_requirements(aircraft, mission, perf.design) else None
 
     # --- latitude and required time ------------------------------------------------------------
 
@@ -516,13 +516,6 @@ class _Relaxations:
         told = self._confirmed_value(present, found, moved.solution.design, eased, upwards=upwards)
         key = f"design_space.{space.key_of_limit(quantity, end)}"
         return told and Relaxation(key, parameter(quantity).unit, present, *told)
-
-
-def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:
-    """Whether a design keeps every requirement besides the excess time."""
-    conditions = FlightConditions.of(mission, aircraft)
-    met = meets_requirements(aircraft, perf.design, conditions, tolerance=_ROW_TOLERANCE)
-    return bool(np.all(met))
 
 
 def bisected(

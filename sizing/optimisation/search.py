@@ -10,7 +10,7 @@ is the optimum.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -25,7 +25,6 @@ from sizing.limits import meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import (
     Promising,
-    Verdict,
     least_mission,
     least_unlifted,
     promising_designs,
@@ -41,7 +40,6 @@ from sizing.optimisation.result import (
     active_constraints,
     limiting_rows,
     objective_value,
-    plain_design,
 )
 from sizing.optimisation.solver import (
     GOAL_CUSHION_H,
@@ -66,7 +64,6 @@ _NEXT_TO_NOTHING = 1e-3  # of a payload [kg, W]
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
-_ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _RESTARTS = 3
 _LESS_MARGIN = 1.0 / 30.0
 # Part of its mass that no design of a coarse grid lifts: those between its points gain less.
@@ -299,11 +296,9 @@ def simulated(
 ) -> Simulated:
     """What the simulator finds for one design."""
     worst = perf.worst_scenario()
-    met = meets_requirements(
-        solver.aircraft, perf.design, solver.conditions, tolerance=_ROW_TOLERANCE
-    )
+    sound = bool(meets_requirements(solver.aircraft, solver.mission, perf.design))
     excess_h = solver.least_excess_h(perf, required_h)
-    return Simulated(excess_h, worst, merit, bool(np.all(met)), perf)
+    return Simulated(excess_h, worst, merit, sound, perf)
 
 
 # --- one sizing ------------------------------------------------------------------------------
@@ -416,7 +411,7 @@ def _sized(
     best = max(found, key=_merit)
     if not best.feasible:
         return by_battery.explained() if explain else without_lit
-    return replace(best, solver=solver.report())
+    return replace(best, solver=solver.work)
 
 
 def _merit(result: SizingResult) -> float:
@@ -629,16 +624,14 @@ class _Sizing:
         mission = least_mission(own.mission, self.objective)
         solver = ProgramSolver(own.problems, mission, own.solar, own.day, by_model=own.by_model)
         largest = self._largest_excess(solver)
-        own.add(solver)
-        verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
-        if verdict is not None:
-            return self._failed(verdict)
+        own.work += solver.work
+        short = short_of_largest_excess(self.aircraft, largest, self.required_h)
+        if short is not None:
+            return self._as_asked(short)
         assert largest.simulated is not None
         assert largest.optimum is not None
         if self.objective is Objective.max_excess_time:
-            return replace(
-                largest, required_excess_time_h=self.required_h, solver=self.solver.report()
-            )
+            return self._as_asked(largest)
         self.lit = sorted(largest.optimum.instance.lit)
         self.search.instance = self._instance()
         # Its own time step judges it: no finer one takes back what the largest excess time allows.
@@ -681,13 +674,8 @@ class _Sizing:
         if solution is not None:
             self.restarts += 1
             return self._settled(solution)
-        verdict = Verdict(
-            SizingStatus.infeasible,
-            tuple(violations(self.aircraft, missed, nearest.performance, self.required_h)),
-            nearest.performance,
-            active_constraints(least, self.day),
-        )
-        return self._failed(verdict)
+        active = active_constraints(least, self.day)
+        return self._infeasible(missed, nearest.performance, active)
 
     def _without_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
         """Verdict where the solver cannot tell what is missed: a coarse grid may show it."""
@@ -695,8 +683,7 @@ class _Sizing:
         unlifted = least_unlifted(self.aircraft, self.solver.mission)
         if unlifted <= _HOPELESS:
             return self._restarted(starts, nearest)
-        missed = violations(self.aircraft, {"mass_budget": unlifted}, nearest, self.required_h)
-        return self._failed(Verdict(SizingStatus.infeasible, tuple(missed), nearest))
+        return self._infeasible({"mass_budget": unlifted}, nearest)
 
     def _least_missed(self, starts: list[DesignVariables]) -> Solution | None:
         """Solution that misses as little as possible, or all but that: by a penalty."""
@@ -716,34 +703,33 @@ class _Sizing:
         return self._settled(solution)
 
     def _given_up(self, nearest: Performance) -> SizingResult:
-        return self._failed(Verdict(SizingStatus.not_converged, (), nearest))
+        return replace(self._result(), nearest=nearest)
 
-    def _failed(self, verdict: Verdict) -> SizingResult:
-        return SizingResult(
-            status=verdict.status,
-            objective=self.objective,
-            required_excess_time_h=self.required_h,
-            objective_value=None,
-            design=None,
-            simulated=None,
-            nearest=verdict.nearest,
-            active_constraints=verdict.active_constraints,
-            violations=verdict.violations,
-            solver=self.solver.report(),
-        )
+    def _infeasible(
+        self, missed: Mapping[str, float], nearest: Performance, active: tuple[str, ...] = ()
+    ) -> SizingResult:
+        found = violations(self.aircraft, missed, nearest, self.required_h)
+        return self._result(active).without_design(SizingStatus.infeasible, nearest, *found)
 
     def _optimal(self, solution: Solution, found: Simulated) -> SizingResult:
         assert found.performance is not None
+        active = active_constraints(solution, self.day)
+        return replace(self._result(active), optimum=solution).with_design(found.performance)
+
+    def _result(self, active: tuple[str, ...] = ()) -> SizingResult:
         return SizingResult(
-            status=SizingStatus.optimal,
+            status=SizingStatus.not_converged,
             objective=self.objective,
             required_excess_time_h=self.required_h,
-            objective_value=float(objective_value(self.objective, found.performance)),
-            design=plain_design(found.performance.design),
-            simulated=found.performance,
-            nearest=None,
-            active_constraints=active_constraints(solution, self.day),
-            violations=(),
-            solver=self.solver.report(),
-            optimum=solution,
+            active_constraints=active,
+            solver=self.solver.work,
+        )
+
+    def _as_asked(self, result: SizingResult) -> SizingResult:
+        """Sizing for another objective as the verdict on this one."""
+        return replace(
+            result,
+            objective=self.objective,
+            required_excess_time_h=self.required_h,
+            solver=self.solver.work,
         )
