@@ -8,6 +8,7 @@ tells what is missing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -19,9 +20,10 @@ from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
+from sizing.optimisation.solver import ProgramSolver
 from sizing.parameters import with_parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import SolarDay, SolarModel, solar_day
+from sizing.sunlight import solar_day
 from solar.types import FloatArray
 
 # Points of span, battery and modules each, by the number of other free variables.
@@ -112,15 +114,15 @@ class Promising(NamedTuple):
     missed: float
 
 
-def promising_designs(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, day: SolarDay
-) -> list[Promising]:
+@lru_cache(maxsize=1)  # a verdict may ask for them again
+def promising_designs(solver: ProgramSolver) -> list[Promising]:
     """Designs of a coarse grid over the design space that come nearest to a feasible one.
 
-    ``aircraft``, ``mission``, ``solar``: what is sized, for what, and the model of the sun. Those
-    that fly perpetually and miss least, of equals those of the largest excess time; after them the
-    others by their excess time. Empty where no design of the grid has room for its modules.
+    Those that fly perpetually and miss least, of equals those of the largest excess time; after
+    them the others by their excess time. Empty where no design of the grid has room for its
+    modules.
     """
+    aircraft, mission, solar = solver.aircraft, solver.mission, solver.solar
     variables = _grid(aircraft)
     airframe = aircraft.airframe
     coverage = getattr(airframe, "maximum_module_coverage", 1.0)
@@ -128,7 +130,9 @@ def promising_designs(
     if not np.any(fits):
         return []
     variables = variables.mapped(lambda v: np.asarray(v)[fits])
-    coarse = solar_day(aircraft, mission, solar, scenarios=day.scenarios, step_h=_GRID_STEP_H)
+    coarse = solar_day(
+        aircraft, mission, solar, scenarios=solver.day.scenarios, step_h=_GRID_STEP_H
+    )
     found = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
     excess_h = np.min(found.cycle.excess_time_h, axis=-1)
     missed = _missed_of(aircraft, found)

@@ -21,31 +21,18 @@ from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.infeasibility import least_mission
+from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import (
-    SOLAR_TECHNOLOGY,
-    WIND,
-    WORST_EXCESS,
-    Role,
-    SizingProblems,
-    limit_rows,
-)
+from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus
-from sizing.optimisation.search import (
-    PENALTY,
-    Accepted,
-    Search,
-    Simulated,
-    run,
-    size_aircraft,
-    telling_scenarios,
-)
+from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.solver import (
     GOAL_CUSHION_H,
     ProblemInstance,
     ProgramSolver,
     Solution,
 )
+from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role, limit_rows
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day

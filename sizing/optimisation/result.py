@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,8 +10,8 @@ import numpy as np
 from sizing.design import Design, Masses
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.objectives import SizingStatus as SizingStatus
-from sizing.optimisation.problem import RELATIVE_STEP, Constraint
 from sizing.optimisation.solver import Solution, SolverReport
+from sizing.optimisation.variables import RELATIVE_STEP, Constraint
 from sizing.performance import Performance
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
@@ -61,6 +62,13 @@ class SizingResult:
     violations: tuple[Violation, ...] = ()
     optimum: Solution | None = None
 
+    @property
+    def merit(self) -> float:
+        """Objective, the larger the better; minus infinity without a design."""
+        if self.objective_value is None:
+            return -math.inf
+        return self.objective_value if self.objective.maximised else -self.objective_value
+
     def with_design(self, perf: Performance) -> SizingResult:
         """The same with a design that the simulator has judged, and its objective."""
         return replace(
@@ -74,7 +82,21 @@ class SizingResult:
     def without_design(
         self, status: SizingStatus, nearest: Performance | None, *violations: Violation
     ) -> SizingResult:
-        """The same without a design; the nearest one misses something."""
+        """The same without a design.
+
+        Parameters
+        ----------
+        status : SizingStatus
+            How it ends.
+        nearest : Performance or None
+            Design that comes closest, simulated.
+        *violations : Violation
+            What that one misses.
+
+        Returns
+        -------
+        SizingResult
+        """
         return replace(
             self,
             status=status,

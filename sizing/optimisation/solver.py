@@ -16,16 +16,8 @@ from sizing.design import DesignVariables, FlightConditions, closed_design
 from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import (
-    WIND,
-    WORST_EXCESS,
-    Constraint,
-    Effort,
-    Role,
-    SizingProblem,
-    SizingProblems,
-    Variable,
-)
+from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
+from sizing.optimisation.variables import WIND, WORST_EXCESS, Constraint, Role, Variable
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
