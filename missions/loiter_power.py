@@ -28,24 +28,43 @@ ORBIT_SAMPLES = 36
 _BLOCK = 512
 
 
+class ModulesOnPath(NamedTuple):
+    """Module surfaces on a flight path, in the wind it is flown in.
+
+    ``shading``: tail and losses by its shadows, for FM. ``samples``: attitudes per turning
+    direction.
+    """
+
+    geometry: ModuleGeometry
+    cell: SolarCell
+    path: FlightPath
+    wind: Wind
+    shading: Shading | None = None
+    samples: int = ORBIT_SAMPLES
+
+
+class LightAbove(NamedTuple):
+    """Clear sky at an altitude [m], with a factor on its irradiance.
+
+    ``irradiance``: direct normal and diffuse horizontal light of each time in its place [W/m2].
+    """
+
+    altitude_m: float = 0.0
+    clearness: float = 1.0
+    sky: ClearSky = clear_sky
+    irradiance: Irradiance | None = None
+
+
 def mean_power_on_path(
     model: ModelName,
     latitude_deg: float,
     day_of_year: ArrayLike,
     time_solar_h: ArrayLike,
+    modules: ModulesOnPath,
+    light: LightAbove,
     *,
-    geometry: ModuleGeometry,
-    cell: SolarCell,
-    path: FlightPath,
-    wind: Wind,
     ambient_temperature_c: ArrayLike,
     module_temperature_c: ArrayLike,
-    altitude_m: float = 0.0,
-    clearness: float = 1.0,
-    shading: Shading | None = None,
-    samples: int = ORBIT_SAMPLES,
-    sky: ClearSky = clear_sky,
-    irradiance: Irradiance | None = None,
 ) -> FloatArray:
     """Specific power of VM or FM over a day, averaged over the path [W/m2].
 
@@ -59,22 +78,10 @@ def mean_power_on_path(
         Fractional day of year at each time; for a repeated day that of its noon, ``day + 0.5``.
     time_solar_h : array_like, shape (time,)
         Local solar time [h].
-    geometry, cell
-        Module surfaces and efficiencies.
-    path, wind
-        Flight path and the wind it is flown in.
+    modules, light
+        What is flown on which path, and in which light.
     ambient_temperature_c, module_temperature_c : array_like
         Temperature of the air (FM) and of the modules (VM), one for all times or one each [C].
-    altitude_m, clearness : float
-        Altitude [m] and factor on the clear-sky irradiance.
-    shading : Shading, optional
-        Tail and losses by its shadows, for FM.
-    samples : int
-        Attitudes per turning direction.
-    sky : ClearSky
-        Clear-sky model.
-    irradiance : Irradiance, optional
-        Direct normal and diffuse horizontal light of each time [W/m2], in place of the clear sky.
 
     Returns
     -------
@@ -94,33 +101,21 @@ def mean_power_on_path(
         np.broadcast_to(np.asarray(value, float), time_h.shape)
         for value in (ambient_temperature_c, module_temperature_c)
     )
-    flown = orbit(path, wind, samples=samples)
+    flown = orbit(modules.path, modules.wind, samples=modules.samples)
     result = np.zeros(time_h.shape)
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
-        seen = _sky(latitude_deg, day[block], time_h[block], altitude_m, clearness, flown, sky)
-        if irradiance is not None:
-            given = (part[block][seen.lit, np.newaxis] for part in irradiance)
+        seen = _sky(latitude_deg, day[block], time_h[block], light, flown)
+        if light.irradiance is not None:
+            given = (part[block][seen.lit, np.newaxis] for part in light.irradiance)
             seen = seen._replace(light=Irradiance(*given))
+        aboard = (seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell)
         if model == "VM":
-            power = verification_model(
-                seen.light,
-                seen.sun,
-                seen.to_ned,
-                geometry,
-                cell,
-                module_c[block][seen.lit, np.newaxis],
-            )
+            power = verification_model(*aboard, module_c[block][seen.lit, np.newaxis])
         else:
-            power = full_model(
-                seen.light,
-                seen.sun,
-                seen.to_ned,
-                geometry,
-                cell,
-                ambient_c[block][seen.lit, np.newaxis],
-                shading=shading,
-            ).specific_power_w_per_m2
+            air_c = ambient_c[block][seen.lit, np.newaxis]
+            full = full_model(*aboard, air_c, shading=modules.shading)
+            power = full.specific_power_w_per_m2
         result[block][seen.lit] = power @ flown.weights
     return result
 
@@ -129,26 +124,17 @@ def module_power_on_path(
     latitude_deg: float,
     day_of_year: ArrayLike,
     time_solar_h: ArrayLike,
+    modules: ModulesOnPath,
+    light: LightAbove,
     *,
-    geometry: ModuleGeometry,
-    cell: SolarCell,
-    path: FlightPath,
-    wind: Wind,
     ambient_temperature_c: float,
-    altitude_m: float = 0.0,
-    clearness: float = 1.0,
-    shading: Shading | None = None,
-    samples: int = ORBIT_SAMPLES,
-    sky: ClearSky = clear_sky,
 ) -> tuple[BoolArray, Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
 
     Parameters
     ----------
-    latitude_deg, day_of_year, time_solar_h, geometry, cell, path, wind, ambient_temperature_c
-        As in :func:`mean_power_on_path`.
-    altitude_m, clearness, shading, samples, sky
-        As in :func:`mean_power_on_path`.
+    latitude_deg, day_of_year, time_solar_h, modules, light, ambient_temperature_c
+        As in :func:`mean_power_on_path`, under the clear sky.
 
     Returns
     -------
@@ -159,12 +145,14 @@ def module_power_on_path(
     power : ModulePower
         Arrays of shape ``(lit time, attitude)``, by surface with one more axis.
     """
-    flown = orbit(path, wind, samples=samples)
+    flown = orbit(modules.path, modules.wind, samples=modules.samples)
     time_h = np.asarray(time_solar_h, float)
     day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
-    seen = _sky(latitude_deg, day, time_h, altitude_m, clearness, flown, sky)
+    seen = _sky(latitude_deg, day, time_h, light, flown)
     power = full_model(
-        seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c, shading=shading
+        *(seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell),
+        ambient_temperature_c,
+        shading=modules.shading,
     )
     return seen.lit, flown, power
 
@@ -182,16 +170,14 @@ def _sky(
     latitude_deg: float,
     day: FloatArray,
     time_h: FloatArray,
-    altitude_m: float,
-    clearness: float,
+    above: LightAbove,
     flown: Orbit,
-    clear_sky_model: ClearSky,
 ) -> _Sky:
     sun_declination, hour = declination(day), hour_angle(time_h)
     cosine = cos_zenith(latitude_deg, sun_declination, hour)
     lit = cosine > 0.0
     sun = sun_vector_ned(latitude_deg, sun_declination[lit], hour[lit])[:, np.newaxis, :]
-    clear = clear_sky_model(day[lit], latitude_deg, cosine[lit], altitude_m)
-    light = Irradiance(*(clearness * part[:, np.newaxis] for part in clear))
+    clear = above.sky(day[lit], latitude_deg, cosine[lit], above.altitude_m)
+    light = Irradiance(*(above.clearness * part[:, np.newaxis] for part in clear))
     to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
     return _Sky(lit, sun, light, to_ned)

@@ -2,7 +2,12 @@ import numpy as np
 import pytest
 
 from missions.flight_path import Circle, FlightPath, Level, StraightLegs, Wind
-from missions.loiter_power import mean_power_on_path, module_power_on_path
+from missions.loiter_power import (
+    LightAbove,
+    ModulesOnPath,
+    mean_power_on_path,
+    module_power_on_path,
+)
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
@@ -24,13 +29,10 @@ def mean(
         47.6,
         182.5,
         TIME_H,
-        geometry=geometry,
-        cell=SolarCell(),
-        path=path,
-        wind=wind,
+        ModulesOnPath(geometry, SolarCell(), path, wind, samples=samples),
+        LightAbove(),
         ambient_temperature_c=20.0,
         module_temperature_c=20.0,
-        samples=samples,
     )
 
 
@@ -83,10 +85,8 @@ def test_components_multiply_to_the_power() -> None:
         47.6,
         182.5,
         TIME_H,
-        geometry=AFT,
-        cell=SolarCell(),
-        path=CIRCLE,
-        wind=CALM,
+        ModulesOnPath(AFT, SolarCell(), CIRCLE, CALM),
+        LightAbove(),
         ambient_temperature_c=20.0,
     )
     product = power.irradiance_w_per_m2 * power.module_efficiency * power.mppt_efficiency
