@@ -8,9 +8,9 @@ which is rounded away from the edge.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,6 +104,22 @@ def relaxations(
     return sorted(search.all(), key=lambda found: found.relative_change)
 
 
+class _Move(NamedTuple):
+    """A variable of the program that may move, and the parameter that it stands for.
+
+    ``furthest``: end of the variable that helps most, None where the design chooses. ``scale``: of
+    the parameter per variable.
+    """
+
+    key: str
+    name: str
+    present: float
+    ends: tuple[float, float]
+    upwards: bool
+    furthest: float | None = None
+    scale: float = 1.0
+
+
 class _Relaxations:
     def __init__(
         self,
@@ -133,64 +149,80 @@ class _Relaxations:
 
     def all(self) -> Iterable[Relaxation]:
         """Every relaxation that works."""
-        found = [self._technology(key) for key in self.technology]
-        found += [self._payload(v.name) for v in self.program.of_role(Role.payload)]
-        found += [self._bound(key) for key, one in catalogue().items() if one.kind == "bound"]
-        found += [self._latitude(), self._required_excess(), self._wind()]
-        found += [self._limit(name) for name in self.limits if name in self.in_the_way]
+        found = [self._least(move) for move in (*self._of_values(), *self._of_ends())]
+        found += [self._latitude(), self._required_excess()]
         return [one for one in found if one is not None]
 
     # --- one parameter in the program ----------------------------------------------------------
 
-    def _technology(self, key: str) -> Relaxation | None:
-        present = parameter_value(self.aircraft, self.mission, key)
-        assert present is not None
-        upwards = parameter(key).relaxable == "up"
-        furthest = parameter(key).maximum / present
-        if upwards and furthest <= 1.0:
-            return None
-        if not upwards:
-            furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
-        ends = (min(furthest, 1.0), max(furthest, 1.0))
-        moved = self._moved_least(key, ends, upwards=upwards, furthest=furthest)
-        if moved is None:
-            return None
-        return self._confirmed(
-            key, present, present * moved.solution.value(key), moved.solution.design
-        )
+    def _of_values(self) -> Iterator[_Move]:
+        """Technology and payload."""
+        for key in self.technology:
+            present, one = parameter_value(self.aircraft, self.mission, key), parameter(key)
+            assert present is not None
+            upwards, furthest = one.relaxable == "up", one.maximum / present
+            if upwards and furthest <= 1.0:
+                continue
+            if not upwards:
+                furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
+            ends = (min(furthest, 1.0), max(furthest, 1.0))
+            yield _Move(key, key, present, ends, upwards, furthest, present)
+        for name in (v.name for v in self.program.of_role(Role.payload)):
+            key = parameter(name).key
+            present = parameter_value(self.aircraft, self.mission, key)
+            if present and self.objective.variable != name:
+                yield _Move(key, name, present, (0.0, present), False, 0.0)
 
-    def _payload(self, name: str) -> Relaxation | None:
-        key = parameter(name).key
-        present = parameter_value(self.aircraft, self.mission, key)
-        if not present or self.objective.variable == name:
-            return None
-        moved = self._moved_least(name, (0.0, present), upwards=False, furthest=0.0)
-        if moved is None:
-            return None
-        carried = moved.solution.design._replace(payload_mass_kg=None, payload_power_w=None)
-        return self._confirmed(key, present, moved.solution.value(name), carried)
-
-    def _bound(self, key: str) -> Relaxation | None:
-        """Upper bound that the nearest design has reached; that of the wingspan is always tried."""
-        name = key.removeprefix("design_space.").removesuffix(".maximum").removeprefix("maximum_")
-        present = self.program.variables[self.program.index[name]].maximum
-        if math.isinf(present):
-            return None
+    def _of_ends(self) -> Iterator[_Move]:
+        """Bounds that the nearest design has reached, wind and limits that stand in the way."""
         reached = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
-        if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
-            return None
-        moved = self._moved_least(name, (present, _WIDER * present), upwards=True)
+        for key in (key for key, one in catalogue().items() if one.kind == "bound"):
+            bare = key.removeprefix("design_space.")
+            name = bare.removesuffix(".maximum").removeprefix("maximum_")
+            present = self.program.variables[self.program.index[name]].maximum
+            if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
+                continue
+            if not math.isinf(present):
+                yield _Move(key, name, present, (present, _WIDER * present), True)
+        space, wind = self.aircraft.design_space, self.mission.wind_m_per_s
+        if "airspeed_above_wind" in self.in_the_way and wind != 0.0:
+            yield _Move(WIND, WIND, wind, (0.0, wind), False, 0.0)
+        for name in (name for name in self.limits if name in self.in_the_way):
+            quantity, end = self.limits[name]
+            key = f"design_space.{space.key_of_limit(quantity, end)}"
+            present = getattr(space.all_limits()[quantity], end)
+            bounds, upwards = self.program.variables[self.program.index[name]], end == "maximum"
+            ends = (1.0, bounds.maximum) if upwards else (bounds.minimum, 1.0)
+            yield _Move(key, name, present, ends, upwards, None, present)
+
+    def _least(self, move: _Move) -> Relaxation | None:
+        """Relaxation that moves a variable no further than it must, confirmed by the simulator."""
+        moved = self._moved_least(move.name, move.ends, move.furthest, upwards=move.upwards)
         if moved is None:
             return None
-        return self._confirmed(key, present, moved.solution.value(name), moved.solution.design)
+        variables = moved.solution.design
+        if move.name in variables._fields and move.name.startswith("payload"):
+            variables = variables._replace(payload_mass_kg=None, payload_power_w=None)
+
+        def eased(value: float) -> tuple[Aircraft, Mission]:
+            if move.name in self.limits:
+                return self._with_limit(*self.limits[move.name], value / move.present), self.mission
+            return with_parameter(self.aircraft, self.mission, move.key, value)
+
+        found = move.scale * moved.solution.value(move.name)
+        confirmed = self._confirmed_value(
+            move.present, found, variables, eased, upwards=move.upwards
+        )
+        of = self.limits[move.name][0] if move.name in self.limits else move.key
+        return confirmed and Relaxation(move.key, parameter(of).unit, move.present, *confirmed)
 
     def _moved_least(
         self,
         name: str,
         ends: tuple[float, float],
+        furthest: float | None,
         *,
         upwards: bool,
-        furthest: float | None = None,
     ) -> Accepted | None:
         """Design that moves one variable no further than it must.
 
@@ -280,18 +312,6 @@ class _Relaxations:
         excess_h = float(perf.cycle.excess_time_h[worst])
         sound = bool(meets_requirements(aircraft, mission, perf.design))
         return Simulated(excess_h, worst, merit, sound, perf)
-
-    def _confirmed(
-        self, key: str, present: float, found: float, variables: DesignVariables
-    ) -> Relaxation | None:
-        """Relaxation of a parameter, from the value and the design that the program found."""
-        upwards = parameter(key).kind == "bound" or parameter(key).relaxable == "up"
-
-        def eased(value: float) -> tuple[Aircraft, Mission]:
-            return with_parameter(self.aircraft, self.mission, key, value)
-
-        told = self._confirmed_value(present, found, variables, eased, upwards=upwards)
-        return told and Relaxation(key, parameter(key).unit, present, *told)
 
     def _confirmed_value(
         self,
@@ -471,38 +491,6 @@ class _Relaxations:
 
     def _moved(self, latitude: float | LatitudeRange) -> Mission:
         return self.mission.model_copy(update={"latitude_deg": latitude})
-
-    # --- wind and limits -----------------------------------------------------------------------
-
-    def _wind(self) -> Relaxation | None:
-        """Strongest wind that can be flown in, where the airspeed does not suffice."""
-        present = self.mission.wind_m_per_s
-        if "airspeed_above_wind" not in self.in_the_way or present == 0.0:
-            return None
-        moved = self._moved_least(WIND, (0.0, present), upwards=False, furthest=0.0)
-        if moved is None:
-            return None
-        return self._confirmed(WIND, present, moved.solution.value(WIND), moved.solution.design)
-
-    def _limit(self, name: str) -> Relaxation | None:
-        """Value to which a limit must be eased: no further than what is reached without it."""
-        quantity, end = self.limits[name]
-        upwards = end == "maximum"
-        (bounds,) = ((v.minimum, v.maximum) for v in self.program.variables if v.name == name)
-        ends = (1.0, bounds[1]) if upwards else (bounds[0], 1.0)
-        moved = self._moved_least(name, ends, upwards=upwards)
-        if moved is None:
-            return None
-        space = self.aircraft.design_space
-        present = getattr(space.all_limits()[quantity], end)
-
-        def eased(value: float) -> tuple[Aircraft, Mission]:
-            return self._with_limit(quantity, end, value / present), self.mission
-
-        found = present * moved.solution.value(name)
-        told = self._confirmed_value(present, found, moved.solution.design, eased, upwards=upwards)
-        key = f"design_space.{space.key_of_limit(quantity, end)}"
-        return told and Relaxation(key, parameter(quantity).unit, present, *told)
 
 
 def bisected(
