@@ -10,17 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from missions.mission import LatitudeRange, Mission, Scenarios
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
 from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.infeasibility import least_mission
+from sizing.optimisation.latitudes import Direction, nearest_latitude
 from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
@@ -36,9 +36,7 @@ from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, 
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from solar.types import FloatArray
-
-Direction = Literal["at least", "at most"]
+from solar.types import BoolArray
 
 # A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
 _LEAST_RELATIVE = {"airframe.structure.calibration": 0.5, "airframe.structure.coefficient_kg": 0.5}
@@ -46,12 +44,8 @@ _LEAST_OTHER = 1e-3
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
 _BLOCKS = 2
-_AT_ONCE = 4  # latitudes that are sized together
-_STEPS_BEYOND = 3  # where the scenarios left out need a little more
 MINIMAL = 0.01  # of the value told: with so much less of a change no design is feasible
 _BISECTED = 1e-3  # of the value, well within that
-_LATITUDE_STEP_DEG = 0.25
-_LATITUDE_REACH_DEG = 60.0
 
 
 @dataclass(frozen=True)
@@ -193,7 +187,7 @@ class _Relaxations:
             present = getattr(space.all_limits()[quantity], end)
             bounds, upwards = self.program.variables[self.program.index[name]], end == "maximum"
             ends = (1.0, bounds.maximum) if upwards else (bounds.minimum, 1.0)
-            yield _Move(key, name, present, ends, upwards, None, present)
+            yield _Move(key, name, present, ends, upwards, scale=present)
 
     def _least(self, move: _Move) -> Relaxation | None:
         """Relaxation that moves a variable no further than it must, confirmed by the simulator."""
@@ -375,99 +369,31 @@ class _Relaxations:
 
     def _latitude(self) -> Relaxation | None:
         """Latitude nearest to the mission's at which a design flies perpetually."""
-        latitude = self.mission.latitude_deg
-        if isinstance(latitude, LatitudeRange):
-            return self._narrower_band(latitude)
-        places = self._easier_latitudes(latitude)
-        return self._least_move(latitude, places, "mission.latitude_deg", lambda place: place)
+        own = self.aircraft
+        found = nearest_latitude(
+            *(own, self.mission, self.solar, self.nearest),
+            enough=self._enough,
+            confirmed_h=lambda at: self._reached_h(self._largest_excess(own, at, explain=True)),
+        )
+        return found and Relaxation(found[0], "deg", *found[1:])
 
-    def _narrower_band(self, band: LatitudeRange) -> Relaxation | None:
-        """End of the band that holds back, moved towards the other one."""
-        worst = float(self.day.scenarios.latitude_deg[self.nearest.worst_scenario()])
-        at_end = abs(worst - band.to_deg) < abs(worst - band.from_deg)
-        moved, other = (band.to_deg, band.from_deg) if at_end else (band.from_deg, band.to_deg)
-        count = round(abs(other - moved) / _LATITUDE_STEP_DEG)
-        places = np.linspace(moved, other, count + 1)[1:-1]
-        name = "to_deg" if at_end else "from_deg"
-
-        def narrowed(place: float) -> LatitudeRange:
-            return band.model_copy(update={name: place})
-
-        return self._least_move(moved, places, f"mission.latitude_deg.{name}", narrowed)
-
-    def _easier_latitudes(self, latitude: float) -> FloatArray:
-        """Latitudes from the mission's to where the nearest design does best, in steps."""
-        reach = np.arange(_LATITUDE_STEP_DEG, _LATITUDE_REACH_DEG, _LATITUDE_STEP_DEG)
-        sides = [np.clip(latitude + sign * reach, -90.0, 90.0) for sign in (-1.0, 1.0)]
-        tried = np.stack(sides)[:, 3::20]
-        days = np.asarray(self.mission.dates.days(), int)
-        scenarios = Scenarios(np.repeat(tried.ravel(), len(days)), np.tile(days, tried.size))
-        day = solar_day(self.aircraft, self.mission, self.solar, scenarios=scenarios, step_h=0.5)
-        perf = performance_of_designs(self.aircraft, self.mission, self.start, self.solar, day=day)
-        excess = perf.cycle.excess_time_h.reshape(*tried.shape, -1).min(axis=-1)
-        side, peak = np.unravel_index(int(np.argmax(excess)), excess.shape)
-        return sides[side][: 4 + 20 * int(peak)]
-
-    def _least_move(
-        self,
-        present: float,
-        places: FloatArray,
-        key: str,
-        as_latitude: Callable[[float], float | LatitudeRange],
-    ) -> Relaxation | None:
-        """First of the places, ordered from hard to easy, at which a design flies perpetually.
-
-        The easiest tells whether there is any. Of the others a few are sized at once, and then a
-        few between the two that matter.
-        """
-        if not len(places) or not self._enough(as_latitude, places[-1:])[0]:
-            return None
-        low, high = -1, len(places) - 1
-        while high - low > 1:
-            some = np.unique(np.linspace(low + 1, high - 1, _AT_ONCE).round().astype(int))
-            first = int(np.argmax([*self._enough(as_latitude, places[some]), True]))
-            if first > 0:
-                low = int(some[first - 1])
-            if first < len(some):
-                high = int(some[first])
-        # Next to the edge the sizing of many cells at once may miss a design by minutes.
-        for place in places[max(high - 1, 0) : high + _STEPS_BEYOND]:
-            worst_h = self._confirmed_excess_h(as_latitude(float(place)))
-            if worst_h is not None:
-                direction: Direction = "at most" if place < present else "at least"
-                return Relaxation(key, "deg", present, direction, float(place), worst_h)
-        return None
-
-    def _enough(
-        self, as_latitude: Callable[[float], float | LatitudeRange], places: FloatArray
-    ) -> NDArray[np.bool_]:
-        """Whether the required excess time is reached at each of some places.
+    def _enough(self, moved: list[Mission]) -> BoolArray:
+        """Whether the required excess time is reached on each of some missions.
 
         Of the scenarios only those count that matter most to the nearest design.
         """
-        latitudes = [as_latitude(float(place)) for place in places]
         telling = telling_scenarios(self.nearest, min(_BLOCKS, len(self.day.scenarios)))
-        moved = [self._moved(latitude).scenarios() for latitude in latitudes]
+        scenarios = [one.scenarios() for one in moved]
+        latitudes = np.concatenate([one.latitude_deg[telling] for one in scenarios])
+        days = np.concatenate([one.day_of_year[telling] for one in scenarios])
         found = size_cells(
-            self.aircraft,
-            self.mission,
-            Scenarios(
-                np.concatenate([one.latitude_deg[telling] for one in moved]),
-                np.concatenate([one.day_of_year[telling] for one in moved]),
-            ),
-            Objective.max_excess_time,
-            self.solar,
+            *(self.aircraft, self.mission, Scenarios(latitudes, days)),
+            *(Objective.max_excess_time, self.solar),
             scenarios_per_cell=len(telling),
             required_excess_time_h=0.0,
             problems=self.problems,
         )
         return np.asarray(found.objective_value >= self.required_h)
-
-    def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
-        """Largest worst excess time over all scenarios; None if it is not enough."""
-        return self._reached_h(
-            self._largest_excess(self.aircraft, self._moved(latitude), explain=True)
-        )
 
     def _largest_excess(
         self, aircraft: Aircraft, mission: Mission, *, explain: bool = False
@@ -488,9 +414,6 @@ class _Relaxations:
         """Worst excess time of a sizing; None if it is not enough."""
         worst_h = result.objective_value
         return worst_h if worst_h is not None and worst_h >= self.required_h else None
-
-    def _moved(self, latitude: float | LatitudeRange) -> Mission:
-        return self.mission.model_copy(update={"latitude_deg": latitude})
 
 
 def bisected(
