@@ -21,6 +21,8 @@ from sizing.design import (
     structure_assessment,
 )
 from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.margins.probability import Reliability, check_reliability, size_reliably
+from sizing.margins.season_days import Survival
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
@@ -36,7 +38,6 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.reliability import Reliability, check_reliability, size_reliably
 from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
@@ -45,7 +46,6 @@ from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
-from sizing.survival.result import Survival
 from sizing.validity.checks import record_check, stall_margin_within_polar
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, told

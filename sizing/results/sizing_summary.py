@@ -10,13 +10,14 @@ import numpy as np
 
 from missions.dates import date_label
 from missions.mission import latitude_label
+from sizing.margins.probability import Reliability
+from sizing.margins.season_days import Survival
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.relaxations import Relaxation
 from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
-from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.battery import battery_line
 from sizing.results.constraint_words import constraint_words, parameter_words
@@ -30,7 +31,6 @@ from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
-from sizing.survival.result import Survival
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 

@@ -20,12 +20,12 @@ from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.design import Design, ImpossibleDesignError, design_of
+from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.parameters import with_parameter
 from sizing.results.quantities import BATTERY_MASS, TOTAL_MASS
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
-from sizing.survival.flights import Powers, SeasonFlights
 from sizing.validity.checks import record_check
 from sizing.validity.told import told
 from solar.types import IntArray

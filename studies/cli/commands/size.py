@@ -86,7 +86,7 @@ class _Sizing:
 
     def _check_weather(self, survive: float) -> None:
         """Refuse a share of days together with what is asked of clear days."""
-        from sizing.survival.sizing import check_survival
+        from sizing.margins.seasons import check_survival
 
         options = click.get_current_context().params
         if options["report_file"] is not None:
@@ -112,7 +112,7 @@ class _Sizing:
 
     def check(self, case: Case) -> None:
         """Refuse an aircraft or a mission that cannot be sized so."""
-        from sizing.reliability import check_reliability
+        from sizing.margins.probability import check_reliability
         from studies.cli import checks
 
         checks.require_parametric(case, "a measured aircraft cannot be sized; allowed: parametric")
