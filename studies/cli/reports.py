@@ -14,8 +14,9 @@ from missions.files.reading import read_plain_file
 from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance
-from studies.cli.checks import check_outputs, uncertain_inputs_of
+from studies.cli.checks import uncertain_inputs_of
 from studies.cli.files import Case
+from studies.cli.targets import check_files
 from studies.output.run_folder import RESULTS, RunFolder
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "check_report",
-    "check_uncertainty",
     "report_on_log",
     "report_on_sizing",
     "sizing_of_folder",
@@ -53,10 +53,10 @@ def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--o
         raise click.BadParameter(f"{path!r} must end in .html or .pdf", param_hint=option)
     if (with_pdf or suffix == _PRINTED) and not has_weasyprint():
         raise click.UsageError(MISSING)
-    places = {option.removeprefix("--"): path}
+    places = {option: path}
     if with_pdf and suffix == _PAGE:
-        places["pdf"] = str(PurePath(path).with_suffix(_PRINTED))
-    check_outputs(**places)
+        places["--pdf"] = str(PurePath(path).with_suffix(_PRINTED))
+    check_files(places)
 
 
 def subject_of(case: Case, **others: Any) -> Subject:
@@ -95,12 +95,6 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     return dict(record) if same else None
 
 
-def check_uncertainty(case: Case, subject: Subject) -> None:
-    """Fly the draws of uncertain inputs, if the report has them; what is wrong names its line."""
-    with uncertain_inputs_of(case):
-        _ = subject.uncertainty
-
-
 def report_on_sizing(
     case: Case,
     study: SizingStudy,
@@ -120,7 +114,8 @@ def report_on_sizing(
         where=dataclasses.replace(case.where, mission=mission),
     )
     subject = subject_of(flown, inputs=inputs, sizing=record, overrides=overrides)
-    check_uncertainty(case, subject)
+    with uncertain_inputs_of(case):
+        _ = subject.uncertainty
     write_report(subject, path)
 
 
