@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import click
 
 from missions.files.errors import printable
 from missions.files.writing import check_writable_folder
 from studies.engine.chunk_store import check_target
+from studies.report import pdf
+
+PAGE, PRINTED = ".html", ".pdf"
 
 
 def check_files(options: Mapping[str, str | None]) -> None:
@@ -50,3 +53,21 @@ def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None
         if one is not None and os.path.isfile(one) and os.path.samefile(one, path):  # noqa: PTH113, PTH121
             message = f"{printable(path)!r} is read by this command; name another file"
             raise click.BadParameter(message, param_hint=option)
+
+
+def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--out") -> None:
+    """Refuse before any work a report that could not be written.
+
+    ``path``: file that the option names; None where it is not given.
+    """
+    if path is None:
+        return
+    suffix = PurePath(path).suffix.lower()
+    if suffix not in (PAGE, PRINTED):
+        raise click.BadParameter(f"{path!r} must end in .html or .pdf", param_hint=option)
+    if (with_pdf or suffix == PRINTED) and not pdf.has_weasyprint():
+        raise click.UsageError(pdf.MISSING)
+    places = {option: path}
+    if with_pdf and suffix == PAGE:
+        places["--pdf"] = str(PurePath(path).with_suffix(PRINTED))
+    check_files(places)

@@ -7,7 +7,7 @@ from studies.cli.checks import require_climber, require_path, uncertain_inputs_o
 from studies.cli.commands.report import Report
 from studies.cli.files import load
 from studies.cli.outputs import print_json
-from studies.cli.reports import check_report, sizing_of_folder, subject_of, write_report
+from studies.cli.targets import check_report
 from studies.output.terminal import tell_line
 
 
@@ -17,6 +17,8 @@ def report(options: Report) -> None:
     case = load(options.case)
     require_path(case)
     require_climber(case)
+    from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
+
     record = None if options.weather_file is None else load_weather(options.weather_file)
     subject = subject_of(
         case,

@@ -20,7 +20,7 @@ from studies.cli.files import Case, load
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import told
 from studies.cli.progress import progress_of
-from studies.cli.reports import check_report, report_on_sizing
+from studies.cli.targets import check_report
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -45,6 +45,8 @@ def size(options: Size) -> None:
             contents = sizing_tables(study), sizing_figures(study, options.figure)
             write_run_folder(Path(folder), inputs, record, *contents)
         if report is not None:
+            from studies.cli.reports import report_on_sizing  # with all that a page has
+
             report_on_sizing(case, study, record, report, overrides=options.case.overrides)
     if not study.feasible:
         sys.exit(EXIT_FAILED)

@@ -11,8 +11,7 @@ from studies.cli.commands.verify import Verify
 from studies.cli.files import load
 from studies.cli.logs import read_log, refuse_swapped_log
 from studies.cli.outputs import figure_bytes, told
-from studies.cli.reports import check_report, report_on_log
-from studies.cli.targets import refuse_to_overwrite
+from studies.cli.targets import check_report, refuse_to_overwrite
 from studies.flight_logs import verification
 from studies.flight_logs.plots import figures
 from studies.output.run_folder import write_run_folder
@@ -51,6 +50,8 @@ def verify(options: Verify) -> None:
             inputs = case.inputs(log=Path(log_file))
             write_run_folder(Path(folder), inputs, record, contents, drawn)
         if report is not None:
+            from studies.cli.reports import report_on_log  # with all that a page has
+
             report_on_log(case, result, log_file, report, overrides=options.case.overrides)
 
 
