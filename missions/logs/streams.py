@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, file_error, printable
@@ -129,8 +130,6 @@ def log_from_series(
 
     ``constants``: quantities of one value, which come before series of the same name.
     """
-    import pandas as pd
-
     time_s = series["solar_power_w"].time_s
     columns: dict[str, Any] = {EPOCH: time_s + boot_s}
     for quantity, one in series.items():

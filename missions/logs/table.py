@@ -10,18 +10,15 @@ from __future__ import annotations
 import datetime
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import times_from_text
 from solar.types import BoolArray, FloatArray, IntArray
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 TIME, EPOCH = "time_utc", "time_utc_s"
 ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
@@ -241,8 +238,6 @@ def numbers(
     column: pd.Series, check: Check, limits: tuple[float, float] | None = None
 ) -> FloatArray:
     """Column as numbers, NaN where a field is empty."""
-    import pandas as pd
-
     if pd.api.types.is_bool_dtype(column):
         column = column.astype("string")
     numeric = pd.to_numeric(column, errors="coerce").astype(float)

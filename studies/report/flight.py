@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.contour import ContourSet
 
 from missions.dates import DAYS_PER_YEAR, date_label
 from missions.mission import latitude_label
@@ -14,9 +15,17 @@ from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table, scenario_table
 from sizing.results.quantities import MINIMUM_CHARGE
 from sizing.results.tables import Line, Summary, Table
+from studies.engine.run import compute
+from studies.flight_logs.plots import figures
+from studies.maps.feasibility import prepare
+from studies.maps.plots import plot_map
+from studies.models.plots import plot_comparison
+from studies.output.plots import plot_cycle, plot_flight
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
 from studies.report.figures import figure_markup, page_options
 from studies.report.subject import Subject
+from studies.uncertainty.plots import plot_uncertainty
+from studies.weather.plots import plot_weather
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot
@@ -68,8 +77,6 @@ def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block
 
 def day_section(subject: Subject) -> Section:
     """Cycle of the weakest scenario, all scenarios, and the flight on the calendar."""
-    from studies.output.plots import plot_cycle, plot_flight
-
     analysis = subject.analysis
     where = analysis.performance.day.scenarios.label(analysis.worst)
     several = len(analysis.performance.cycle.status) > 1
@@ -125,10 +132,6 @@ def _scenarios(analysis: Analysis) -> Table:
 
 def season_section(subject: Subject) -> Section | None:
     """Where and when it flies perpetually, with the mission's places; None if it climbs."""
-    from studies.engine.run import compute
-    from studies.maps.feasibility import prepare
-    from studies.maps.plots import plot_map
-
     if subject.climbs:
         return None
     solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
@@ -157,8 +160,6 @@ def season_section(subject: Subject) -> Section | None:
 
 def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
     """Rings at the places of a mission: of many, at the corners of what they cover."""
-    from matplotlib.contour import ContourSet
-
     if len(day) > _MOST_RINGS:
         days, latitudes = ((min(v), max(v)) for v in (day, latitude_deg))
         day, latitude_deg = (*days, *days), (latitudes[0], *latitudes, latitudes[1])
@@ -203,8 +204,6 @@ def _places(latitudes: Sequence[float]) -> str:
 
 def models_section(subject: Subject) -> Section | None:
     """All solar power models side by side; None for a mission that climbs."""
-    from studies.models.plots import plot_comparison
-
     title = "Solar power models"
     if subject.path_trouble is not None and not subject.climbs:
         told = f"The solar power models are not compared: {subject.path_trouble}."
@@ -243,8 +242,6 @@ def models_section(subject: Subject) -> Section | None:
 
 def uncertainty_section(subject: Subject) -> Section | None:
     """How likely the flight is perpetual when the inputs scatter; None without such inputs."""
-    from studies.uncertainty.plots import plot_uncertainty
-
     found = subject.uncertainty
     if found is None:
         return None
@@ -270,8 +267,6 @@ def uncertainty_section(subject: Subject) -> Section | None:
 
 def weather_section(subject: Subject) -> Section | None:
     """Flight through a weather record; None without one."""
-    from studies.weather.plots import plot_weather
-
     found = subject.weather
     if found is None:
         return None
@@ -291,8 +286,6 @@ def weather_section(subject: Subject) -> Section | None:
 
 def verification_section(subject: Subject) -> Section | None:
     """Models against a flight log; None without one."""
-    from studies.flight_logs.plots import figures
-
     found = subject.verification
     if found is None:
         return None
