@@ -18,7 +18,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe, Range
-from sizing.design import FlightConditions, variables_of
+from sizing.design import variables_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
 from sizing.optimisation.cross_check import cross_check, design_grid
@@ -111,9 +111,7 @@ def feasible_on_grid(
     day = solar_day(aircraft, mission, step_h=_GRID_STEP_H)
     perf = performance_of_designs(aircraft, mission, grid, day=day)
     worst = perf.cycle.excess_time_h.min(axis=-1)
-    met = meets_requirements(
-        aircraft, perf.design, FlightConditions.of(mission, aircraft), tolerance=1e-6
-    )
+    met = meets_requirements(aircraft, mission, perf.design)
     return bool(np.any(met & (worst > 0.0) & (worst >= required_h)))
 
 

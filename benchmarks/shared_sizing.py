@@ -31,7 +31,8 @@ from sizing.design import (
 from sizing.library import load_aircraft
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.search import SizingResult, size_aircraft
+from sizing.optimisation.result import SizingResult
+from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarDay, solar_day
 from solar.types import FloatArray
 

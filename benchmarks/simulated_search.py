@@ -19,7 +19,7 @@ from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import design_requirements, meets_requirements
 from sizing.optimisation.coverage import DAYS, LATITUDES_DEG
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import ROW_TOLERANCE, objective_value
+from sizing.optimisation.result import objective_value
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, solar_day
 from solar.types import BoolArray, FloatArray
@@ -151,9 +151,7 @@ class Judge:
         """
         excess_h = self.excess_h(perf)
         kept = (excess_h > 0.0) & (excess_h >= self.problem.required_h - allowance_h)
-        kept = kept & meets_requirements(
-            self.problem.aircraft, perf.design, self.conditions, tolerance=ROW_TOLERANCE
-        )
+        kept = kept & meets_requirements(self.problem.aircraft, self.problem.mission, perf.design)
         return np.where(kept, self.objective(perf), np.nan)
 
     def confirms(self, shares: FloatArray) -> BoolArray:

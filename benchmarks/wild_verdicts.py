@@ -13,6 +13,7 @@ from benchmarks.simulated_search import FINE_ALLOWANCE_H, Effort, Found, Judge, 
 from benchmarks.wild_problems import WildProblem
 from missions.files.overrides import with_values
 from sizing.design import DesignVariables
+from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
@@ -20,7 +21,6 @@ from sizing.optimisation.relaxations import Relaxation, relaxations
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
-    ROW_TOLERANCE,
     SizingResult,
     SizingStatus,
 )

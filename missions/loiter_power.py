@@ -28,53 +28,59 @@ ORBIT_SAMPLES = 36
 _BLOCK = 512
 
 
+class FlownModules(NamedTuple):
+    """Solar modules on a path in the wind.
+
+    ``shading``: tail and losses by its shadows, for FM. ``samples``: attitudes per turning
+    direction.
+    """
+
+    geometry: ModuleGeometry
+    cell: SolarCell
+    path: FlightPath
+    wind: Wind
+    shading: Shading | None = None
+    samples: int = ORBIT_SAMPLES
+
+
+class Daylight(NamedTuple):
+    """Sun and light over a day, or along a record.
+
+    ``latitude_deg``: one for all times. ``day_of_year``: fractional, one for all times or one each;
+    for a repeated day that of its noon, ``day + 0.5``. ``time_solar_h``: local solar time, shape
+    ``(time,)``. ``altitude_m``, ``clearness``, ``sky``: clear-sky model, where it is asked, and the
+    factor on it. ``irradiance``: light of each time, in place of the clear sky.
+    """
+
+    latitude_deg: float
+    day_of_year: ArrayLike
+    time_solar_h: ArrayLike
+    altitude_m: float = 0.0
+    clearness: float = 1.0
+    sky: ClearSky = clear_sky
+    irradiance: Irradiance | None = None
+
+
 def mean_power_on_path(
     model: ModelName,
-    latitude_deg: float,
-    day_of_year: ArrayLike,
-    time_solar_h: ArrayLike,
+    modules: FlownModules,
+    daylight: Daylight,
     *,
-    geometry: ModuleGeometry,
-    cell: SolarCell,
-    path: FlightPath,
-    wind: Wind,
     ambient_temperature_c: ArrayLike,
     module_temperature_c: ArrayLike,
-    altitude_m: float = 0.0,
-    clearness: float = 1.0,
-    shading: Shading | None = None,
-    samples: int = ORBIT_SAMPLES,
-    sky: ClearSky = clear_sky,
-    irradiance: Irradiance | None = None,
 ) -> FloatArray:
-    """Specific power of VM or FM over a day, averaged over the path [W/m2].
+    """Specific power of VM or FM at the times of the daylight, averaged over the path [W/m2].
 
     Parameters
     ----------
     model : {"VM", "FM"}
         Solar power model.
-    latitude_deg : float
-        Latitude [deg].
-    day_of_year : array_like
-        Fractional day of year at each time; for a repeated day that of its noon, ``day + 0.5``.
-    time_solar_h : array_like, shape (time,)
-        Local solar time [h].
-    geometry, cell
-        Module surfaces and efficiencies.
-    path, wind
-        Flight path and the wind it is flown in.
+    modules : FlownModules
+        Modules, path and wind.
+    daylight : Daylight
+        Sun and light.
     ambient_temperature_c, module_temperature_c : array_like
         Temperature of the air (FM) and of the modules (VM), one for all times or one each [C].
-    altitude_m, clearness : float
-        Altitude [m] and factor on the clear-sky irradiance.
-    shading : Shading, optional
-        Tail and losses by its shadows, for FM.
-    samples : int
-        Attitudes per turning direction.
-    sky : ClearSky
-        Clear-sky model.
-    irradiance : Irradiance, optional
-        Direct normal and diffuse horizontal light of each time [W/m2], in place of the clear sky.
 
     Returns
     -------
@@ -88,66 +94,33 @@ def mean_power_on_path(
     """
     if model not in ATTITUDE_MODELS:
         raise ValueError(f"model {model} does not depend on the flight path; choose VM or FM")
-    time_h = np.asarray(time_solar_h, float)
-    day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
-    ambient_c, module_c = (
-        np.broadcast_to(np.asarray(value, float), time_h.shape)
-        for value in (ambient_temperature_c, module_temperature_c)
-    )
-    flown = orbit(path, wind, samples=samples)
+    given = module_temperature_c if model == "VM" else ambient_temperature_c
+    flown = orbit(modules.path, modules.wind, samples=modules.samples)
+    time_h = np.asarray(daylight.time_solar_h, float)
+    temperature_c = np.broadcast_to(np.asarray(given, float), time_h.shape)
     result = np.zeros(time_h.shape)
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
-        seen = _sky(latitude_deg, day[block], time_h[block], altitude_m, clearness, flown, sky)
-        if irradiance is not None:
-            given = (part[block][seen.lit, np.newaxis] for part in irradiance)
-            seen = seen._replace(light=Irradiance(*given))
+        seen = _seen(daylight, block, flown)
+        lit_c = temperature_c[block][seen.lit, np.newaxis]
         if model == "VM":
             power = verification_model(
-                seen.light,
-                seen.sun,
-                seen.to_ned,
-                geometry,
-                cell,
-                module_c[block][seen.lit, np.newaxis],
+                seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell, lit_c
             )
         else:
-            power = full_model(
-                seen.light,
-                seen.sun,
-                seen.to_ned,
-                geometry,
-                cell,
-                ambient_c[block][seen.lit, np.newaxis],
-                shading=shading,
-            ).specific_power_w_per_m2
+            power = _full_model(modules, seen, lit_c).specific_power_w_per_m2
         result[block][seen.lit] = power @ flown.weights
     return result
 
 
 def module_power_on_path(
-    latitude_deg: float,
-    day_of_year: ArrayLike,
-    time_solar_h: ArrayLike,
-    *,
-    geometry: ModuleGeometry,
-    cell: SolarCell,
-    path: FlightPath,
-    wind: Wind,
-    ambient_temperature_c: float,
-    altitude_m: float = 0.0,
-    clearness: float = 1.0,
-    shading: Shading | None = None,
-    samples: int = ORBIT_SAMPLES,
-    sky: ClearSky = clear_sky,
+    modules: FlownModules, daylight: Daylight, *, ambient_temperature_c: float
 ) -> tuple[BoolArray, Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
 
     Parameters
     ----------
-    latitude_deg, day_of_year, time_solar_h, geometry, cell, path, wind, ambient_temperature_c
-        As in :func:`mean_power_on_path`.
-    altitude_m, clearness, shading, samples, sky
+    modules, daylight, ambient_temperature_c
         As in :func:`mean_power_on_path`.
 
     Returns
@@ -159,17 +132,24 @@ def module_power_on_path(
     power : ModulePower
         Arrays of shape ``(lit time, attitude)``, by surface with one more axis.
     """
-    flown = orbit(path, wind, samples=samples)
-    time_h = np.asarray(time_solar_h, float)
-    day = np.broadcast_to(np.asarray(day_of_year, float), time_h.shape)
-    seen = _sky(latitude_deg, day, time_h, altitude_m, clearness, flown, sky)
-    power = full_model(
-        seen.light, seen.sun, seen.to_ned, geometry, cell, ambient_temperature_c, shading=shading
+    flown = orbit(modules.path, modules.wind, samples=modules.samples)
+    seen = _seen(daylight, slice(None), flown)
+    return seen.lit, flown, _full_model(modules, seen, ambient_temperature_c)
+
+
+def _full_model(modules: FlownModules, seen: _Seen, ambient_c: ArrayLike) -> ModulePower:
+    return full_model(
+        seen.light,
+        seen.sun,
+        seen.to_ned,
+        modules.geometry,
+        modules.cell,
+        ambient_c,
+        shading=modules.shading,
     )
-    return seen.lit, flown, power
 
 
-class _Sky(NamedTuple):
+class _Seen(NamedTuple):
     """Sun and light at the lit times, ready to meet the attitudes on the second axis."""
 
     lit: BoolArray
@@ -178,20 +158,19 @@ class _Sky(NamedTuple):
     to_ned: FloatArray
 
 
-def _sky(
-    latitude_deg: float,
-    day: FloatArray,
-    time_h: FloatArray,
-    altitude_m: float,
-    clearness: float,
-    flown: Orbit,
-    clear_sky_model: ClearSky,
-) -> _Sky:
-    sun_declination, hour = declination(day), hour_angle(time_h)
+def _seen(daylight: Daylight, block: slice, flown: Orbit) -> _Seen:
+    """What the modules see at some of the times."""
+    time_h = np.asarray(daylight.time_solar_h, float)
+    day = np.broadcast_to(np.asarray(daylight.day_of_year, float), time_h.shape)[block]
+    latitude_deg, sun_declination = daylight.latitude_deg, declination(day)
+    hour = hour_angle(time_h[block])
     cosine = cos_zenith(latitude_deg, sun_declination, hour)
     lit = cosine > 0.0
     sun = sun_vector_ned(latitude_deg, sun_declination[lit], hour[lit])[:, np.newaxis, :]
-    clear = clear_sky_model(day[lit], latitude_deg, cosine[lit], altitude_m)
-    light = Irradiance(*(clearness * part[:, np.newaxis] for part in clear))
+    if daylight.irradiance is None:
+        clear = daylight.sky(day[lit], latitude_deg, cosine[lit], daylight.altitude_m)
+        light = Irradiance(*(daylight.clearness * part[:, np.newaxis] for part in clear))
+    else:
+        light = Irradiance(*(part[block][lit, np.newaxis] for part in daylight.irradiance))
     to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
-    return _Sky(lit, sun, light, to_ned)
+    return _Seen(lit, sun, light, to_ned)

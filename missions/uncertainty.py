@@ -25,6 +25,13 @@ from solar.types import FloatArray
 Quantile = Callable[[FloatArray], FloatArray]
 
 
+def _standard_normal(share: FloatArray) -> FloatArray:
+    """Values of the standard normal distribution below which shares of all draws lie."""
+    from scipy.special import ndtri  # takes longer than reading a file
+
+    return np.asarray(ndtri(share))
+
+
 class Normal(Record):
     """Normal distribution around the file's value."""
 
@@ -43,10 +50,8 @@ class Normal(Record):
 
         Returns of the shape of ``share``, in the unit of ``nominal``.
         """
-        from scipy.special import ndtri
-
         sigma = self.sigma if self.sigma is not None else (self.relative_sigma or 0.0) * nominal
-        return np.asarray(nominal + sigma * ndtri(share))
+        return np.asarray(nominal + sigma * _standard_normal(share))
 
 
 class LogNormal(Record):
@@ -57,9 +62,7 @@ class LogNormal(Record):
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
         """Values below which shares of all draws lie."""
-        from scipy.special import ndtri
-
-        return np.asarray(nominal * np.exp(np.log1p(self.relative_sigma) * ndtri(share)))
+        return np.asarray(nominal * np.exp(np.log1p(self.relative_sigma) * _standard_normal(share)))
 
 
 class Uniform(Record):

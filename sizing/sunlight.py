@@ -13,12 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.flight_path import FlightPath
-from missions.loiter_power import mean_power_on_path
+from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from solar.clearsky import Irradiance
-from solar.geometry import ModuleGeometry
 from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power
 from solar.names import (
     ATTITUDE_MODELS,
@@ -294,21 +292,17 @@ def power_in_light(aircraft: Aircraft, mission: Mission, solar: SolarModel, lit:
     latitude. Returns electric power per area of module [W/m2].
     """
     if solar.model in ATTITUDE_MODELS:
-        geometry, path = _attitude_inputs(aircraft, mission, solar.model)
         power = mean_power_on_path(
             solar.model,
-            mission.latitudes()[0],
-            lit.day_of_year,
-            lit.time_solar_h,
-            geometry=geometry,
-            cell=aircraft.modules,
-            path=path,
-            wind=mission.wind,
+            _flown_modules(aircraft, mission, solar.model),
+            Daylight(
+                mission.latitudes()[0],
+                lit.day_of_year,
+                lit.time_solar_h,
+                irradiance=lit.irradiance,
+            ),
             ambient_temperature_c=lit.ambient_c,
             module_temperature_c=lit.module_c,
-            altitude_m=mission.altitude_m,
-            shading=aircraft.modules.shading,
-            irradiance=lit.irradiance,
         )
     else:
         convert = HORIZONTAL_MODELS[solar.model]
@@ -330,15 +324,16 @@ def _loiter_ratio_on(
     return np.asarray(Sunlight(aircraft, mission, scenarios).loiter_ratio(model)[place, 0])
 
 
-def _attitude_inputs(
-    aircraft: Aircraft, mission: Mission, model: ModelName
-) -> tuple[ModuleGeometry, FlightPath]:
+def _flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> FlownModules:
     """What VM and FM need of aircraft and mission."""
-    if aircraft.modules.geometry is None:
+    modules = aircraft.modules
+    if modules.geometry is None:
         raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
     if mission.flight_path is None:
         raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
-    return aircraft.modules.geometry, mission.flight_path
+    return FlownModules(
+        modules.geometry, modules, mission.flight_path, mission.wind, modules.shading
+    )
 
 
 def _specific_power(
@@ -363,20 +358,17 @@ def _specific_power(
             sky=mission.sky,
             model=model,
         )
-    geometry, path = _attitude_inputs(aircraft, mission, model)
     return mean_power_on_path(
         model,
-        float(latitude_deg),
-        day_of_year,
-        time_solar_h,
-        geometry=geometry,
-        cell=modules,
-        path=path,
-        wind=mission.wind,
+        _flown_modules(aircraft, mission, model),
+        Daylight(
+            float(latitude_deg),
+            day_of_year,
+            time_solar_h,
+            mission.altitude_m,
+            mission.pessimistic_clearness,
+            mission.sky,
+        ),
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
-        altitude_m=mission.altitude_m,
-        clearness=mission.pessimistic_clearness,
-        sky=mission.sky,
-        shading=modules.shading,
     )

@@ -123,8 +123,9 @@ class _ModuleFrame:
 
     def panels_above(self, tail: TailGeometry) -> list[FloatArray]:
         """Parts of the tail's panels on the upper side of the module's plane, in its axes."""
-        clipped = (_above_plane(self.from_body(panel)) for panel in tail.panels())
-        return [part for part in clipped if np.linalg.norm(_vector_area(part)) > _NO_AREA_M2]
+        panels = (self.from_body(panel) for panel in tail.panels())
+        parts = (_clipped(panel[np.newaxis], panel[np.newaxis, :, 2])[0] for panel in panels)
+        return [part for part in parts if np.linalg.norm(_vector_area(part)) > _NO_AREA_M2]
 
 
 def outline_corners(surface: ModuleSurface, geometry: ModuleGeometry) -> FloatArray:
@@ -464,15 +465,33 @@ def _start_of_dihedral_m(geometry: ModuleGeometry) -> float:
     return max((outline.outboard_m for outline in central if outline is not None), default=0.0)
 
 
-def _above_plane(polygon: FloatArray) -> FloatArray:
-    """Part of a convex polygon whose third coordinate is not negative (Sutherland & Hodgman)."""
-    kept = []
-    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if start[2] >= 0.0:
-            kept.append(start)
-        if start[2] * end[2] < 0.0:
-            kept.append(start + (end - start) * (start[2] / (start[2] - end[2])))
-    return np.array(kept).reshape(-1, 3)
+def _clipped(polygons: FloatArray, heights: FloatArray) -> FloatArray:
+    """Parts of convex polygons whose corners' heights are not negative (Sutherland & Hodgman).
+
+    Of the shapes ``(polygon, corner, axis)`` and ``(polygon, corner)``. A polygon with fewer
+    corners than others repeats its last one; nothing is left of a polygon that is one point.
+    """
+    following = np.roll(heights, -1, axis=1)
+    crossing = heights * following < 0.0
+    share = np.divide(heights, heights - following, out=np.zeros_like(heights), where=crossing)
+    shape = (len(polygons), 2 * polygons.shape[1], polygons.shape[2])
+    cuts = polygons + (np.roll(polygons, -1, axis=1) - polygons) * share[..., np.newaxis]
+    corners = np.stack((polygons, cuts), axis=2).reshape(shape)
+    kept = np.stack((heights >= 0.0, crossing), axis=2).reshape(corners.shape[:2])
+    count = kept.sum(axis=1, keepdims=True)
+    place = np.minimum(np.arange(count.max(initial=0)), count - 1)
+    order = np.take_along_axis(np.argsort(~kept, axis=1, kind="stable"), place, axis=1)
+    return np.take_along_axis(corners, order[..., np.newaxis], axis=1)
+
+
+def _areas(polygons: FloatArray) -> FloatArray:
+    """Areas of plane polygons of the shape ``(polygon, corner, 2)``, negative if clockwise."""
+    arms = polygons - polygons[:, :1]
+    return np.asarray(0.5 * _cross(arms[:, :-1], arms[:, 1:]).sum(axis=1))
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def _vector_area(polygon: FloatArray) -> FloatArray:
@@ -484,22 +503,35 @@ def _vector_area(polygon: FloatArray) -> FloatArray:
 
 
 def _covered_area(frame: _ModuleFrame, panels: Sequence[FloatArray], sun: FloatArray) -> FloatArray:
-    """Area of the union of the panels' shadows on a module [m2], shape ``(sun,)``."""
-    import shapely
-
+    """Area of the union of the shadows of at most two panels on a module [m2], shape ``(sun,)``."""
     covered = np.zeros(len(sun))
     local = sun @ frame.axes.T
     lit = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
     half = np.array((frame.half_span_m, frame.half_chord_m))
-    shadows = np.full((len(lit), len(panels)), None, dtype=object)
-    for index, panel in enumerate(panels):
-        corners, reached = _shadow_corners(panel, local[lit], half)
-        shadows[reached, index] = shapely.polygons(corners)
-    some = shapely.is_geometry(shadows).any(axis=1)
-    module = shapely.box(-half[0], -half[1], half[0], half[1])
-    parts = shapely.intersection(shadows[some], module)
-    covered[lit[some]] = shapely.area(shapely.union_all(parts, axis=1))
+    shadows = [_shadow_corners(panel, local[lit], half) for panel in panels]
+    parts = []
+    for corners, reached in shadows:
+        part = corners
+        for axis in (0, 1):
+            part = _clipped(part, half[axis] - part[..., axis])
+            part = _clipped(part, half[axis] + part[..., axis])
+        parts.append(part)
+        covered[lit[reached]] += np.abs(_areas(part))
+    if len(panels) == 2:
+        (_, reached), (other, also_reached) = shadows
+        both, first, second = np.intersect1d(reached, also_reached, return_indices=True)
+        covered[lit[both]] -= np.abs(_areas(_common(parts[0][first], other[second])))
     return covered
+
+
+def _common(polygons: FloatArray, others: FloatArray) -> FloatArray:
+    """Common part of each convex polygon with another one that has an area."""
+    turn = np.sign(_areas(others))[:, np.newaxis]
+    for corner in range(others.shape[1]):
+        start = others[:, corner - 1, np.newaxis]
+        edge = others[:, corner, np.newaxis] - start
+        polygons = _clipped(polygons, turn * _cross(edge, polygons - start))
+    return polygons
 
 
 def _shadow_corners(

@@ -17,6 +17,7 @@ from sizing.altitude.ceiling import (
     highest_perpetual_altitude,
 )
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarModel
@@ -43,8 +44,8 @@ if TYPE_CHECKING:
 _PRINTED_ROWS = 20
 _COLUMNS = (
     Column("altitude_m", "altitude", "m", ".0f"),
-    Column("excess_time_h", "excess time", "h", ".2f"),
-    Column("minimum_state_of_charge_percent", "min. SoC", "%", ".1f"),
+    EXCESS_TIME,
+    CHARGE_PERCENT,
     Column("propulsion_power_w", "level-flight power", "W", ".1f"),
     Column("solar_energy_wh", "solar energy", "Wh", ".0f"),
     Column("airspeed_m_per_s", "airspeed", "m/s", ".1f"),
@@ -217,7 +218,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     )
     excess, power, energy = panels
     altitude_km = found.column("altitude_m") / 1000.0
-    excess.plot(found.column("excess_time_h"), altitude_km, color=CHARGE)
+    excess.plot(found.column(EXCESS_TIME.name), altitude_km, color=CHARGE)
     excess.axvline(found.required_excess_time_h, color=mark, linewidth=0.8)
     excess.set(xlabel="excess time [h]", ylabel="altitude [km]")
     power.plot(found.column("propulsion_power_w"), altitude_km, color=LOAD)

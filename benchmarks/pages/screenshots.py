@@ -84,7 +84,7 @@ def pictures(browser: Browser) -> dict[str, bytes]:
     """All pictures by the name of their file."""
     import missions
     import sizing
-    from studies.report import make_report
+    from studies import make_report
 
     found = {}
     with explorer(AIRCRAFT, "-m", MISSION) as address:

@@ -2,6 +2,9 @@
 
 The subset of YAML 1.2 that is read has no tags, no merge keys, no octal numbers, and only text
 for keys; an unquoted date, time, ``yes`` or ``on`` is text. Limits keep hostile files harmless.
+
+ruamel.yaml keeps places too. It takes 20 ms for a shipped file instead of 2, and 35 ms to import;
+it knows no place of an alias, and limits, keys and scalars would be checked here all the same.
 """
 
 from __future__ import annotations

@@ -5,16 +5,14 @@ from __future__ import annotations
 import datetime
 import re
 import zoneinfo
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from missions.files.errors import shown
 from missions.logs.units import UNITS, epoch_unit
 from solar.types import BoolArray, FloatArray
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _OFFSET = re.compile(r"([+-])(\d{1,2})(?::?(\d\d))?")
 _DOTTED = r"^\s*(\d{1,2})\.(\d{1,2})\.(\d{4})[ T,]+"
@@ -78,8 +76,6 @@ def times_from_text(
     ``zone``: zone of times that have none; without, these are wrong. ``form``: form of the times
     for ``strptime``; ISO 8601 by default, or day.month.year.
     """
-    import pandas as pd
-
     given = column.notna().to_numpy(bool)
     text = column.astype("string").str.strip()
     other = given & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)

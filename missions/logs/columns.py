@@ -18,7 +18,7 @@ from missions.files.errors import Problem, printable, shortened, shown
 from missions.files.validation import unknown_key, validate
 from missions.files.yaml import read_yaml
 from missions.logs.clock import parse_instant, zone_name
-from missions.logs.units import UNITS, Dimension, known_unit, spelled, split_unit
+from missions.logs.units import UNITS, Dimension, Unit, known_unit, spelled, split_unit
 from solar.schema import Real, Record, Text
 from solar.types import FloatArray
 
@@ -83,7 +83,6 @@ QUANTITIES: Mapping[str, Quantity] = {
 TIME_NAMES = ("time_utc", "time_utc_s")
 # Made of others, never a column of the result.
 _PARTS = ("solar_voltage_v", "solar_current_a")
-_ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
 
 
 def _instant_text(text: str) -> str:
@@ -180,6 +179,11 @@ class Recipe:
         return [factor.column for term in self.terms for factor in term]
 
     @property
+    def expression(self) -> str:
+        """Sum of products of columns, as a mistake in its values names it."""
+        return " + ".join(" * ".join(factor.column for factor in term) for term in self.terms)
+
+    @property
     def plain(self) -> bool:
         """Whether the column stands in the log as the format has it."""
         return self.columns == [self.quantity] and self.factor == 1.0 and self.unit is None
@@ -220,13 +224,12 @@ def _with_unit(factor: Factor) -> str:
     return f"{factor.column} [{spelled(factor.unit)}]"
 
 
-def _scale(quantity: str, factors: int, unit: str | None) -> Any:
+def _scale(quantity: str, factors: int, unit: str | None) -> Unit:
+    """Unit of a column; the first of its dimension by default."""
+    units = [UNITS[dimension] for dimension in _dimensions(quantity, factors)]
     if unit is None:
-        unit = next(iter(UNITS[_dimensions(quantity, factors)[0]]))
-    for dimension in _dimensions(quantity, factors):
-        if unit in UNITS[dimension]:
-            return UNITS[dimension][unit]
-    raise AssertionError(unit)  # checked where the recipe was made
+        return next(iter(units[0].values()))
+    return next(known[unit] for known in units if unit in known)
 
 
 def _dimensions(quantity: str, factors: int) -> tuple[Dimension, ...]:
@@ -378,14 +381,14 @@ def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
 
 def _is_zone(quantity: str, text: str) -> bool:
     """Whether brackets behind a time hold no unit but a zone or form, which is no harm."""
-    return quantity == "time" and text.strip().upper() in (
+    return quantity == "time" and text.strip().upper() in [
         "UTC",
         "Z",
         "GMT",
         "ISO",
         "LOCAL",
         "UNIX",
-    )
+    ]
 
 
 def _join_power(found: dict[str, Recipe]) -> None:
@@ -402,8 +405,9 @@ def _join_power(found: dict[str, Recipe]) -> None:
 
 def _leave_half_attitude(found: dict[str, Recipe]) -> None:
     """Forget guessed angles if there are not all three: a course alone is no attitude."""
-    angles = [name for name in _ATTITUDE if name in found]
-    if len(angles) < len(_ATTITUDE) and all(found[name].guessed for name in angles):
+    every = ("roll_deg", "pitch_deg", "yaw_deg")
+    angles = [name for name in every if name in found]
+    if len(angles) < len(every) and all(found[name].guessed for name in angles):
         for name in angles:
             del found[name]
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
 from missions.files.validation import unknown_key
@@ -36,9 +37,6 @@ from missions.logs.table import (
     numbers,
 )
 from missions.logs.units import in_radians, recognised, spelled, surely_radians
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _RADIANS = "roll, pitch and yaw read as radians: the yaw turns within 2 pi and none exceeds it"
 
@@ -144,8 +142,6 @@ def _date_column(header: Sequence[str], recipes: dict[str, Recipe]) -> str | Non
 
 def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
     """Log of a table whose columns are known."""
-    import pandas as pd
-
     labels: dict[str, str] = {}
     told: list[str] = []
     check = Check(raw.text.source, np.asarray(raw.text.numbers), labels, [])
@@ -153,7 +149,7 @@ def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
     for quantity, recipe in raw.recipes.items():
         if quantity != "time":
             columns.append(_quantity(raw, recipe, check, told))
-            labels[quantity] = " * ".join(recipe.columns) or quantity
+            labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in columns})
     _turn_radians(raw, table, told)
@@ -168,8 +164,6 @@ def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
 
 def _time(raw: _Raw, check: Check, told: list[str]) -> pd.Series:
     """Column of time: text in the form of the log format, or seconds since 1970."""
-    import pandas as pd
-
     recipe = raw.recipes["time"]
     if recipe.value is not None or not recipe.single:
         raise file_error(check.source, "columns.time: needs the name of one column")
@@ -208,8 +202,6 @@ def _keep_label(check: Check, quantity: str, name: str) -> None:
 
 def _quantity(raw: _Raw, recipe: Recipe, check: Check, told: list[str]) -> pd.Series:
     """A quantity in the unit of the log format."""
-    import pandas as pd
-
     quantity = recipe.quantity
     if recipe.value is not None:
         return pd.Series(np.full(len(raw.frame), recipe.value), name=quantity)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missions.files.errors import file_error, printable
+from missions.files.errors import file_error
 from missions.files.reading import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.streams import (
@@ -28,7 +28,6 @@ from missions.logs.streams import (
     rising,
 )
 from missions.logs.table import ATTITUDE, FlightLog
-from solar.types import FloatArray
 
 _MOST_BYTES = 500_000_000
 _HEAD, _FMT, _FMT_LENGTH = b"\xa3\x95", 128, 89
@@ -41,9 +40,9 @@ _LETTERS: Mapping[str, tuple[str, float]] = {
     "n": ("S4", 0.0), "N": ("S16", 0.0), "Z": ("S64", 0.0), "a": ("(32,)<i2", 0.0),
 }  # fmt: skip
 _INSTANCES = ("I", "Inst", "Instance")
+_GPS_FIELDS = {"latitude_deg": "Lat", "longitude_deg": "Lng", "altitude_m": "Alt"}
 _KINDS = ("ATT", "GPS", "BAT", "CURR", "ARSP")
 _EXAMPLE = "BAT[1].Volt * BAT[1].Curr"
-_FIX_3D = 3
 # GPS time began on 1980-01-06; it is ahead of UTC by so many seconds from each of these instants
 # on [s since 1970]: IERS, Bulletin C 28 to 52.
 _GPS_EPOCH_S, _WEEK_S = 315964800.0, 604800.0
@@ -75,18 +74,24 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     given, constants = given_series(streams, layout, source), constants_of(layout)
     if "solar_power_w" not in given:
         raise no_power(streams, source, _EXAMPLE)
-    series = _gps_position(_needed(streams, "GPS", source), source)
+    gps = _needed(streams, "GPS", source)
+    series = {
+        quantity: Series(
+            gps.time_s, np.where(gps.has_fix("Status"), gps.field(source, field), np.nan)
+        )
+        for quantity, field in _GPS_FIELDS.items()
+    }
     if not all(name in given or name in constants for name in ATTITUDE):
-        series |= _attitude(_needed(streams, "ATT", source), source)
+        attitude = _needed(streams, "ATT", source)
+        for quantity, field in zip(ATTITUDE, ("Roll", "Pitch", "Yaw"), strict=True):
+            series[quantity] = Series(attitude.time_s, attitude.field(source, field))
     series |= _first_battery(streams)
     notes = []
     if skipped:
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
     if "load_w" in series and "load_w" not in given:
         notes.append("load_w is voltage times current of the first battery monitor")
-    boot_s = _boot_s(streams["GPS"], source)
-    varying = {name: one for name, one in (series | given).items() if name not in constants}
-    return log_from_series(varying, boot_s, source, notes, constants)
+    return log_from_series(series | given, _boot_s(gps, source), source, notes, constants)
 
 
 def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, Stream], int]:
@@ -177,31 +182,6 @@ def _needed(streams: Mapping[str, Stream], name: str, source: str) -> Stream:
     return streams[name]
 
 
-def _field(stream: Stream, source: str, name: str) -> FloatArray:
-    if name not in stream.fields:
-        raise file_error(source, f"message {printable(stream.name)} has no field {name}")
-    return np.asarray(stream.fields[name], float)
-
-
-def _fixed(gps: Stream) -> NDArray[np.bool_]:
-    status = gps.fields.get("Status")
-    return np.ones(len(gps.time_s), bool) if status is None else np.asarray(status >= _FIX_3D)
-
-
-def _gps_position(gps: Stream, source: str) -> dict[str, Series]:
-    names = {"latitude_deg": "Lat", "longitude_deg": "Lng", "altitude_m": "Alt"}
-    good = _fixed(gps)
-    return {
-        quantity: Series(gps.time_s, np.where(good, _field(gps, source, field), np.nan))
-        for quantity, field in names.items()
-    }
-
-
-def _attitude(attitude: Stream, source: str) -> dict[str, Series]:
-    fields = zip(ATTITUDE, ("Roll", "Pitch", "Yaw"), strict=True)
-    return {name: Series(attitude.time_s, _field(attitude, source, f)) for name, f in fields}
-
-
 def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
     """Load [W] and state of charge of the first battery monitor, where it has them."""
     battery = streams.get("BAT", streams.get("CURR"))
@@ -219,8 +199,8 @@ def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
 
 def _boot_s(gps: Stream, source: str) -> float:
     """Universal time of the boot [s since 1970], from the satellites' weeks and milliseconds."""
-    week, ms = _field(gps, source, "GWk"), _field(gps, source, "GMS")
-    known = _fixed(gps) & (week > 0.0)
+    week, ms = gps.field(source, "GWk"), gps.field(source, "GMS")
+    known = gps.has_fix("Status") & (week > 0.0)
     if not known.any():
         raise file_error(source, "message GPS never knows the universal time")
     gps_s = _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms

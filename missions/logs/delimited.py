@@ -7,16 +7,14 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error, printable
 from missions.files.reading import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import first_few
 from missions.logs.units import UNITS
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _NAMES = {"\t": "tabs", ",": "commas", ";": "semicolons", "|": "bars"}
@@ -41,8 +39,6 @@ class Text:
 
     def frame(self, used: Sequence[str]) -> pd.DataFrame:
         """Columns of the table, numbers where all fields are."""
-        import pandas as pd
-
         if not self.rows:
             raise file_error(self.source, "has a header but no rows")
         _check_widths(self)

@@ -24,9 +24,8 @@ from missions.logs.streams import (
     no_power,
 )
 from missions.logs.table import ATTITUDE, FlightLog
-from solar.types import BoolArray, FloatArray
+from solar.types import FloatArray
 
-_FIX_3D = 3
 _POWER_TOPIC = "sensor_mppt"
 _POSITION_TOPICS = ("vehicle_gps_position", "sensor_gps")
 _AIRSPEED_TOPICS = ("airspeed_validated", "airspeed")
@@ -51,8 +50,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damaged = _ulog_topics(source, kinds_named(layout))
-    given = given_series(topics, layout, source)
-    constants = constants_of(layout)
+    given, constants = given_series(topics, layout, source), constants_of(layout)
     series: dict[str, Series] = {}
     if "solar_power_w" not in given:
         if _POWER_TOPIC not in topics:
@@ -71,9 +69,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
         notes.append("load_w is voltage times current of battery_status")
     if "airspeed_m_per_s" in series and "airspeed_m_per_s" not in given:
         notes.append("airspeed_m_per_s is the true airspeed of the autopilot")
-    boot_s = _boot_s(position, source)
-    varying = {name: one for name, one in (series | given).items() if name not in constants}
-    return log_from_series(varying, boot_s, source, notes, constants)
+    return log_from_series(series | given, _boot_s(position, source), source, notes, constants)
 
 
 class _EndlessError(Exception):
@@ -184,7 +180,7 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
         if len(fields["timestamp"]):
             # Instances are counted by where they first stand: some logs begin at 1.
             name = name if name not in topics else f"{name}[{int(data.multi_id)}]"
-            topic = Stream(name, np.asarray(fields["timestamp"], float) / 1e6, fields)
+            topic = Stream(name, np.asarray(fields["timestamp"], float) / 1e6, fields, "topic")
             topics.setdefault(name, topic)
     return topics, bool(log.file_corruption)
 
@@ -196,24 +192,17 @@ def _topic(topics: dict[str, Stream], names: Sequence[str], source: str, purpose
     raise file_error(source, f"has no topic {' or '.join(names)}: {purpose}")
 
 
-def _field(topic: Stream, source: str, *names: str) -> NDArray[Any]:
-    for name in names:
-        if name in topic.fields:
-            return topic.fields[name]
-    raise file_error(source, f"topic {topic.name} has no field {' or '.join(names)}")
-
-
 def _series(topic: Stream, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
     return {name: Series(topic.time_s, np.asarray(v, float)) for name, v in values.items()}
 
 
 def _mppt(power: Stream, source: str) -> dict[str, Series]:
     """Mean voltage [V] of the MPPTs in use, and power of all [W]."""
-    _field(power, source, "mppt_volt[0]")
-    _field(power, source, "mppt_amp[0]")
-    count = sum(name.startswith("mppt_volt[") for name in power.fields)
-    volt = np.array([_field(power, source, f"mppt_volt[{i}]") for i in range(count)], float)
-    amp = np.array([_field(power, source, f"mppt_amp[{i}]") for i in range(count)], float)
+    count = max(sum(name.startswith("mppt_volt[") for name in power.fields), 1)
+    volt, amp = (
+        np.array([power.field(source, f"{name}[{i}]") for i in range(count)])
+        for name in ("mppt_volt", "mppt_amp")
+    )
     used = np.any(volt != 0.0, axis=1)
     mean = volt[used].mean(axis=0) if used.any() else np.full(volt.shape[1], np.nan)
     return _series(power, {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)})
@@ -221,28 +210,20 @@ def _mppt(power: Stream, source: str) -> dict[str, Series]:
 
 def _airspeed(topics: Mapping[str, Stream]) -> dict[str, Series]:
     """True airspeed [m/s], NaN where the autopilot does not trust its sensor."""
+    field = "true_airspeed_m_s"
     for name in _AIRSPEED_TOPICS:
-        if name in topics and "true_airspeed_m_s" in topics[name].fields:
-            return _series(
-                topics[name], {"airspeed_m_per_s": topics[name].fields["true_airspeed_m_s"]}
-            )
+        if name in topics and field in topics[name].fields:
+            return _series(topics[name], {"airspeed_m_per_s": topics[name].fields[field]})
     return {}
 
 
 def _boot_s(position: Stream, source: str) -> float:
     """Universal time of the boot [s since 1970]."""
-    utc = np.asarray(_field(position, source, "time_utc_usec"), float) / 1e6
-    known = (utc > 0.0) & _has_fix(position)
+    utc = position.field(source, "time_utc_usec") / 1e6
+    known = (utc > 0.0) & position.has_fix("fix_type")
     if not known.any():
         raise file_error(source, f"topic {position.name} never knows the universal time")
     return float(np.median((utc - position.time_s)[known]))
-
-
-def _has_fix(position: Stream) -> BoolArray:
-    fix = position.fields.get("fix_type")
-    if fix is None:
-        return np.ones(len(position.time_s), bool)
-    return np.asarray(fix >= _FIX_3D)
 
 
 def _position(position: Stream, source: str) -> dict[str, Series]:
@@ -252,10 +233,10 @@ def _position(position: Stream, source: str) -> dict[str, Series]:
         "longitude_deg": ("longitude_deg", "lon", 1e-7),
         "altitude_m": ("altitude_msl_m", "alt", 1e-3),
     }
-    fixed = _has_fix(position)
+    fixed = position.has_fix("fix_type")
     result = {}
     for column, (new, old, unit) in columns.items():
-        values = np.asarray(_field(position, source, new, old), float)
+        values = position.field(source, new, old)
         scaled = values if new in position.fields else values * unit
         result[column] = np.where(fixed, scaled, np.nan)
     return _series(position, result)
@@ -266,7 +247,7 @@ def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
 
     Source: Beard & McLain, Small Unmanned Aircraft (2012), eq. B.1 to B.3.
     """
-    w, x, y, z = (np.asarray(_field(attitude, source, f"q[{i}]"), float) for i in range(4))
+    w, x, y, z = (attitude.field(source, f"q[{i}]") for i in range(4))
     # Normalised: single precision and estimators leave a quaternion a little off the unit.
     norm = np.sqrt(w * w + x * x + y * y + z * z)
     norm = np.where(norm > 0.0, norm, np.nan)

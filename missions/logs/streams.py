@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, problems_of, recipes_for
 from missions.logs.table import EPOCH, FlightLog, log_from_table
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 # A sample of a stream stands for a time no further from it than this [s].
 ATTITUDE_AGE_S, POSITION_AGE_S, OTHER_AGE_S = 0.5, 2.0, 5.0
@@ -20,15 +21,34 @@ _AGES = {
     **dict.fromkeys(("roll_deg", "pitch_deg", "yaw_deg"), ATTITUDE_AGE_S),
     **dict.fromkeys(("latitude_deg", "longitude_deg", "altitude_m"), POSITION_AGE_S),
 }
+_FIX_3D = 3
 _STREAM = re.compile(r"([A-Za-z0-9_]+)(?:\[\d+\])?\.")
 
 
 class Stream(NamedTuple):
-    """Messages of one kind over time since boot [s]; further instances are ``NAME[1]``, ..."""
+    """Messages of one kind over time since boot [s]; further instances are ``NAME[1]``, ...
+
+    ``kind``: what its format calls such a stream.
+    """
 
     name: str
     time_s: FloatArray
     fields: Mapping[str, NDArray[Any]]
+    kind: str = "message"
+
+    def field(self, source: str, *names: str) -> FloatArray:
+        """First of some fields that there is."""
+        for name in names:
+            if name in self.fields:
+                return np.asarray(self.fields[name], float)
+        message = f"{printable(self.name)} has no field {' or '.join(names)}"
+        raise file_error(source, f"{self.kind} {message}")
+
+    def has_fix(self, status: str) -> BoolArray:
+        """Whether the satellites gave a position, by a field that says so; always without it."""
+        if status not in self.fields:
+            return np.ones(len(self.time_s), bool)
+        return np.asarray(self.fields[status] >= _FIX_3D)
 
 
 class Series(NamedTuple):
@@ -52,7 +72,9 @@ def rising(stream: Stream) -> Stream:
     keep &= np.concatenate(([True], time_s[1:] > highest[:-1]))
     if keep.all():
         return stream
-    return Stream(stream.name, time_s[keep], {k: v[keep] for k, v in stream.fields.items()})
+    return stream._replace(
+        time_s=time_s[keep], fields={k: v[keep] for k, v in stream.fields.items()}
+    )
 
 
 def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
@@ -104,15 +126,15 @@ def log_from_series(
     notes: Sequence[str] = (),
     constants: Mapping[str, float] | None = None,
 ) -> FlightLog:
-    """Put quantities together at the times of the solar power."""
-    import pandas as pd
+    """Put quantities together at the times of the solar power.
 
+    ``constants``: quantities of one value, which come before series of the same name.
+    """
     time_s = series["solar_power_w"].time_s
     columns: dict[str, Any] = {EPOCH: time_s + boot_s}
     for quantity, one in series.items():
-        age = _AGES.get(quantity, OTHER_AGE_S)
-        columns[quantity] = sampled(one, time_s, age)
-    columns |= dict(constants or {})
+        columns[quantity] = sampled(one, time_s, _AGES.get(quantity, OTHER_AGE_S))
+    columns |= constants or {}
     return log_from_table(pd.DataFrame(columns), source, notes=notes)
 
 

@@ -10,18 +10,15 @@ from __future__ import annotations
 import datetime
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import times_from_text
 from solar.types import BoolArray, FloatArray, IntArray
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 TIME, EPOCH = "time_utc", "time_utc_s"
 ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
@@ -241,8 +238,6 @@ def numbers(
     column: pd.Series, check: Check, limits: tuple[float, float] | None = None
 ) -> FloatArray:
     """Column as numbers, NaN where a field is empty."""
-    import pandas as pd
-
     if pd.api.types.is_bool_dtype(column):
         column = column.astype("string")
     numeric = pd.to_numeric(column, errors="coerce").astype(float)
@@ -283,22 +278,13 @@ def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) ->
 
 def _check_times_rise(time_s: FloatArray, lines: IntArray, source: str) -> None:
     step = np.diff(time_s)
-    wrong = np.flatnonzero(step <= 0.0).tolist()
-    if wrong:
-        raise InputError(
-            Problem(
-                source,
-                int(lines[i + 1]),
-                None,
-                TIME,
-                f"time must increase: {_backwards(step[i])} line {lines[i]}{rest}",
-            )
-            for i, rest in first_few(wrong)
-        )
-
-
-def _backwards(step_s: float) -> str:
-    return "it is the same as on" if step_s == 0.0 else f"it is {-step_s:g} s before that of"
+    problems = []
+    for i, rest in first_few(np.flatnonzero(step <= 0.0).tolist()):
+        back = f"{-step[i]:g} s before that of" if step[i] else "the same as on"
+        message = f"time must increase: it is {back} line {lines[i]}{rest}"
+        problems.append(Problem(source, int(lines[i + 1]), None, TIME, message))
+    if problems:
+        raise InputError(problems)
 
 
 def _assembled(
@@ -314,6 +300,8 @@ def _assembled(
     attitude = None
     if "roll_deg" in values:
         attitude = EulerAngles(*(np.radians(values[name]) for name in ATTITUDE))
+    optional: dict[str, Any] = dict.fromkeys(OPTIONAL)
+    optional |= {n: v for n, v in values.items() if n in OPTIONAL and not np.isnan(v).all()}
     total = len(time_s) + dropped
     told = [*notes, *_remarks(values, dropped, total, gaps)]
     return FlightLog(
@@ -324,21 +312,9 @@ def _assembled(
         rows_dropped=dropped,
         gaps=gaps,
         notes=tuple(told),
-        latitude_deg=values["latitude_deg"],
-        longitude_deg=values["longitude_deg"],
-        altitude_m=values["altitude_m"],
-        solar_power_w=values["solar_power_w"],
-        ambient_temperature_c=_if_any(values.get("ambient_temperature_c")),
-        mppt_voltage_v=_if_any(values.get("mppt_voltage_v")),
-        load_w=_if_any(values.get("load_w")),
-        state_of_charge=_if_any(values.get("state_of_charge")),
-        airspeed_m_per_s=_if_any(values.get("airspeed_m_per_s")),
-        battery_power_w=_if_any(values.get("battery_power_w")),
+        **{name: values[name] for name in REQUIRED},
+        **optional,
     )
-
-
-def _if_any(values: FloatArray | None) -> FloatArray | None:
-    return None if values is None or np.isnan(values).all() else values
 
 
 def _remarks(

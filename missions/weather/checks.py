@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.weather.air import MAXIMUM_IMPOSSIBLE, TEMPERATURE, WIND, checked_air
@@ -84,8 +85,6 @@ def checked_record(raw: RawTable, source: str) -> Weather:
 
 def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArray:
     """Values of a column, NaN where there is none; text is an error that names its line."""
-    import pandas as pd
-
     column = raw.table[name]
     try:
         numbers = pd.to_numeric(column, errors="coerce")
@@ -103,8 +102,6 @@ def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> Fl
 
 def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
     """Universal time of the rows [s], their lines, and whether it is a typical year."""
-    import pandas as pd
-
     index: Any = pd.DatetimeIndex(raw.table.index)
     if len(index) < 24:
         raise file_error(source, f"has {len(index)} rows: a record has at least a day of them")
@@ -134,8 +131,6 @@ def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
 
 def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
     """Times in one common year [s], if months of several years follow each other; else None."""
-    import pandas as pd
-
     local = index.tz_localize(None) if index.tz is not None else index
     # An hour's end at midnight belongs to the month before.
     begins = local - (pd.Timedelta(local[1] - local[0]) if raw.passed == END else pd.Timedelta(0))

@@ -10,8 +10,6 @@ from pathlib import Path
 
 from missions.files.errors import file_error, printable
 from missions.files.shipped import shipped_record, shipped_records
-from missions.weather.checks import checked_record
-from missions.weather.layouts import read_layout
 from missions.weather.record import Weather
 
 
@@ -35,6 +33,10 @@ def load_weather(path: str | os.PathLike[str]) -> Weather:
     InputError
         With file, line and reason, if the file cannot be read or its values cannot be true.
     """
+    # They read with pandas, which takes longer than a command without a record.
+    from missions.weather.checks import checked_record
+    from missions.weather.layouts import read_layout
+
     with weather_file(path) as (place, source):
         return checked_record(read_layout(place, source), source)
 

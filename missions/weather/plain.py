@@ -6,14 +6,13 @@ import csv
 import io
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error
 from missions.weather.raw import START, RawTable, text_of
 from missions.weather.record import Site
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _SITE_KEYS = {
     "latitude_deg": 90.0,
@@ -44,8 +43,6 @@ CSV_HELP = (
 
 def read_plain(path: Path, source: str) -> RawTable:
     """Read a plain CSV table with its site in comment lines."""
-    import pandas as pd
-
     text = text_of(path)
     head = _head(text)
     begin = len(head.comments)
@@ -143,8 +140,6 @@ def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Pro
 
 def _plain_times(column: pd.Series, meta: dict[str, Any], source: str, first: int) -> Any:
     """Times of a plain table; without a zone they are universal."""
-    import pandas as pd
-
     times = pd.to_datetime(column.astype("string"), format="ISO8601", utc=True, errors="coerce")
     wrong = times.isna().to_numpy().nonzero()[0]
     if len(wrong):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import gzip
 import io
 import os
 import zlib
@@ -48,8 +49,6 @@ class RawTable(NamedTuple):
 
 def head_of(path: Path, source: str) -> list[str]:
     """First lines of a file, packed with gzip or not."""
-    import gzip
-
     try:
         if not path.is_file():
             other = "is no regular file" if path.exists() else "there is no such file"
@@ -85,8 +84,6 @@ def _decoded(content: bytes) -> str:
 
 def text_of(path: Path) -> str:
     """All of a file, packed with gzip or not, its lines ended by a line feed."""
-    import gzip
-
     with path.open("rb") as file:
         content = file.read(MAXIMUM_BYTES + 1)
     if content.startswith(_GZIP):

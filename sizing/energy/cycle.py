@@ -135,17 +135,8 @@ class EqualPower:
 def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
     """First rise and last fall of a net power through zero.
 
-    Parameters
-    ----------
-    time_h : ndarray, shape (time,)
-        Nodes [h].
-    net_w : ndarray, shape (time, ...)
-        Solar power less the nominal load at the nodes [W].
-
-    Returns
-    -------
-    EqualPower
-        NaN where there is no such instant: the power is then always, or never, enough.
+    ``net_w``: solar power less the nominal load at the nodes, shape ``(time, ...)`` [W]. NaN where
+    there is no such instant: the power is then always, or never, enough.
     """
     shape = net_w.shape[1:]
     net = net_w.reshape(len(net_w), -1)
@@ -264,22 +255,7 @@ def _simulated_in_blocks(cells: Cells, batch: tuple[int, ...], *, keep_trajector
 
 
 def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
-    """Metrics of a one-dimensional batch from the run of its day.
-
-    Parameters
-    ----------
-    cells : Cells
-        Powers and batteries.
-    run : DayRun
-        What became of the batteries.
-    keep_trajectory : bool
-        Keep the stored energy over time.
-
-    Returns
-    -------
-    Cycle
-        Arrays of shape (element,).
-    """
+    """Metrics of a one-dimensional batch from the run of its day."""
     balance, store, nominal = cells.balance, run.store, cells.nominal_w
     equal = equal_power(cells.time_h, cells.above_nominal_w())
     missing_h, unserved = _missing(balance, run)
@@ -325,22 +301,9 @@ def excess_and_status(
 ) -> tuple[FloatArray, IntArray]:
     """Excess time [h] and status of days that repeat themselves.
 
-    Parameters
-    ----------
-    equal : EqualPower
-        When solar power equals the nominal load.
-    runs_empty, sunlit : ndarray of bool
-        Whether the battery runs empty, and whether there is any solar power.
-    missing_h, reserve_h : ndarray
-        Time without energy, and how long what is stored would last from the morning's equal power
-        [h].
-
-    Returns
-    -------
-    excess_h : ndarray
-        Above zero for perpetual flight; infinite where solar power never falls below the load [h].
-    status : ndarray of int
-        Codes of :class:`Status`.
+    ``missing_h``, ``reserve_h``: time without energy, and how long what is stored would last from
+    the morning's equal power [h]. The excess time is above zero for perpetual flight, and infinite
+    where solar power never falls below the load.
     """
     lit = equal.always_above
     dark = np.isnan(equal.morning_h) & ~lit
@@ -354,15 +317,7 @@ def excess_and_status(
 def dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
     """Stored energy at the morning's equal power [Wh].
 
-    Parameters
-    ----------
-    balance, run, equal
-        Of the same day and batch.
-
-    Returns
-    -------
-    ndarray, shape (element,)
-        Energy at midnight where there is no such instant [Wh].
+    That at midnight where there is no such instant.
     """
     index, fraction = equal.morning_index, equal.morning_fraction
     columns = np.arange(len(index))

@@ -54,20 +54,8 @@ class Step(NamedTuple):
 def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
     """March the stored energy over one interval.
 
-    Parameters
-    ----------
-    store : Store
-        Batteries of the batch.
-    interval : Interval
-        Flows of the interval.
-    energy_wh : ndarray
-        Stored energy at its start [Wh].
-
-    Returns
-    -------
-    Step
-        Energies of the batch's shape, none below zero; ``unserved_wh`` is counted in energy
-        delivered to the load [Wh].
+    ``energy_wh``: stored at its start [Wh]. No energy falls below zero; ``unserved_wh`` is counted
+    in energy delivered to the load [Wh].
     """
     eta = store.discharge_efficiency
     drained = energy_wh - interval.early_deficit_wh / eta
@@ -82,19 +70,7 @@ def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
 def march(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> Iterator[Step]:
     """March over the whole time axis, yielding every step.
 
-    Parameters
-    ----------
-    balance : PowerBalance
-        Surplus and deficit of every interval.
-    store : Store
-        Batteries of the batch.
-    energy_wh : ndarray
-        Stored energy at the first node [Wh].
-
-    Yields
-    ------
-    Step
-        One per interval, in the order of time.
+    ``energy_wh``: stored at the first node [Wh].
     """
     for interval in balance.intervals():
         step = advance(store, interval, energy_wh)
@@ -105,17 +81,8 @@ def march(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> Iterato
 def empty_after_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
     """Hours after an interval's start at which the battery runs empty.
 
-    Parameters
-    ----------
-    interval : Interval
-        Interval whose deficit empties the battery.
-    unserved_wh : ndarray
-        Part of the deficit that the battery cannot meet [Wh]; meaningful only where it is not 0.
-
-    Returns
-    -------
-    ndarray
-        Of the batch's shape [h].
+    ``unserved_wh``: part of the deficit that the battery cannot meet [Wh]; the hours mean something
+    only where it is not 0.
     """
     begin, length = deficit_phase_h(interval)
     return np.asarray(begin + length * _served_fraction(interval, unserved_wh))
@@ -126,21 +93,9 @@ def hour_of_deficit(
 ) -> FloatArray:
     """Instants at which the deficit since the start of the day reaches some levels.
 
-    Parameters
-    ----------
-    balance : PowerBalance
-        Batch of one dimension.
-    cumulative_wh : ndarray, shape (node, element)
-        Its cumulative deficit (:attr:`ChargingDay.cumulative_deficit_wh`) [Wh].
-    level_wh : ndarray
-        Levels [Wh].
-    cells : ndarray of int
-        Element of each.
-
-    Returns
-    -------
-    ndarray
-        Of the shape of ``level_wh`` [h].
+    ``cumulative_wh``: that of a batch of one dimension, shape ``(node, element)``
+    (:attr:`ChargingDay.cumulative_deficit_wh`). ``cells``: element of each level. Returns hours of
+    the shape of the levels.
     """
     level = np.maximum(level_wh, 0.0)
     interval = balance.interval_of(interval_reaching(cumulative_wh, level, cells), cells)
@@ -151,15 +106,7 @@ def hour_of_deficit(
 def unserved_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
     """Hours of an interval in which the load cannot be met.
 
-    Parameters
-    ----------
-    interval, unserved_wh
-        As for :func:`empty_after_h`; 0 h where all is served.
-
-    Returns
-    -------
-    ndarray
-        Of the batch's shape [h].
+    ``unserved_wh``: as for :func:`empty_after_h`; 0 h where all is served.
     """
     _, length = deficit_phase_h(interval)
     hours = length * (1.0 - _served_fraction(interval, unserved_wh))
@@ -178,19 +125,8 @@ def _served_fraction(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
 def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray) -> FloatArray:
     """Hours after an interval's start at which the battery is full.
 
-    Parameters
-    ----------
-    interval : Interval
-        Interval whose surplus fills the battery; the result is meaningful only there.
-    store : Store
-        Batteries of the batch.
-    before_charge_wh : ndarray
-        Stored energy before the surplus [Wh].
-
-    Returns
-    -------
-    ndarray
-        Of the batch's shape, at most the end of the surplus [h].
+    ``before_charge_wh``: stored before the surplus [Wh]. The hours are at most the end of the
+    surplus, and mean something only where the surplus fills the battery.
     """
     begin, end = surplus_phase_h(interval)
     stored = store.charge_efficiency * interval.surplus_wh
@@ -224,18 +160,11 @@ class ChargingDay:
     Between two surpluses a battery only falls, to zero at the most, so the deficits in between are
     taken at once and exactly: nights are a single step.
 
-    Attributes
-    ----------
-    first : int
-        Number of the first of these intervals.
-    hours, surplus_wh : ndarray
-        Their lengths [h] and surpluses [Wh].
-    deficit_before_surplus_wh : ndarray
-        Cumulative deficit from midnight to the surplus of the interval [Wh]; minus infinity where
-        an element of the batch has no surplus there: the interval then changes nothing, so that
-        what an element becomes does not depend on the others in the batch.
-    cumulative_deficit_wh : ndarray
-        Cumulative deficit from midnight to every node of the time axis [Wh].
+    ``first``: number of the first of these intervals. ``hours``, ``surplus_wh``: their lengths and
+    surpluses. ``deficit_before_surplus_wh``: cumulative deficit from midnight to the surplus of the
+    interval; minus infinity where an element of the batch has no surplus there: the interval then
+    changes nothing, so that what an element becomes does not depend on the others in the batch.
+    ``cumulative_deficit_wh``: cumulative deficit from midnight to every node of the time axis.
     """
 
     first: int
@@ -301,19 +230,8 @@ class ChargingDay:
     ) -> Iterator[Charging]:
         """March from midnight over the surpluses of the day.
 
-        Parameters
-        ----------
-        store : Store
-            Batteries of the batch.
-        energy_wh : ndarray
-            Stored energy at midnight [Wh].
-        settled_deficit_wh : array_like
-            Deficit since midnight that this energy has already met [Wh].
-
-        Yields
-        ------
-        Charging
-            One per interval of :attr:`hours`, of arrays of shape (element,).
+        ``energy_wh``: stored at midnight [Wh]. ``settled_deficit_wh``: deficit since midnight that
+        this energy has already met [Wh]. Yields one per interval of :attr:`hours`.
         """
         eta = store.discharge_efficiency
         settled = np.asarray(settled_deficit_wh, float)
@@ -333,15 +251,8 @@ class ChargingDay:
     ) -> FloatArray:
         """Energy at the end of the day after the last surplus; below zero if it ran empty [Wh].
 
-        Parameters
-        ----------
-        store, energy_wh, settled_deficit_wh
-            As for :meth:`charge`, after the last surplus.
-
-        Returns
-        -------
-        ndarray, shape (element,)
-            Not clipped, so that its negative part is the energy missing from the battery [Wh].
+        Arguments are those after the last surplus. Not clipped, so that the negative part is the
+        energy missing from the battery.
         """
         rest = self.cumulative_deficit_wh[-1] - settled_deficit_wh
         return np.asarray(energy_wh - rest / store.discharge_efficiency)
@@ -349,15 +260,7 @@ class ChargingDay:
     def end_wh(self, store: Store, energy_wh: FloatArray) -> FloatArray:
         """Energy at the end of the day [Wh].
 
-        Parameters
-        ----------
-        store, energy_wh
-            As for :meth:`charge`.
-
-        Returns
-        -------
-        ndarray, shape (element,)
-            Zero where the battery has run empty after the last surplus [Wh].
+        Zero where the battery has run empty after the last surplus.
         """
         settled: ArrayLike = 0.0
         for step in self.charge(store, energy_wh):
@@ -365,18 +268,7 @@ class ChargingDay:
         return np.maximum(self.midnight_wh(store, energy_wh, settled), 0.0)
 
     def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
-        """March and keep what becomes of the batteries.
-
-        Parameters
-        ----------
-        store, energy_wh
-            As for :meth:`charge`.
-
-        Returns
-        -------
-        DayRun
-            Energies around every surplus, shape (interval, element) [Wh].
-        """
+        """March and keep what becomes of the batteries."""
         kept = np.empty((3, *self.surplus_wh.shape))
         for k, step in enumerate(self.charge(store, energy_wh)):
             kept[0, k], kept[1, k], kept[2, k] = step
@@ -408,15 +300,7 @@ class DayRun:
         return np.maximum(self.midnight_wh, 0.0)
 
     def restart(self, cells: IntArray, start_wh: FloatArray) -> None:
-        """Change the initial energy of elements that are empty before their first surplus.
-
-        Parameters
-        ----------
-        cells : ndarray of int
-            Indices of these elements.
-        start_wh : ndarray
-            Their energy at midnight [Wh].
-        """
+        """Change the initial energy of elements that are empty before their first surplus."""
         waiting = np.maximum.accumulate(self.day.deficit_before_surplus_wh[:, cells], axis=0) < 0.0
         for energy in (self.drained_wh, self.after_charge_wh):
             energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])
@@ -460,17 +344,7 @@ def repeated_day(day: ChargingDay, store: Store) -> DayRun:
     cycle is marched from a full battery at nightfall; most fill it again within the day. The few
     that are left are searched for, see :func:`sizing.energy.bracketing.falling_root`.
 
-    Parameters
-    ----------
-    day : ChargingDay
-        Day of a one-dimensional batch.
-    store : Store
-        Its batteries.
-
-    Returns
-    -------
-    DayRun
-        Start and end agree to 1e-11 of the battery's energy.
+    Returns start and end that agree to 1e-11 of the battery's energy.
     """
     run, unsettled = first_repetition(day, store)
     if not len(unsettled):
@@ -495,20 +369,7 @@ class Repetition(NamedTuple):
 
 
 def first_repetition(day: ChargingDay, store: Store) -> Repetition:
-    """Run of a day that settles at once in nearly all cases; :func:`repeated_day` tells how.
-
-    Parameters
-    ----------
-    day : ChargingDay
-        Day of a one-dimensional batch.
-    store : Store
-        Its batteries.
-
-    Returns
-    -------
-    Repetition
-        The run, and the indices of the elements that :func:`repeated_day` has to search for.
-    """
+    """Run of a day that settles at once in nearly all cases; :func:`repeated_day` tells how."""
     full, eta = store.battery_energy_wh, store.discharge_efficiency
     before_surplus = day.deficit_before_surplus_wh
     storable = store.charge_efficiency * day.total_surplus_wh * eta

@@ -1,7 +1,7 @@
 """Many sizings of one aircraft at once: a design for every cell of a map.
 
 Every cell is one place on one day, or a few such scenarios together, with a payload and a required
-excess time of its own if need be. Each has its own search (:mod:`sizing.optimisation.search`);
+excess time of its own if need be. Each has its own search (:mod:`sizing.optimisation.loop`);
 their programs are solved one after the other and simulated together. The requirements are
 penalised: missing one costs more than any design could save, so that a cell without a design ends
 as quickly as one that has it, and says what it lacks. Each program is solved by sequential
@@ -28,23 +28,18 @@ from sizing.design import DesignVariables, parametric_design, variables_of
 from sizing.limits import Requirement, design_requirements, meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import percent, texts_of_requirements
+from sizing.optimisation.loop import PENALTY, Search, Simulated, run
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Effort, Role, SizingProblems
+from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
-    ROW_TOLERANCE,
     SizingStatus,
     objective_value,
 )
-from sizing.optimisation.search import (
-    PENALTY,
-    Search,
-    Simulated,
-    checked_problems,
-    run,
-)
+from sizing.optimisation.search import checked_problems
 from sizing.optimisation.solver import ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.variables import Role
 from sizing.performance import Performance, performance_of_pairs
 from sizing.smooth import Value
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
@@ -284,10 +279,7 @@ class _Cells:
         return value if self.objective.maximised else -value
 
     def _keeps_requirements(self, perf: Performance) -> NDArray[np.bool_]:
-        solver = self.solver
-        return meets_requirements(
-            solver.aircraft, perf.design, solver.conditions, tolerance=ROW_TOLERANCE
-        )
+        return meets_requirements(self.solver.aircraft, self.solver.mission, perf.design)
 
     def _simulated(self, searches: Sequence[Search]) -> list[Simulated]:
         cells = np.array([one.scenarios[0] // self.each for one in searches])

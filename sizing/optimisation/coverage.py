@@ -416,17 +416,8 @@ class _Growth:
         # It flies, but with less excess time than required.
         shortfall_h = self.required_h - float(np.min(short.cycle.excess_time_h))
         missed = {"excess_time": shortfall_h}
-        return replace(
-            named,
-            status=SizingStatus.infeasible,
-            design=None,
-            simulated=None,
-            nearest=short,
-            violations=(
-                *sizing.violations,
-                *violations(self.aircraft, missed, short, self.required_h),
-            ),
-        )
+        found = violations(self.aircraft, missed, short, self.required_h)
+        return named.without_design(SizingStatus.infeasible, short, *sizing.violations, *found)
 
 
 def _reached_h(sizing: SizingResult) -> float:

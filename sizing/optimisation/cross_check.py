@@ -16,14 +16,13 @@ from numpy.typing import ArrayLike
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions, variables_of
-from sizing.limits import meets_requirements
+from sizing.design import DesignVariables, variables_of
+from sizing.limits import ROW_TOLERANCE, meets_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
-    ROW_TOLERANCE,
     SizingResult,
     objective_value,
 )
@@ -137,12 +136,7 @@ class _Judge:
         self.tried += int(np.size(perf.design.total_mass_kg))
         worst = np.min(perf.cycle.excess_time_h, axis=-1)
         kept = (worst > 0.0) & (worst >= self.required_h)
-        kept = kept & meets_requirements(
-            self.aircraft,
-            perf.design,
-            FlightConditions.of(self.mission, self.aircraft),
-            tolerance=ROW_TOLERANCE,
-        )
+        kept = kept & meets_requirements(self.aircraft, self.mission, perf.design)
         return np.where(kept, objective_value(self.objective, perf), np.nan)
 
     def best_of(self, variables: DesignVariables) -> float:

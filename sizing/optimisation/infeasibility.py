@@ -8,6 +8,7 @@ tells what is missing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -19,9 +20,10 @@ from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
+from sizing.optimisation.solver import ProgramSolver
 from sizing.parameters import with_parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import SolarDay, SolarModel, solar_day
+from sizing.sunlight import solar_day
 from solar.types import FloatArray
 
 # Points of span, battery and modules each, by the number of other free variables.
@@ -33,18 +35,6 @@ _PROMISING = 3
 _HEAVIER = np.geomspace(1.0, 100.0, 9)
 
 
-class Verdict(NamedTuple):
-    """That a sizing ends without a design, and why; ``nearest`` is the design that comes closest.
-
-    ``active_constraints`` name what holds it back.
-    """
-
-    status: SizingStatus
-    violations: tuple[Violation, ...]
-    nearest: Performance | None
-    active_constraints: tuple[str, ...] = ()
-
-
 def least_mission(mission: Mission, objective: Objective) -> Mission:
     """Mission without the payload that is to be as large as possible: the easiest one."""
     if objective.payload_key is None:
@@ -54,10 +44,10 @@ def least_mission(mission: Mission, objective: Objective) -> Mission:
 
 def short_of_largest_excess(
     aircraft: Aircraft, largest: SizingResult, required_h: float
-) -> Verdict | None:
+) -> SizingResult | None:
     """Verdict where even the largest excess time is too short; None where it is enough."""
     if not largest.feasible and largest.status is not SizingStatus.infeasible:
-        return Verdict(largest.status, (), largest.nearest)
+        return largest
     nearest = largest.nearest if largest.simulated is None else largest.simulated
     # Where no design flies perpetually, what else is missing comes first.
     missed = [v for v in largest.violations if v.requirement != "excess_time"]
@@ -69,8 +59,7 @@ def short_of_largest_excess(
         # required, what else is missing says it all.
         if shortfall_h > 0.0 and (required_h > 0.0 or not missed):
             missed += violations(aircraft, {"excess_time": shortfall_h}, nearest, required_h)
-    status = SizingStatus.infeasible if largest.feasible else largest.status
-    return Verdict(status, tuple(missed), nearest, largest.active_constraints)
+    return largest.without_design(SizingStatus.infeasible, nearest, *missed)
 
 
 def violations(
@@ -125,15 +114,15 @@ class Promising(NamedTuple):
     missed: float
 
 
-def promising_designs(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, day: SolarDay
-) -> list[Promising]:
+@lru_cache(maxsize=1)  # a verdict may ask for them again
+def promising_designs(solver: ProgramSolver) -> list[Promising]:
     """Designs of a coarse grid over the design space that come nearest to a feasible one.
 
-    ``aircraft``, ``mission``, ``solar``: what is sized, for what, and the model of the sun. Those
-    that fly perpetually and miss least, of equals those of the largest excess time; after them the
-    others by their excess time. Empty where no design of the grid has room for its modules.
+    Those that fly perpetually and miss least, of equals those of the largest excess time; after
+    them the others by their excess time. Empty where no design of the grid has room for its
+    modules.
     """
+    aircraft, mission, solar = solver.aircraft, solver.mission, solver.solar
     variables = _grid(aircraft)
     airframe = aircraft.airframe
     coverage = getattr(airframe, "maximum_module_coverage", 1.0)
@@ -141,7 +130,9 @@ def promising_designs(
     if not np.any(fits):
         return []
     variables = variables.mapped(lambda v: np.asarray(v)[fits])
-    coarse = solar_day(aircraft, mission, solar, scenarios=day.scenarios, step_h=_GRID_STEP_H)
+    coarse = solar_day(
+        aircraft, mission, solar, scenarios=solver.day.scenarios, step_h=_GRID_STEP_H
+    )
     found = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
     excess_h = np.min(found.cycle.excess_time_h, axis=-1)
     missed = _missed_of(aircraft, found)

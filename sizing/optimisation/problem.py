@@ -3,11 +3,10 @@
 Constraints are the mass budget, those of the energy over a day, whose expressions come from
 :mod:`sizing.optimisation.energy_constraints`, and the limits of :mod:`sizing.limits`.
 
-Variables are wingspan, battery mass, module area and total mass, on request aspect ratio, lift
-coefficient and payload, the state of charge at dawn of every scenario, and the worst excess time.
-The sun enters as specific power per module area, which no design variable changes, so that a whole
-day of a scenario is a parameter vector, and so do air, wind, payload and technology: a program is
-built once for a kind of aircraft, and serves any mission and objective.
+Variables and rows are those of :mod:`sizing.optimisation.variables`. The sun enters as specific
+power per module area, which no design variable changes, so that a whole day of a scenario is a
+parameter vector, and so do air, wind, payload and technology: a program is built once for a kind of
+aircraft, and serves any mission and objective.
 
 Energy over the day is integrated exactly as the simulator does it;
 :mod:`sizing.optimisation.energy_constraints`:
@@ -21,37 +20,37 @@ the energy at dawn over the load. Every cost is a weighted sum of variables. Sla
 at zero in the sizing itself, let the same program tell by how much the requirements are missed. An
 *eased* program has technology, limits and wind among its variables as well, and tells which value
 would meet them.
-
-The program is data: every entry of the decision vector is a :class:`Variable`, every row a
-:class:`Constraint`, each with its name, unit and scale. Nothing else knows where they stand.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import Enum, auto
 from functools import cached_property, lru_cache
 from threading import RLock
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
 
 from sizing.aerodynamics.parabolic import DragPolar
-from sizing.aircraft import (
-    Aircraft,
-    DesignSpace,
-    LimitedQuantity,
-    LimitEnd,
-    ParametricAirframe,
-    Range,
-)
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
-from sizing.parameters import all_replaced, catalogue, parameter_value, unit
+from sizing.optimisation.variables import (
+    SOLAR_TECHNOLOGY,
+    WIND,
+    WORST_EXCESS,
+    Constraint,
+    Role,
+    Variable,
+    all_variables,
+    chosen_variables,
+    eased_row,
+    limit_rows,
+)
+from sizing.parameters import all_replaced, catalogue, parameter_value
 from solar.types import FloatArray
 
 Effort = Literal["quick", "steady", "next", "direct"]
@@ -114,7 +113,6 @@ _DIRECT_OPTIONS: dict[str, Any] = _SQP_OPTIONS | {
 }
 _SQP_EFFORTS: dict[Effort, dict[str, Any]] = {"next": _SQP_OPTIONS, "direct": _DIRECT_OPTIONS}
 
-WORST_EXCESS = "worst_excess_time_h"
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
 # equality rounding decides whether the battery is needed for an instant.
 ALWAYS_LIT_MARGIN = 1e-5
@@ -126,74 +124,6 @@ _POLAR = "airframe.aerodynamics."
 # Programs that are kept, each with its solvers: some megabytes.
 _PROGRAMS_KEPT = 32
 
-# Technology to which the power of the modules is proportional.
-SOLAR_TECHNOLOGY = "modules.efficiency_stc"
-WIND = "mission.wind_m_per_s"
-
-
-class Role(Enum):
-    """What a variable of the program is."""
-
-    design = auto()
-    payload = auto()  # held at the mission's value unless it is freed
-    technology = auto()  # relative to the aircraft's own value, held there unless it is freed
-    limit = auto()  # of the design space, likewise
-    wind = auto()  # held at the mission's value unless it is freed
-    dawn_state = auto()
-    worst_excess = auto()
-    slack = auto()
-
-
-class Variable(NamedTuple):
-    """A variable of the program: the logarithm of a value, or the value over a scale.
-
-    ``first_guess`` holds where nothing better is known.
-    """
-
-    name: str
-    unit: str
-    minimum: float
-    maximum: float
-    scale: float | None = None
-    role: Role = Role.design
-    first_guess: float = 0.1
-
-    def to_program(self, value: float) -> float:
-        """Value in the program."""
-        return math.log(value) if self.scale is None else value / self.scale
-
-    def from_program(self, x: Any) -> Any:
-        """Value in its unit; number or symbol."""
-        return ca.exp(x) if self.scale is None else x * self.scale
-
-
-# What is relative is eased by this to tell what that gains.
-RELATIVE_STEP = 0.01
-
-
-class Constraint(NamedTuple):
-    """A requirement ``value >= 0`` of the program, or ``value = 0``, scaled to order one.
-
-    ``block`` is the scenario block it belongs to, None for the design itself; the row is the
-    quantity over ``scale`` in ``unit``: over its limit, over the battery's capacity, or in hours.
-    """
-
-    name: str
-    block: int | None = None
-    unit: str = "1"
-    scale: float = 1.0
-    equation: bool = False
-
-    @property
-    def step(self) -> float:
-        """How far the row is eased to tell what that gains: by one per cent, or one unit."""
-        return RELATIVE_STEP if self.unit == "1" else 1.0 / self.scale
-
-    @property
-    def slack(self) -> str:
-        """Name of the variable by which the requirement may be missed, one for all blocks."""
-        return f"slack.{self.name}"
-
 
 @dataclass(frozen=True)
 class Program:
@@ -202,14 +132,13 @@ class Program:
     A program has a number of *scenario blocks*, each filled with one scenario by its parameters, so
     that the scenarios in it can be exchanged without building it anew.
 
-    ``blocks``: scenarios in the program. ``names``: of the variables, in the order of the decision
-    vector. ``constraints``: in the order of the constraint vector. ``technology``: keys of the
-    technology parameters. ``symbols``: decision vector ``x``, parameters ``p``, cost ``f`` and
+    ``names``: of the variables, in the order of the decision
+    vector. ``constraints``: in the order of the constraint vector. ``technology``: keys of its
+    parameters. ``symbols``: decision vector ``x``, parameters ``p``, cost ``f`` and
     constraints ``g``. ``lock``: held from a solver's call until its statistics are read: threads
     share a program.
     """
 
-    blocks: int
     names: tuple[str, ...]
     constraints: tuple[Constraint, ...]
     technology: tuple[str, ...]
@@ -252,11 +181,7 @@ class Program:
 
 @dataclass(frozen=True)
 class SizingProblem:
-    """The program of an aircraft: expressions of its kind, its own bounds and technology.
-
-    ``aircraft``: whose technology is in the parameters. ``variables``: in the order of the decision
-    vector. ``program``: expressions and solvers.
-    """
+    """The program of an aircraft: expressions of its kind, its own bounds and technology."""
 
     aircraft: Aircraft
     variables: tuple[Variable, ...]
@@ -266,11 +191,6 @@ class SizingProblem:
     def constraints(self) -> tuple[Constraint, ...]:
         """Rows in the order of the constraint vector."""
         return self.program.constraints
-
-    @property
-    def blocks(self) -> int:
-        """Scenarios in the program."""
-        return self.program.blocks
 
     @cached_property
     def _technology(self) -> list[float]:
@@ -288,11 +208,6 @@ class SizingProblem:
     def of_role(self, *roles: Role) -> tuple[Variable, ...]:
         """Variables of some roles."""
         return tuple(v for v in self.variables if v.role in roles)
-
-    def value(self, x: FloatArray, name: str) -> float:
-        """Value of a variable in its unit."""
-        place = self.index[name]
-        return float(self.variables[place].from_program(x[place]))
 
     def weights(self, of: Mapping[str, float]) -> FloatArray:
         """Cost per unit of the decision vector, from names of variables."""
@@ -332,9 +247,9 @@ class SizingProblem:
         ``ends``: bounds by name of a variable, in its unit; the same where it is held.
         """
         values = {"aspect_ratio": self.aircraft.airframe.aspect_ratio}
-        for v in self.variables:
+        for v, own in zip(self.variables, x, strict=True):
             if v.name in DesignVariables._fields:
-                value = float(np.clip(self.value(x, v.name), *ends[v.name]))
+                value = float(np.clip(float(v.from_program(own)), *ends[v.name]))
                 noise = _TOLERANCE * (v.scale or 0.0) >= abs(value) and ends[v.name][0] == 0.0
                 values[v.name] = 0.0 if noise else value
         return DesignVariables(**values)
@@ -351,10 +266,10 @@ def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> Si
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    chosen = _chosen_variables(aircraft, eased=eased)
+    chosen = chosen_variables(aircraft, eased=eased)
     # A mapping's order plays no part in the equality of aircraft, but in that of the rows.
     program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased)
-    return SizingProblem(aircraft, _all_variables(chosen, blocks, program.constraints), program)
+    return SizingProblem(aircraft, all_variables(chosen, blocks, program.constraints), program)
 
 
 def kind_of(aircraft: Aircraft) -> Aircraft:
@@ -389,7 +304,7 @@ def _numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) -> Program:
     """Program of a kind of aircraft; ``limits`` is the order of its limits."""
-    chosen = _chosen_variables(kind, eased=eased)
+    chosen = chosen_variables(kind, eased=eased)
     technology = _numbers_taken_out(kind)
     design, requirements = _design_function(kind, chosen, technology)
     free = ca.MX.sym("design", len(chosen))
@@ -432,7 +347,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
     slacks = list(dict.fromkeys(c.slack for c in constraints))
     slack = ca.MX.sym("slack", len(slacks))
     x = ca.vertcat(free, dawn_soc, worst_h, slack)
-    names = tuple(v.name for v in _all_variables(chosen, blocks, constraints))
+    names = tuple(v.name for v in all_variables(chosen, blocks, constraints))
     weights = ca.MX.sym("weights", len(names))
     parameters = {
         "weights": weights,
@@ -449,7 +364,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
         "f": ca.dot(weights, x) + tie_break,
         "g": ca.vertcat(*(value + slack[slacks.index(c.slack)] for c, value in rows)),
     }
-    return Program(blocks, names, constraints, technology, symbols)
+    return Program(names, constraints, technology, symbols)
 
 
 def forget_programs() -> None:
@@ -461,94 +376,6 @@ def forget_programs() -> None:
 def programs_built() -> int:
     """How many programs have been built since the last time that all were forgotten."""
     return _program.cache_info().misses
-
-
-def _all_variables(
-    chosen: Sequence[Variable], blocks: int, constraints: Sequence[Constraint]
-) -> tuple[Variable, ...]:
-    """Variables in the order of the decision vector: design, dawns, excess time, slacks."""
-    dawns = (
-        Variable(f"dawn_state_of_charge[{i}]", "1", 0.0, 1.0, 1.0, Role.dawn_state, 0.2)
-        for i in range(blocks)
-    )
-    slacks = dict.fromkeys(c.slack for c in constraints)
-    return (
-        *chosen,
-        *dawns,
-        Variable(WORST_EXCESS, "h", 0.0, math.inf, 1.0, Role.worst_excess),
-        *(Variable(name, "1", 0.0, np.inf, 1.0, Role.slack) for name in slacks),
-    )
-
-
-def _chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]:
-    """Every variable of the design that may be freed, with the widest bounds it has."""
-    space = aircraft.design_space
-    assert isinstance(aircraft.airframe, ParametricAirframe)
-    lightest = space.battery_mass_kg.minimum
-    # No bound that nobody has set: mass and payload end where the mass budget or the sun ends them.
-    heaviest = space.maximum_total_mass_kg or math.inf
-    ranges = {
-        "wingspan_m": space.wingspan_m,
-        "battery_mass_kg": space.battery_mass_kg,
-        "module_area_m2": space.module_area_m2,
-        "total_mass_kg": Range.model_construct(minimum=lightest, maximum=heaviest),
-        "aspect_ratio": space.aspect_ratio,
-        "lift_coefficient": space.lift_coefficient,
-    }
-    found = (
-        Variable(name, unit(name), ends.minimum, ends.maximum)
-        for name, ends in ranges.items()
-        if ends is not None
-    )
-    always = (
-        *found,
-        Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
-        Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
-    )
-    if not eased:
-        return always
-    return (
-        *always,
-        *(
-            Variable(key, "1", 1e-3, 1e3, role=Role.technology)
-            for key, one in catalogue().items()
-            if one.kind == "technology" and one.relaxable and parameter_value(aircraft, None, key)
-        ),
-        *(Variable(name, "1", 1e-3, 1e3, role=Role.limit) for name in limit_rows(aircraft)),
-        Variable(WIND, unit(WIND), 0.0, math.inf, 10.0, Role.wind),
-    )
-
-
-def limit_rows(aircraft: Aircraft) -> dict[str, tuple[LimitedQuantity, LimitEnd]]:
-    """Limits of the design space, quantity and end, by the names of their rows and variables."""
-    ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
-    limits = aircraft.design_space.all_limits()
-    return {
-        f"{quantity}_{end}": (quantity, end)
-        for quantity, limit in limits.items()
-        for end in ends
-        if getattr(limit, end) is not None
-    }
-
-
-def _eased(value: Any, end: LimitEnd, relative: Any) -> Any:
-    """Row of a limit, relative to it, where the limit is multiplied by a factor."""
-    if end == "minimum":
-        return (value + 1.0) / relative - 1.0
-    return 1.0 - (1.0 - value) / relative
-
-
-def _payload_scale_kg(space: DesignSpace) -> float:
-    """Payload mass that counts as one: of the order of the cost's other terms, and the penalty's.
-
-    1 kg for batteries of up to 25 kg, as the shipped designs have; in proportion for larger ones.
-    """
-    return max(1.0, space.battery_mass_kg.maximum / 25.0)
-
-
-def _payload_scale_w(space: DesignSpace) -> float:
-    """Payload power that counts as one: 10 W for modules of up to 8 m2, else in proportion."""
-    return max(10.0, 10.0 * space.module_area_m2.maximum / 8.0)
 
 
 def _design_function(
@@ -568,7 +395,8 @@ def _design_function(
         kind, {key: numbers[i] * relative.get(key, 1.0) for i, key in enumerate(technology)}
     )
     own = {"aspect_ratio": flown.airframe.aspect_ratio}
-    chosen = DesignVariables(**_named(DesignVariables._fields, own | values))
+    named = {name: v for name, v in (own | values).items() if name in DesignVariables._fields}
+    chosen = DesignVariables(**named)
     conditions = FlightConditions(*(symbols[i] for i in range(symbols.shape[0])))
     conditions = conditions.with_payload_of(chosen)
     if WIND in values:
@@ -576,7 +404,7 @@ def _design_function(
     design = parametric_design(flown, conditions, chosen, values["total_mass_kg"])
     limits = limit_rows(kind)
     requirements = [
-        row._replace(value=_eased(row.value, limits[row.name][1], values[row.name]))
+        row._replace(value=eased_row(row.value, limits[row.name][1], values[row.name]))
         if row.name in limits and row.name in values
         else row
         for row in design_requirements(flown, design, conditions)
@@ -594,10 +422,6 @@ def _design_function(
         {"is_diff_in": [True, False, False], "jac_penalty": 0},
     )
     return function, requirements
-
-
-def _named(names: Iterable[str], values: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: values[name] for name in names if name in values}
 
 
 class SizingProblems:

@@ -8,50 +8,35 @@ which is rounded away from the edge.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from missions.mission import LatitudeRange, Mission, Scenarios
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
-from sizing.design import DesignVariables, FlightConditions
+from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.infeasibility import least_mission
+from sizing.optimisation.latitudes import Direction, nearest_latitude
+from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import (
-    SOLAR_TECHNOLOGY,
-    WIND,
-    WORST_EXCESS,
-    Role,
-    SizingProblems,
-    limit_rows,
-)
+from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus
-from sizing.optimisation.search import (
-    PENALTY,
-    Accepted,
-    Search,
-    Simulated,
-    run,
-    size_aircraft,
-    telling_scenarios,
-)
+from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.solver import (
     GOAL_CUSHION_H,
     ProblemInstance,
     ProgramSolver,
     Solution,
 )
+from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role, limit_rows
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from solar.types import FloatArray
-
-Direction = Literal["at least", "at most"]
+from solar.types import BoolArray
 
 # A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
 _LEAST_RELATIVE = {"airframe.structure.calibration": 0.5, "airframe.structure.coefficient_kg": 0.5}
@@ -59,13 +44,8 @@ _LEAST_OTHER = 1e-3
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995
 _BLOCKS = 2
-_AT_ONCE = 4  # latitudes that are sized together
-_ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
-_STEPS_BEYOND = 3  # where the scenarios left out need a little more
 MINIMAL = 0.01  # of the value told: with so much less of a change no design is feasible
 _BISECTED = 1e-3  # of the value, well within that
-_LATITUDE_STEP_DEG = 0.25
-_LATITUDE_REACH_DEG = 60.0
 
 
 @dataclass(frozen=True)
@@ -118,6 +98,22 @@ def relaxations(
     return sorted(search.all(), key=lambda found: found.relative_change)
 
 
+class _Move(NamedTuple):
+    """A variable of the program that may move, and the parameter that it stands for.
+
+    ``furthest``: end of the variable that helps most, None where the design chooses. ``scale``: of
+    the parameter per variable.
+    """
+
+    key: str
+    name: str
+    present: float
+    ends: tuple[float, float]
+    upwards: bool
+    furthest: float | None = None
+    scale: float = 1.0
+
+
 class _Relaxations:
     def __init__(
         self,
@@ -147,64 +143,80 @@ class _Relaxations:
 
     def all(self) -> Iterable[Relaxation]:
         """Every relaxation that works."""
-        found = [self._technology(key) for key in self.technology]
-        found += [self._payload(v.name) for v in self.program.of_role(Role.payload)]
-        found += [self._bound(key) for key, one in catalogue().items() if one.kind == "bound"]
-        found += [self._latitude(), self._required_excess(), self._wind()]
-        found += [self._limit(name) for name in self.limits if name in self.in_the_way]
+        found = [self._least(move) for move in (*self._of_values(), *self._of_ends())]
+        found += [self._latitude(), self._required_excess()]
         return [one for one in found if one is not None]
 
     # --- one parameter in the program ----------------------------------------------------------
 
-    def _technology(self, key: str) -> Relaxation | None:
-        present = parameter_value(self.aircraft, self.mission, key)
-        assert present is not None
-        upwards = parameter(key).relaxable == "up"
-        furthest = parameter(key).maximum / present
-        if upwards and furthest <= 1.0:
-            return None
-        if not upwards:
-            furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
-        ends = (min(furthest, 1.0), max(furthest, 1.0))
-        moved = self._moved_least(key, ends, upwards=upwards, furthest=furthest)
-        if moved is None:
-            return None
-        return self._confirmed(
-            key, present, present * moved.solution.value(key), moved.solution.design
-        )
+    def _of_values(self) -> Iterator[_Move]:
+        """Technology and payload."""
+        for key in self.technology:
+            present, one = parameter_value(self.aircraft, self.mission, key), parameter(key)
+            assert present is not None
+            upwards, furthest = one.relaxable == "up", one.maximum / present
+            if upwards and furthest <= 1.0:
+                continue
+            if not upwards:
+                furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
+            ends = (min(furthest, 1.0), max(furthest, 1.0))
+            yield _Move(key, key, present, ends, upwards, furthest, present)
+        for name in (v.name for v in self.program.of_role(Role.payload)):
+            key = parameter(name).key
+            present = parameter_value(self.aircraft, self.mission, key)
+            if present and self.objective.variable != name:
+                yield _Move(key, name, present, (0.0, present), False, 0.0)
 
-    def _payload(self, name: str) -> Relaxation | None:
-        key = parameter(name).key
-        present = parameter_value(self.aircraft, self.mission, key)
-        if not present or self.objective.variable == name:
-            return None
-        moved = self._moved_least(name, (0.0, present), upwards=False, furthest=0.0)
-        if moved is None:
-            return None
-        carried = moved.solution.design._replace(payload_mass_kg=None, payload_power_w=None)
-        return self._confirmed(key, present, moved.solution.value(name), carried)
-
-    def _bound(self, key: str) -> Relaxation | None:
-        """Upper bound that the nearest design has reached; that of the wingspan is always tried."""
-        name = key.removeprefix("design_space.").removesuffix(".maximum").removeprefix("maximum_")
-        present = self.program.variables[self.program.index[name]].maximum
-        if math.isinf(present):
-            return None
+    def _of_ends(self) -> Iterator[_Move]:
+        """Bounds that the nearest design has reached, wind and limits that stand in the way."""
         reached = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
-        if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
-            return None
-        moved = self._moved_least(name, (present, _WIDER * present), upwards=True)
+        for key in (key for key, one in catalogue().items() if one.kind == "bound"):
+            bare = key.removeprefix("design_space.")
+            name = bare.removesuffix(".maximum").removeprefix("maximum_")
+            present = self.program.variables[self.program.index[name]].maximum
+            if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
+                continue
+            if not math.isinf(present):
+                yield _Move(key, name, present, (present, _WIDER * present), True)
+        space, wind = self.aircraft.design_space, self.mission.wind_m_per_s
+        if "airspeed_above_wind" in self.in_the_way and wind != 0.0:
+            yield _Move(WIND, WIND, wind, (0.0, wind), False, 0.0)
+        for name in (name for name in self.limits if name in self.in_the_way):
+            quantity, end = self.limits[name]
+            key = f"design_space.{space.key_of_limit(quantity, end)}"
+            present = getattr(space.all_limits()[quantity], end)
+            bounds, upwards = self.program.variables[self.program.index[name]], end == "maximum"
+            ends = (1.0, bounds.maximum) if upwards else (bounds.minimum, 1.0)
+            yield _Move(key, name, present, ends, upwards, scale=present)
+
+    def _least(self, move: _Move) -> Relaxation | None:
+        """Relaxation that moves a variable no further than it must, confirmed by the simulator."""
+        moved = self._moved_least(move.name, move.ends, move.furthest, upwards=move.upwards)
         if moved is None:
             return None
-        return self._confirmed(key, present, moved.solution.value(name), moved.solution.design)
+        variables = moved.solution.design
+        if move.name in variables._fields and move.name.startswith("payload"):
+            variables = variables._replace(payload_mass_kg=None, payload_power_w=None)
+
+        def eased(value: float) -> tuple[Aircraft, Mission]:
+            if move.name in self.limits:
+                return self._with_limit(*self.limits[move.name], value / move.present), self.mission
+            return with_parameter(self.aircraft, self.mission, move.key, value)
+
+        found = move.scale * moved.solution.value(move.name)
+        confirmed = self._confirmed_value(
+            move.present, found, variables, eased, upwards=move.upwards
+        )
+        of = self.limits[move.name][0] if move.name in self.limits else move.key
+        return confirmed and Relaxation(move.key, parameter(of).unit, move.present, *confirmed)
 
     def _moved_least(
         self,
         name: str,
         ends: tuple[float, float],
+        furthest: float | None,
         *,
         upwards: bool,
-        furthest: float | None = None,
     ) -> Accepted | None:
         """Design that moves one variable no further than it must.
 
@@ -292,19 +304,8 @@ class _Relaxations:
         perf = performance_of_designs(aircraft, mission, solution.design, self.solar, day=day)
         worst = perf.worst_scenario()
         excess_h = float(perf.cycle.excess_time_h[worst])
-        return Simulated(excess_h, worst, merit, _sound(aircraft, mission, perf), perf)
-
-    def _confirmed(
-        self, key: str, present: float, found: float, variables: DesignVariables
-    ) -> Relaxation | None:
-        """Relaxation of a parameter, from the value and the design that the program found."""
-        upwards = parameter(key).kind == "bound" or parameter(key).relaxable == "up"
-
-        def eased(value: float) -> tuple[Aircraft, Mission]:
-            return with_parameter(self.aircraft, self.mission, key, value)
-
-        told = self._confirmed_value(present, found, variables, eased, upwards=upwards)
-        return told and Relaxation(key, parameter(key).unit, present, *told)
+        sound = bool(meets_requirements(aircraft, mission, perf.design))
+        return Simulated(excess_h, worst, merit, sound, perf)
 
     def _confirmed_value(
         self,
@@ -351,7 +352,7 @@ class _Relaxations:
         perf = performance_of_designs(aircraft, mission, variables, self.solar, day=day)
         worst_h = float(np.min(perf.cycle.excess_time_h))
         enough = worst_h > 0.0 and worst_h >= self.required_h
-        return worst_h if enough and _sound(aircraft, mission, perf) else None
+        return worst_h if enough and meets_requirements(aircraft, mission, perf.design) else None
 
     # --- latitude and required time ------------------------------------------------------------
 
@@ -368,99 +369,31 @@ class _Relaxations:
 
     def _latitude(self) -> Relaxation | None:
         """Latitude nearest to the mission's at which a design flies perpetually."""
-        latitude = self.mission.latitude_deg
-        if isinstance(latitude, LatitudeRange):
-            return self._narrower_band(latitude)
-        places = self._easier_latitudes(latitude)
-        return self._least_move(latitude, places, "mission.latitude_deg", lambda place: place)
+        own = self.aircraft
+        found = nearest_latitude(
+            *(own, self.mission, self.solar, self.nearest),
+            enough=self._enough,
+            confirmed_h=lambda at: self._reached_h(self._largest_excess(own, at, explain=True)),
+        )
+        return found and Relaxation(found[0], "deg", *found[1:])
 
-    def _narrower_band(self, band: LatitudeRange) -> Relaxation | None:
-        """End of the band that holds back, moved towards the other one."""
-        worst = float(self.day.scenarios.latitude_deg[self.nearest.worst_scenario()])
-        at_end = abs(worst - band.to_deg) < abs(worst - band.from_deg)
-        moved, other = (band.to_deg, band.from_deg) if at_end else (band.from_deg, band.to_deg)
-        count = round(abs(other - moved) / _LATITUDE_STEP_DEG)
-        places = np.linspace(moved, other, count + 1)[1:-1]
-        name = "to_deg" if at_end else "from_deg"
-
-        def narrowed(place: float) -> LatitudeRange:
-            return band.model_copy(update={name: place})
-
-        return self._least_move(moved, places, f"mission.latitude_deg.{name}", narrowed)
-
-    def _easier_latitudes(self, latitude: float) -> FloatArray:
-        """Latitudes from the mission's to where the nearest design does best, in steps."""
-        reach = np.arange(_LATITUDE_STEP_DEG, _LATITUDE_REACH_DEG, _LATITUDE_STEP_DEG)
-        sides = [np.clip(latitude + sign * reach, -90.0, 90.0) for sign in (-1.0, 1.0)]
-        tried = np.stack(sides)[:, 3::20]
-        days = np.asarray(self.mission.dates.days(), int)
-        scenarios = Scenarios(np.repeat(tried.ravel(), len(days)), np.tile(days, tried.size))
-        day = solar_day(self.aircraft, self.mission, self.solar, scenarios=scenarios, step_h=0.5)
-        perf = performance_of_designs(self.aircraft, self.mission, self.start, self.solar, day=day)
-        excess = perf.cycle.excess_time_h.reshape(*tried.shape, -1).min(axis=-1)
-        side, peak = np.unravel_index(int(np.argmax(excess)), excess.shape)
-        return sides[side][: 4 + 20 * int(peak)]
-
-    def _least_move(
-        self,
-        present: float,
-        places: FloatArray,
-        key: str,
-        as_latitude: Callable[[float], float | LatitudeRange],
-    ) -> Relaxation | None:
-        """First of the places, ordered from hard to easy, at which a design flies perpetually.
-
-        The easiest tells whether there is any. Of the others a few are sized at once, and then a
-        few between the two that matter.
-        """
-        if not len(places) or not self._enough(as_latitude, places[-1:])[0]:
-            return None
-        low, high = -1, len(places) - 1
-        while high - low > 1:
-            some = np.unique(np.linspace(low + 1, high - 1, _AT_ONCE).round().astype(int))
-            first = int(np.argmax([*self._enough(as_latitude, places[some]), True]))
-            if first > 0:
-                low = int(some[first - 1])
-            if first < len(some):
-                high = int(some[first])
-        # Next to the edge the sizing of many cells at once may miss a design by minutes.
-        for place in places[max(high - 1, 0) : high + _STEPS_BEYOND]:
-            worst_h = self._confirmed_excess_h(as_latitude(float(place)))
-            if worst_h is not None:
-                direction: Direction = "at most" if place < present else "at least"
-                return Relaxation(key, "deg", present, direction, float(place), worst_h)
-        return None
-
-    def _enough(
-        self, as_latitude: Callable[[float], float | LatitudeRange], places: FloatArray
-    ) -> NDArray[np.bool_]:
-        """Whether the required excess time is reached at each of some places.
+    def _enough(self, moved: list[Mission]) -> BoolArray:
+        """Whether the required excess time is reached on each of some missions.
 
         Of the scenarios only those count that matter most to the nearest design.
         """
-        latitudes = [as_latitude(float(place)) for place in places]
         telling = telling_scenarios(self.nearest, min(_BLOCKS, len(self.day.scenarios)))
-        moved = [self._moved(latitude).scenarios() for latitude in latitudes]
+        scenarios = [one.scenarios() for one in moved]
+        latitudes = np.concatenate([one.latitude_deg[telling] for one in scenarios])
+        days = np.concatenate([one.day_of_year[telling] for one in scenarios])
         found = size_cells(
-            self.aircraft,
-            self.mission,
-            Scenarios(
-                np.concatenate([one.latitude_deg[telling] for one in moved]),
-                np.concatenate([one.day_of_year[telling] for one in moved]),
-            ),
-            Objective.max_excess_time,
-            self.solar,
+            *(self.aircraft, self.mission, Scenarios(latitudes, days)),
+            *(Objective.max_excess_time, self.solar),
             scenarios_per_cell=len(telling),
             required_excess_time_h=0.0,
             problems=self.problems,
         )
         return np.asarray(found.objective_value >= self.required_h)
-
-    def _confirmed_excess_h(self, latitude: float | LatitudeRange) -> float | None:
-        """Largest worst excess time over all scenarios; None if it is not enough."""
-        return self._reached_h(
-            self._largest_excess(self.aircraft, self._moved(latitude), explain=True)
-        )
 
     def _largest_excess(
         self, aircraft: Aircraft, mission: Mission, *, explain: bool = False
@@ -481,48 +414,6 @@ class _Relaxations:
         """Worst excess time of a sizing; None if it is not enough."""
         worst_h = result.objective_value
         return worst_h if worst_h is not None and worst_h >= self.required_h else None
-
-    def _moved(self, latitude: float | LatitudeRange) -> Mission:
-        return self.mission.model_copy(update={"latitude_deg": latitude})
-
-    # --- wind and limits -----------------------------------------------------------------------
-
-    def _wind(self) -> Relaxation | None:
-        """Strongest wind that can be flown in, where the airspeed does not suffice."""
-        present = self.mission.wind_m_per_s
-        if "airspeed_above_wind" not in self.in_the_way or present == 0.0:
-            return None
-        moved = self._moved_least(WIND, (0.0, present), upwards=False, furthest=0.0)
-        if moved is None:
-            return None
-        return self._confirmed(WIND, present, moved.solution.value(WIND), moved.solution.design)
-
-    def _limit(self, name: str) -> Relaxation | None:
-        """Value to which a limit must be eased: no further than what is reached without it."""
-        quantity, end = self.limits[name]
-        upwards = end == "maximum"
-        (bounds,) = ((v.minimum, v.maximum) for v in self.program.variables if v.name == name)
-        ends = (1.0, bounds[1]) if upwards else (bounds[0], 1.0)
-        moved = self._moved_least(name, ends, upwards=upwards)
-        if moved is None:
-            return None
-        space = self.aircraft.design_space
-        present = getattr(space.all_limits()[quantity], end)
-
-        def eased(value: float) -> tuple[Aircraft, Mission]:
-            return self._with_limit(quantity, end, value / present), self.mission
-
-        found = present * moved.solution.value(name)
-        told = self._confirmed_value(present, found, moved.solution.design, eased, upwards=upwards)
-        key = f"design_space.{space.key_of_limit(quantity, end)}"
-        return told and Relaxation(key, parameter(quantity).unit, present, *told)
-
-
-def _sound(aircraft: Aircraft, mission: Mission, perf: Performance) -> bool:
-    """Whether a design keeps every requirement besides the excess time."""
-    conditions = FlightConditions.of(mission, aircraft)
-    met = meets_requirements(aircraft, perf.design, conditions, tolerance=_ROW_TOLERANCE)
-    return bool(np.all(met))
 
 
 def bisected(

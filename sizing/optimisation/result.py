@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sizing.design import Design, Masses
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.objectives import SizingStatus as SizingStatus
-from sizing.optimisation.problem import RELATIVE_STEP, Constraint
 from sizing.optimisation.solver import Solution, SolverReport
+from sizing.optimisation.variables import RELATIVE_STEP, Constraint
 from sizing.performance import Performance
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
@@ -24,7 +25,6 @@ ABSOLUTE_TOLERANCE_H = 0.01
 # interior-point method leaves multipliers on requirements that are merely close, its barrier over
 # the distance: below 0.0007 of the largest in 60 random sizings. Those that limit were above 0.01.
 LIMITING_FRACTION = 1e-3
-ROW_TOLERANCE = 1e-6  # of requirements, relative: the solver meets them to about 1e-8
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Violation:
     text: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SizingResult:
     """Outcome of a sizing: an optimum, or the requirements that cannot be met.
 
@@ -53,14 +53,60 @@ class SizingResult:
     status: SizingStatus
     objective: Objective
     required_excess_time_h: float
-    objective_value: float | None
-    design: Design | None
-    simulated: Performance | None
-    nearest: Performance | None
-    active_constraints: tuple[str, ...]
-    violations: tuple[Violation, ...]
     solver: SolverReport
+    objective_value: float | None = None
+    design: Design | None = None
+    simulated: Performance | None = None
+    nearest: Performance | None = None
+    active_constraints: tuple[str, ...] = ()
+    violations: tuple[Violation, ...] = ()
     optimum: Solution | None = None
+
+    @property
+    def merit(self) -> float:
+        """Objective, the larger the better; minus infinity without a design."""
+        if self.objective_value is None:
+            return -math.inf
+        return self.objective_value if self.objective.maximised else -self.objective_value
+
+    def with_design(self, perf: Performance) -> SizingResult:
+        """The same with a design that the simulator has judged, and its objective."""
+        return replace(
+            self,
+            status=SizingStatus.optimal,
+            objective_value=float(objective_value(self.objective, perf)),
+            design=plain_design(perf.design),
+            simulated=perf,
+        )
+
+    def without_design(
+        self, status: SizingStatus, nearest: Performance | None, *violations: Violation
+    ) -> SizingResult:
+        """The same without a design.
+
+        Parameters
+        ----------
+        status : SizingStatus
+            How it ends.
+        nearest : Performance or None
+            Design that comes closest, simulated.
+        *violations : Violation
+            What that one misses.
+
+        Returns
+        -------
+        SizingResult
+        """
+        return replace(
+            self,
+            status=status,
+            objective_value=None,
+            design=None,
+            simulated=None,
+            nearest=nearest,
+            violations=violations,
+            optimum=None,
+        )
 
     @property
     def feasible(self) -> bool:

@@ -1,39 +1,41 @@
 """Sizing: the best wingspan, battery mass and module area for a mission, or why there is none.
 
-The program knows a few scenarios on coarse nodes; the simulator judges all of them on fine ones. A
-search solves the program, simulates the design that it finds, shifts the program's goal by what the
-simulator finds otherwise, and solves again; scenarios that turn out worse than those in the program
-join it. What counts is the simulator's number: of all designs that it accepts on the way, the best
-is the optimum.
+A sizing says where its search starts (:mod:`sizing.optimisation.loop`), tries the branches that a
+midnight sun opens, and where there is no design it finds out why.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from operator import attrgetter
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import DesignVariables, variables_of
-from sizing.energy.cycle import Status
-from sizing.limits import meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import (
-    Promising,
-    Verdict,
     least_mission,
     least_unlifted,
     promising_designs,
     short_of_largest_excess,
     violations,
 )
+from sizing.optimisation.loop import (
+    PENALTY,
+    Accepted,
+    Search,
+    Simulated,
+    run,
+    simulated,
+    telling_scenarios,
+)
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import WORST_EXCESS, Effort, SizingProblems
+from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
     RELATIVE_TOLERANCE,
     SizingResult,
@@ -41,10 +43,8 @@ from sizing.optimisation.result import (
     active_constraints,
     limiting_rows,
     objective_value,
-    plain_design,
 )
 from sizing.optimisation.solver import (
-    GOAL_CUSHION_H,
     ProblemInstance,
     ProgramSolver,
     Solution,
@@ -52,261 +52,15 @@ from sizing.optimisation.solver import (
 from sizing.performance import Performance
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
-__all__ = ["Search", "SizingResult", "run", "size_aircraft"]
-
 # Scenarios that a program starts with; others join when the simulator finds them worse.
 _FIRST_BLOCKS = 3
-_ROUNDS = 12
-_WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
-_WASTE = 1e-3  # the same in what it costs of the objective, relative
 _MARGIN_COST = 0.003  # of the objective, relative
-# Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
-PENALTY = 300.0
 _NEXT_TO_NOTHING = 1e-3  # of a payload [kg, W]
-_SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
-_UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
-_LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
-_ROW_TOLERANCE = 1e-5  # relative; the solver meets its rows to about 1e-8
 _RESTARTS = 3
 _LESS_MARGIN = 1.0 / 30.0
 # Part of its mass that no design of a coarse grid lifts: those between its points gain less.
 _HOPELESS = 1.0
 _BRANCHES = 6  # that a cross-check tries at most, besides that by battery alone
-
-
-# --- the loop --------------------------------------------------------------------------------
-
-
-class Simulated(NamedTuple):
-    """What the simulator finds for one solution.
-
-    The excess time is that of ``worst``, the scenario with the least, confirmed with a fine step;
-    ``merit`` is the larger the better, and ``sound`` tells whether the design keeps every
-    requirement besides the excess time.
-    """
-
-    excess_time_h: float
-    worst: int
-    merit: float
-    sound: bool
-    performance: Performance | None = None
-
-
-class Accepted(NamedTuple):
-    """A design that the simulator accepts."""
-
-    solution: Solution
-    found: Simulated
-
-
-class _Bound(NamedTuple):
-    """Goal and margin of a program, and the excess time that its design turned out to have."""
-
-    goal_h: float
-    margin: float
-    excess_time_h: float
-
-
-class Search:
-    """One search for a design that the simulator accepts.
-
-    ``instance``: what the program is to be solved for; its goal carries a cushion for all but the
-    largest excess time. ``required_h``: excess time that the simulator must find in every scenario
-    [h]. ``scenarios``: scenarios that are in the program from the beginning. ``solve``: solution of
-    the search's instance; None where there is none.
-    """
-
-    def __init__(
-        self,
-        instance: ProblemInstance,
-        required_h: float,
-        scenarios: Sequence[int],
-        solve: Callable[[Search], Solution | None],
-        *,
-        count: int,
-    ) -> None:
-        self.instance, self.required_h = instance, required_h
-        self.scenarios, self.blocks, self.count = list(scenarios), len(scenarios), count
-        self.cushion_h = GOAL_CUSHION_H
-        self.ceiling_h = math.inf  # goal beyond which the program is known to have no solution
-        self._solve = solve
-        self.solution: Solution | None = None
-        self.previous: Solution | None = None
-        self.best: Accepted | None = None
-        # Programs of these scenarios whose designs the simulator rejected and accepted last.
-        self._short: _Bound | None = None
-        self._enough: _Bound | None = None
-        # Design of the last program whose goal turned out too low: as good as any can be.
-        self.rejected: DesignVariables | None = None
-
-    def filled(self) -> list[int]:
-        """Scenarios in the blocks; spare ones repeat them."""
-        return [self.scenarios[i % len(self.scenarios)] for i in range(self.blocks)]
-
-    @property
-    def current(self) -> Solution:
-        """Solution to be judged."""
-        assert self.solution is not None
-        return self.solution
-
-    def solved(self) -> bool:
-        """Whether there is a solution to be judged, after solving the program if need be."""
-        if self.solution is None:
-            self.solution = self._solve(self)
-        return self.solution is not None
-
-    def judge(self, found: Simulated) -> bool:
-        """Keep the solution if it is the best one; whether the program is to be solved again."""
-        accepted = self.accepts(found)
-        if accepted and (self.best is None or found.merit > self.best.found.merit):
-            self.best = Accepted(self.current, found)
-        if accepted and found.worst in self.scenarios and not self._wasteful(found):
-            return False
-        if accepted and self.instance.lit and np.isinf(found.excess_time_h):
-            return False  # nothing is worse than the others
-        if found.worst in self.scenarios:
-            bound = _Bound(self.instance.goal_h, self.instance.margin, found.excess_time_h)
-            self._short, self._enough = (self._short, bound) if accepted else (bound, self._enough)
-        if not accepted:
-            self.rejected = self.current.design
-            if self.ceiling_h - self.instance.goal_h < _SAME_GOAL_H or self.enclosed():
-                return False
-        self._tighten(found)
-        self.previous, self.solution = self.solution, None
-        return True
-
-    def accepts(self, found: Simulated) -> bool:
-        """Whether a design has enough excess time everywhere and keeps its requirements."""
-        if not (found.excess_time_h > 0.0 and found.excess_time_h >= self.required_h):
-            return False
-        # A limit on the total mass may be what is to be moved.
-        return found.sound or "total_mass_kg" in self.instance.bounds
-
-    def _wasteful(self, found: Simulated) -> bool:
-        """Whether a design has more excess time than needed, and another goal may change that."""
-        if self.instance.best_excess or (self.instance.goal_h <= 0.0 and self._short is None):
-            return False
-        surplus_h = found.excess_time_h - self.required_h
-        if self._unchanged() or self.enclosed():
-            return False
-        # Next to the largest excess time minutes cost much: what they are worth is known.
-        worth = self.current.cost(1.0)
-        if surplus_h * worth > _WASTE:
-            self.cushion_h = min(self.cushion_h, _WASTE / worth / 4.0)
-            return True
-        return surplus_h > _WASTE_H
-
-    def begin_below(self, enough: Accepted) -> None:
-        """Aim below a design of largest excess time, which is known to be enough.
-
-        The program counts otherwise than the simulator: it wants a margin on the recharge, and its
-        steps are longer. Near the largest excess time that decides whether it has any solution.
-        """
-        optimum, excess_h = enough.solution, enough.found.excess_time_h
-        to_spare_h = excess_h - self.required_h
-        if math.isinf(to_spare_h):
-            return
-        self.cushion_h = min(self.cushion_h, to_spare_h / 4.0)
-        self.scenarios = list(dict.fromkeys(optimum.scenarios))
-        self.blocks = len(optimum.scenarios)
-        self.ceiling_h, margin = optimum.value(WORST_EXCESS), optimum.instance.margin
-        self._short, self._enough = None, _Bound(self.ceiling_h, margin, excess_h)
-        goal_h = self.ceiling_h - to_spare_h + self.cushion_h
-        self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
-
-    def enclosed(self) -> bool:
-        """Whether what lies between a rejected program and an accepted one is worth nothing.
-
-        The excess time may leap there: a day that returns a little less lets the battery run empty.
-        """
-        last = self.solution or self.previous
-        if self._short is None or self._enough is None or last is None:
-            return False
-        hours = abs(self._enough.goal_h - self._short.goal_h)
-        margin = abs(self._enough.margin - self._short.margin)
-        return last.cost(hours, margin) < _WASTE / 4.0
-
-    def _unchanged(self) -> bool:
-        """Whether the last goal made no difference: another requirement decides."""
-        if self.previous is None:
-            return False
-        then, now = (list(one.design.chosen().values()) for one in (self.previous, self.current))
-        return bool(np.allclose(then, now, rtol=_UNCHANGED, atol=0.0))
-
-    def _tighten(self, found: Simulated) -> None:
-        """Let the worst scenario join, or shift the goal if it is there already."""
-        if found.worst not in self.scenarios:
-            self.scenarios.append(found.worst)
-            if len(self.scenarios) > self.blocks:
-                self.blocks = min(2 * self.blocks, self.count)
-            self._short = self._enough = None
-            return
-        goal_h, margin = self.instance.goal_h, self.instance.margin
-        if self._short is not None and self._enough is not None:
-            goal_h, margin = self._between(self._short, self._enough)
-        elif found.excess_time_h <= 0.0:
-            # The battery runs empty over many days: the day must return more.
-            goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
-        else:
-            shifted_h = goal_h + self.required_h - found.excess_time_h + self.cushion_h
-            if shifted_h > self.ceiling_h:
-                shifted_h = (goal_h + self.ceiling_h) / 2.0
-            goal_h = max(shifted_h, 0.0)
-        self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
-
-    def _between(self, short: _Bound, enough: _Bound) -> tuple[float, float]:
-        """Goal and margin between those that are too low and those that waste, by regula falsi."""
-        aim_h = self.required_h + self.cushion_h - short.excess_time_h
-        share = aim_h / (enough.excess_time_h - short.excess_time_h)
-        share = min(max(share, _LEAST_SHARE), 1.0 - _LEAST_SHARE)
-        goal_h = short.goal_h + share * (enough.goal_h - short.goal_h)
-        return goal_h, short.margin * (enough.margin / short.margin) ** share
-
-
-def run(
-    searches: Sequence[Search],
-    simulate: Callable[[Sequence[Search]], Sequence[Simulated]],
-    *,
-    rounds: int = _ROUNDS,
-) -> None:
-    """Solve, simulate, shift and keep the best, until the simulator accepts each design.
-
-    ``searches``: they are solved one after the other and simulated together. ``simulate``: what the
-    simulator finds for the solutions of some searches.
-    """
-    for _ in range(rounds):
-        searches = [search for search in searches if search.solved()]
-        if not searches:
-            return
-        judged = zip(searches, simulate(searches), strict=True)
-        searches = [search for search, found in judged if search.judge(found)]
-
-
-def telling_scenarios(perf: Performance, count: int) -> list[int]:
-    """Scenarios likely to drive the sizing: least excess time, and least sun for their load.
-
-    Returns indices, the most telling one first.
-    """
-    cycle = perf.cycle
-    short_of_sun = int(np.argmin(cycle.energy_budget.solar_wh / cycle.energy_budget.load_wh))
-    by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
-    dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
-    return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
-
-
-def simulated(
-    solver: ProgramSolver, perf: Performance, merit: float, required_h: float
-) -> Simulated:
-    """What the simulator finds for one design."""
-    worst = perf.worst_scenario()
-    met = meets_requirements(
-        solver.aircraft, perf.design, solver.conditions, tolerance=_ROW_TOLERANCE
-    )
-    excess_h = solver.least_excess_h(perf, required_h)
-    return Simulated(excess_h, worst, merit, bool(np.all(met)), perf)
-
-
-# --- one sizing ------------------------------------------------------------------------------
 
 
 def size_aircraft(
@@ -413,23 +167,16 @@ def _sized(
         one = _Sizing(*given, explain=False, lit=lit_sets[place])
         found.append(one.run())
         place = one.next_of(lit_sets, place)
-    best = max(found, key=_merit)
+    best = max(found, key=attrgetter("merit"))
     if not best.feasible:
         return by_battery.explained() if explain else without_lit
-    return replace(best, solver=solver.report())
-
-
-def _merit(result: SizingResult) -> float:
-    """Objective, the larger the better."""
-    if result.objective_value is None:
-        return -np.inf
-    return result.objective_value if result.objective.maximised else -result.objective_value
+    return replace(best, solver=solver.work)
 
 
 @lru_cache(maxsize=1)
-def _promising(solver: ProgramSolver) -> list[Promising]:
-    """Designs of a coarse grid that come nearest, kept: a verdict may ask for them again."""
-    return promising_designs(solver.aircraft, solver.mission, solver.solar, solver.day)
+def _flown(solver: ProgramSolver, variables: DesignVariables) -> Performance:
+    """Simulated design, kept: the branches of a problem start from the same."""
+    return solver.performance(variables)
 
 
 class _Sizing:
@@ -478,7 +225,7 @@ class _Sizing:
     @cached_property
     def first(self) -> Performance:
         """What the simulator finds for the design that the search starts from."""
-        return self.solver.performance(self.start)
+        return _flown(self.solver, self.start)
 
     def explained(self) -> SizingResult:
         """Why a run without explanation has found no design; or the design, after all."""
@@ -612,7 +359,9 @@ class _Sizing:
             return self._given_up(nearest)
 
         def grid() -> list[DesignVariables]:
-            return [one.design for one in _promising(self.solver)] or [variables_of(self.aircraft)]
+            return [one.design for one in promising_designs(self.solver)] or [
+                variables_of(self.aircraft)
+            ]
 
         return self._explained(grid)
 
@@ -629,16 +378,14 @@ class _Sizing:
         mission = least_mission(own.mission, self.objective)
         solver = ProgramSolver(own.problems, mission, own.solar, own.day, by_model=own.by_model)
         largest = self._largest_excess(solver)
-        own.add(solver)
-        verdict = short_of_largest_excess(self.aircraft, largest, self.required_h)
-        if verdict is not None:
-            return self._failed(verdict)
+        own.work += solver.work
+        short = short_of_largest_excess(self.aircraft, largest, self.required_h)
+        if short is not None:
+            return self._as_asked(short)
         assert largest.simulated is not None
         assert largest.optimum is not None
         if self.objective is Objective.max_excess_time:
-            return replace(
-                largest, required_excess_time_h=self.required_h, solver=self.solver.report()
-            )
+            return self._as_asked(largest)
         self.lit = sorted(largest.optimum.instance.lit)
         self.search.instance = self._instance()
         # Its own time step judges it: no finer one takes back what the largest excess time allows.
@@ -657,10 +404,10 @@ class _Sizing:
         reached_h = largest.objective_value
         if reached_h is None or reached_h >= self.required_h:
             return largest
-        for one in _promising(solver)[:1]:
+        for one in promising_designs(solver)[:1]:
             if one.missed == 0.0 and one.excess_time_h > reached_h:
                 again = _sized(solver, Objective.max_excess_time, 0.0, one.design, explain=False)
-                return max(largest, again, key=_merit)
+                return max(largest, again, key=attrgetter("merit"))
         return largest
 
     def _explained_by_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
@@ -676,18 +423,13 @@ class _Sizing:
             again = self._restarted([least.design, *starts], nearest.performance)
             if accepted or again.feasible:
                 return again
-        flying = [one.design for one in _promising(self.solver) if one.excess_time_h > 0.0]
+        flying = [one.design for one in promising_designs(self.solver) if one.excess_time_h > 0.0]
         solution = self._solve(flying) if flying and not self.restarts else None
         if solution is not None:
             self.restarts += 1
             return self._settled(solution)
-        verdict = Verdict(
-            SizingStatus.infeasible,
-            tuple(violations(self.aircraft, missed, nearest.performance, self.required_h)),
-            nearest.performance,
-            active_constraints(least, self.day),
-        )
-        return self._failed(verdict)
+        active = active_constraints(least, self.day)
+        return self._infeasible(missed, nearest.performance, active)
 
     def _without_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
         """Verdict where the solver cannot tell what is missed: a coarse grid may show it."""
@@ -695,8 +437,7 @@ class _Sizing:
         unlifted = least_unlifted(self.aircraft, self.solver.mission)
         if unlifted <= _HOPELESS:
             return self._restarted(starts, nearest)
-        missed = violations(self.aircraft, {"mass_budget": unlifted}, nearest, self.required_h)
-        return self._failed(Verdict(SizingStatus.infeasible, tuple(missed), nearest))
+        return self._infeasible({"mass_budget": unlifted}, nearest)
 
     def _least_missed(self, starts: list[DesignVariables]) -> Solution | None:
         """Solution that misses as little as possible, or all but that: by a penalty."""
@@ -716,34 +457,33 @@ class _Sizing:
         return self._settled(solution)
 
     def _given_up(self, nearest: Performance) -> SizingResult:
-        return self._failed(Verdict(SizingStatus.not_converged, (), nearest))
+        return replace(self._result(), nearest=nearest)
 
-    def _failed(self, verdict: Verdict) -> SizingResult:
-        return SizingResult(
-            status=verdict.status,
-            objective=self.objective,
-            required_excess_time_h=self.required_h,
-            objective_value=None,
-            design=None,
-            simulated=None,
-            nearest=verdict.nearest,
-            active_constraints=verdict.active_constraints,
-            violations=verdict.violations,
-            solver=self.solver.report(),
-        )
+    def _infeasible(
+        self, missed: Mapping[str, float], nearest: Performance, active: tuple[str, ...] = ()
+    ) -> SizingResult:
+        found = violations(self.aircraft, missed, nearest, self.required_h)
+        return self._result(active).without_design(SizingStatus.infeasible, nearest, *found)
 
     def _optimal(self, solution: Solution, found: Simulated) -> SizingResult:
         assert found.performance is not None
+        active = active_constraints(solution, self.day)
+        return replace(self._result(active), optimum=solution).with_design(found.performance)
+
+    def _result(self, active: tuple[str, ...] = ()) -> SizingResult:
         return SizingResult(
-            status=SizingStatus.optimal,
+            status=SizingStatus.not_converged,
             objective=self.objective,
             required_excess_time_h=self.required_h,
-            objective_value=float(objective_value(self.objective, found.performance)),
-            design=plain_design(found.performance.design),
-            simulated=found.performance,
-            nearest=None,
-            active_constraints=active_constraints(solution, self.day),
-            violations=(),
-            solver=self.solver.report(),
-            optimum=solution,
+            active_constraints=active,
+            solver=self.solver.work,
+        )
+
+    def _as_asked(self, result: SizingResult) -> SizingResult:
+        """Sizing for another objective as the verdict on this one."""
+        return replace(
+            result,
+            objective=self.objective,
+            required_excess_time_h=self.required_h,
+            solver=self.solver.work,
         )

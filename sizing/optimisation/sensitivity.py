@@ -21,9 +21,10 @@ from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import RELATIVE_STEP, Role, SizingProblem, build_problem
+from sizing.optimisation.problem import SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.solver import Solution
+from sizing.optimisation.variables import RELATIVE_STEP, Role
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day

@@ -13,24 +13,15 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, closed_design
+from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import (
-    WIND,
-    WORST_EXCESS,
-    Constraint,
-    Effort,
-    Role,
-    SizingProblem,
-    SizingProblems,
-    Variable,
-)
+from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
+from sizing.optimisation.variables import WIND, WORST_EXCESS, Constraint, Role, Variable
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-# A requirement missed by less than this (relative) is met: the solver's own tolerance is 1e-8.
-_SLACK_TOLERANCE = 1e-5
 _FIRST_MARGIN = 1e-3  # of the recharge, to begin with
 # The goal is a little more than what is required [h]: the program's time step flatters a design by
 # up to 0.003 h, the simulator's by another 0.002.
@@ -146,7 +137,7 @@ class Solution:
         return {
             names[v.name]: float(slack)
             for slack, v in zip(self.x, self.variables, strict=True)
-            if v.role is Role.slack and slack > _SLACK_TOLERANCE
+            if v.role is Role.slack and slack > ROW_TOLERANCE
         }
 
     def cost(self, excess_time_h: float, margin: float = 0.0) -> float:
@@ -182,11 +173,20 @@ class Solution:
 class SolverReport:
     """What the solver did: iterations and time over all starts and rounds."""
 
-    iterations: int
-    time_s: float
-    build_time_s: float
-    solves: int
-    message: str
+    iterations: int = 0
+    time_s: float = 0.0
+    build_time_s: float = 0.0
+    solves: int = 0
+    message: str = ""
+
+    def __add__(self, more: SolverReport) -> SolverReport:
+        return SolverReport(
+            iterations=self.iterations + more.iterations,
+            time_s=self.time_s + more.time_s,
+            build_time_s=self.build_time_s + more.build_time_s,
+            solves=self.solves + more.solves,
+            message=more.message or self.message,
+        )
 
 
 # Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
@@ -230,8 +230,7 @@ class ProgramSolver:
         self._fine_days: dict[int, SolarDay] = {}
         self.conditions = FlightConditions.of(mission, problems.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
-        self.iterations, self.solve_s, self.build_s, self.solves = 0, 0.0, 0.0, 0
-        self.message = ""
+        self.work = SolverReport()
 
     @property
     def aircraft(self) -> Aircraft:
@@ -321,7 +320,7 @@ class ProgramSolver:
         problem = self.problems.of(len(scenarios))
         if any(name not in problem.index for name in instance.freed):
             problem = self.problems.of(len(scenarios), eased=True)
-        self.build_s += time.perf_counter() - begun
+        self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
         lit = [i for i, scenario in enumerate(scenarios) if scenario in instance.lit]
@@ -347,14 +346,17 @@ class ProgramSolver:
         with program.lock:
             begun = time.perf_counter()
             solver = program.solver(effort)
-            self.build_s += time.perf_counter() - begun
-            begun = time.perf_counter()
+            built = time.perf_counter()
             found: Any = solver(**(posed.limits | dict(start)))
-            self.solve_s += time.perf_counter() - begun
+            solved = time.perf_counter()
             stats = solver.stats()
-        self.iterations += int(stats["iter_count"])
-        self.solves += 1
-        self.message = str(stats["return_status"])
+        self.work += SolverReport(
+            iterations=int(stats["iter_count"]),
+            time_s=solved - built,
+            build_time_s=built - begun,
+            solves=1,
+            message=str(stats["return_status"]),
+        )
         x, rows, bounds = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
         problem, instance = posed.problem, posed.instance
         stands = instance.penalty is not None and _stands_still(stats)
@@ -370,18 +372,6 @@ class ProgramSolver:
             *(instance, problem.variables, problem.constraints, posed.scenarios, design),
             *(x, posed.weights, rows, bounds),
         )
-
-    def add(self, other: ProgramSolver) -> None:
-        """Count the work of another solver as well."""
-        self.iterations += other.iterations
-        self.solve_s += other.solve_s
-        self.build_s += other.build_s
-        self.solves += other.solves
-        self.message = other.message
-
-    def report(self) -> SolverReport:
-        """Work so far."""
-        return SolverReport(self.iterations, self.solve_s, self.build_s, self.solves, self.message)
 
     def _ends(
         self, problem: SizingProblem, instance: ProblemInstance

@@ -13,10 +13,10 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.design import ImpossibleDesignError, design_of, structure_assessment
-from sizing.energy.cycle import Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
 from sizing.replay import CalendarRun, calendar_run
+from sizing.results import quantities as q
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite
@@ -146,6 +146,22 @@ class Analysis(Result):
             return np.full(len(self.performance.cycle.status), np.nan)
         return self.performance.days_to_settle()
 
+    @cached_property
+    def values(self) -> dict[q.Quantity, Any]:
+        """Quantities of all scenarios: infinite where unlimited, NaN where there is none."""
+        flights = self.endurances
+        known = {
+            q.ENDURANCE: [np.inf if one is None else float(one.endurance_h) for one in flights],
+            q.BEST_LAUNCH: [np.nan if one is None else float(one.launch_h) for one in flights],
+            q.DAYS_TO_SETTLE: self.days_to_settle,
+        }
+        return {one: known[one] if one in known else one.of(self.performance) for one in q.SCENARIO}
+
+    def scenario(self, index: int | None = None) -> dict[q.Quantity, Any]:
+        """Quantities of a scenario, by default of the worst."""
+        at = self.worst if index is None else index
+        return {one: values[at] for one, values in self.values.items()}
+
     def to_dict(self) -> dict[str, Any]:
         """Whole analysis, JSON-ready; the top level is the worst scenario."""
         records = [scenario_record(self, i) for i in range(len(self.performance.cycle.status))]
@@ -159,12 +175,10 @@ class Analysis(Result):
             "model": solar.model,
             "correction": solar.correction,
             "days": self.days,
-            "total_mass_kg": finite(design.total_mass_kg),
+            **q.design_record(design, [q.TOTAL_MASS]),
             "masses_kg": self.masses_kg,
             "structure": None if self.structure is None else self.structure.to_dict(),
-            "battery_energy_wh": finite(design.battery_energy_wh),
-            "propulsion_power_w": finite(design.propulsion_power_w),
-            "airspeed_m_per_s": None if airspeed is None else finite(airspeed),
+            **q.design_record(design, q.ANALYSED),
             "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
             "extrapolations": extrapolation_records(self.extrapolations),
             **software_record(),
@@ -182,22 +196,10 @@ class Analysis(Result):
         """Metrics of every scenario, one row each; infinite where unlimited."""
         import pandas as pd
 
-        cycle, day = self.performance.cycle, self.performance.day
-        endurance = [np.inf if e is None else float(e.endurance_h) for e in self.endurances]
-        return pd.DataFrame(
-            {
-                "latitude_deg": day.scenarios.latitude_deg,
-                "day_of_year": day.scenarios.day_of_year,
-                "status": [_status_name(int(status)) for status in cycle.status],
-                "excess_time_h": cycle.excess_time_h,
-                "charge_margin_h": cycle.charge_margin_h,
-                "endurance_h": endurance,
-                "minimum_state_of_charge": cycle.minimum_state_of_charge,
-                "solar_energy_wh": cycle.energy_budget.solar_wh,
-                "load_energy_wh": cycle.energy_budget.load_wh,
-                "days_to_settle": self.days_to_settle,
-            }
-        )
+        scenarios = self.performance.day.scenarios
+        columns = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
+        columns |= {one.name: self.values[one] for one in q.SCENARIO_FRAME}
+        return pd.DataFrame(columns)
 
     def trajectory(self) -> pd.DataFrame:
         """Power and state of charge over the cycle of every scenario, one row per node of time."""
@@ -311,32 +313,20 @@ def check_days(mission: Mission, days: int | None) -> None:
 
 def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     """Metrics of one scenario, JSON-ready."""
-    perf, endurance = analysis.performance, analysis.endurances[index]
-    cycle, account = perf.cycle, perf.cycle.energy_budget
-    lit = perf.day.sunset_h[index] > perf.day.sunrise_h[index]
-    settled = analysis.days_to_settle[index]
-    record = {
-        "excess_time_h": finite(cycle.excess_time_h[index]),
-        "charge_margin_h": finite(cycle.charge_margin_h[index]),
-        "endurance_h": None if endurance is None else finite(endurance.endurance_h),
-        "best_launch_h": None if endurance is None else finite(endurance.launch_h),
-        "minimum_state_of_charge": finite(cycle.minimum_state_of_charge[index]),
-        "status": _status_name(int(cycle.status[index])),
-        "sunrise_h": finite(perf.day.sunrise_h[index]) if lit else None,
-        "sunset_h": finite(perf.day.sunset_h[index]) if lit else None,
-        "equal_power_morning_h": finite(cycle.equal_power_morning_h[index]),
-        "equal_power_evening_h": finite(cycle.equal_power_evening_h[index]),
-        "full_charge_h": finite(cycle.full_charge_h[index]),
-        "days_to_settle": None if not np.isfinite(settled) else int(settled),
-        "power_out_w": finite(np.broadcast_to(perf.nominal_load_w, cycle.status.shape)[index]),
-        "solar_energy_wh": finite(account.solar_wh[index]),
-        "load_energy_wh": finite(account.load_wh[index]),
-        "curtailed_energy_wh": finite(account.curtailed_wh[index]),
+    perf, scenarios = analysis.performance, analysis.performance.day.scenarios
+    day = int(scenarios.day_of_year[index])
+    record: dict[str, Any] = {
+        one.name: value if isinstance(value, str) else finite(value)
+        for one, value in analysis.scenario(index).items()
+    }
+    settled = record[q.DAYS_TO_SETTLE.name]
+    record |= {
+        q.DAYS_TO_SETTLE.name: None if settled is None else int(settled),
         "model": perf.solar.model,
         "correction": perf.solar.correction,
-        "latitude_deg": finite(perf.day.scenarios.latitude_deg[index]),
-        "day_of_year": int(perf.day.scenarios.day_of_year[index]),
-        "date": date_code(int(perf.day.scenarios.day_of_year[index])),
+        "latitude_deg": finite(scenarios.latitude_deg[index]),
+        "day_of_year": day,
+        "date": date_code(day),
         "uncertainty": uncertainty_record(analysis.low, analysis.high, index),
     }
     if analysis.climb is not None:
@@ -383,8 +373,3 @@ def flight_record(flight: CalendarRun) -> dict[str, Any]:
         "final_state_of_charge": float(flight.state_of_charge[-1]),
         "empty_clock_h": flight.empty_clock_h,
     }
-
-
-def _status_name(status: int) -> str:
-    """Status for users; a cycle without any solar power is one of the limited ones."""
-    return Status.limited.name if status == Status.never_lit else Status(status).name

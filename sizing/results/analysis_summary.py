@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,10 @@ import numpy as np
 from missions.dates import date_label, day_of_year
 from missions.mission import Mission, latitude_label
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
-from sizing.results.analysis import Analysis, flight_record, scenario_record
+from sizing.performance import Performance
+from sizing.replay import CalendarRun
+from sizing.results import quantities as q
+from sizing.results.analysis import Analysis
 from sizing.results.battery import battery_line
 from sizing.results.notes import (
     catalogue_blocks,
@@ -18,39 +22,36 @@ from sizing.results.notes import (
     structure_blocks,
 )
 from sizing.results.records import clock_label, hours
-from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
+from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
 
 
 def headline(analysis: Analysis) -> str:
     """Aircraft, mission, place and excess time in one line."""
-    record = scenario_record(analysis, analysis.worst)
-    excess = hours(record["excess_time_h"], UNLIMITED if _always_lit(record) else MISSING)
+    values = analysis.scenario()
     flown = "" if analysis.days is None else f" after {_days(analysis.days)}"
     return (
         f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}{flown}: "
-        f"excess time {excess}, {record['status'].replace('_', ' ')}"
+        f"{' '.join(q.EXCESS_TIME.fact(values[q.EXCESS_TIME]))}, {_status(values)}"
     )
 
 
 def summary(analysis: Analysis) -> Summary:
     """What is shown of an analysis, in the order in which it is read."""
-    record = analysis.to_dict()
-    several = len(record["scenarios"]) > 1
+    several = len(analysis.performance.cycle.status) > 1
     worst = ", worst scenario" if several else ""
     flown = "" if analysis.days is None else f", after {_days(analysis.days)} from an empty battery"
     title = (
-        f"{record['aircraft']} on {record['mission']}, {_where(analysis)}{worst}{flown}: "
-        f"{record['status'].replace('_', ' ')}"
+        f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}{worst}{flown}: "
+        f"{_status(analysis.scenario())}"
     )
-    rows = _rows(record) + (_climb_rows(record["climb"]) if "climb" in record else [])
     blocks: list[Any] = [Line(title, "strong")]
-    table, masses = facts("", rows), record["masses_kg"]
+    table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks += structure_blocks(analysis.structure)
     if several:
-        blocks.append(scenario_table(record["scenarios"]))
+        blocks.append(scenario_table(analysis))
     if analysis.flight is not None:
-        blocks.append(flight_table(flight_record(analysis.flight)))
+        blocks.append(flight_table(analysis.flight))
     condition = battery_line(analysis.aircraft, analysis.mission)
     if condition is not None:
         blocks.append(condition)
@@ -59,7 +60,8 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
     blocks += catalogue_blocks(analysis.aircraft)
-    blocks.append(Line(uncertainty_line(record, analysis.mission), "faint"))
+    error = uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
+    blocks.append(Line(error, "faint"))
     return Summary(tuple(blocks))
 
 
@@ -88,25 +90,25 @@ def _days(count: int) -> str:
     return "1 day" if count == 1 else f"{count} days"
 
 
-def uncertainty_line(record: dict[str, Any], mission: Mission) -> str:
-    """What the RMS error of the solar power model means for the excess time.
+def uncertainty_line(low: Performance, high: Performance, index: int, mission: Mission) -> str:
+    """What the RMS error of the solar power model means for the excess time of a scenario.
 
-    ``mission``: with its uncertainty margins, which are taken off before that error.
+    ``low``, ``high``: with the solar power one RMS error lower and higher. ``mission``: with its
+    uncertainty margins, which are taken off before that error.
     """
-    spread = record["uncertainty"]
-    low, high = spread["excess_time_low_h"], spread["excess_time_high_h"]
+    ends_h = [float(q.EXCESS_TIME.of(one)[index]) for one in (low, high)]
     means = (
         "leaves the excess time unlimited"
-        if low is None and high is None
-        else f"puts the excess time between {hours(low, UNLIMITED)} and {hours(high, UNLIMITED)}"
+        if np.isinf(ends_h).all()
+        else f"puts the excess time between {' and '.join(map(hours, ends_h))}"
     )
-    plain = record["correction"] == "none"
-    given = mission.uncertainty_margins.given
+    solar, given = low.solar, mission.uncertainty_margins.given
     beyond = ", on top of the mission's uncertainty margins," if given else ""
+    plain = solar.correction == "none"
     error = "the model's RMS error" if plain else "the RMS error left after it"
     return (
-        f"{record['model']}, correction: {record['correction']}; {error} of "
-        f"{100 * spread['solar_power_rms_relative']:.0f} % of the mean power{beyond} {means}."
+        f"{solar.model}, correction: {solar.correction}; {error} of "
+        f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."
     )
 
 
@@ -114,92 +116,94 @@ def _where(analysis: Analysis) -> str:
     return analysis.performance.day.scenarios.label(analysis.worst)
 
 
-def _always_lit(record: dict[str, Any]) -> bool:
-    return bool(record["status"] == "always_lit")
+def _status(values: dict[q.Quantity, Any]) -> str:
+    return str(values[q.STATUS]).replace("_", " ")
 
 
-def _endurance(record: dict[str, Any]) -> str:
-    unlimited = record["status"] in ("perpetual", "always_lit")
-    return hours(record["endurance_h"], UNLIMITED if unlimited else "over a year")
+def _endurance(values: dict[q.Quantity, Any]) -> str:
+    endurance_h, unlimited = values[q.ENDURANCE], values[q.STATUS] in ("perpetual", "always_lit")
+    return "over a year" if np.isinf(endurance_h) and not unlimited else hours(endurance_h)
 
 
-def _rows(record: dict[str, Any]) -> list[tuple[str, str]]:
-    endurance = _endurance(record)
-    if record["best_launch_h"] is not None and record["sunrise_h"] is not None:
+def _rows(analysis: Analysis) -> list[tuple[str, str]]:
+    values, design = analysis.scenario(), analysis.performance.design
+    endurance = _endurance(values)
+    if not np.isnan(values[q.BEST_LAUNCH]) and not np.isnan(values[q.SUNRISE]):
         # Without sun every launch is as good.
-        endurance += f", launched {clock_label(record['best_launch_h'])}"
-    airspeed = record["airspeed_m_per_s"]
-    times = {
-        key: clock_label(record[f"{key}_h"])
-        for key in ("sunrise", "sunset", "equal_power_morning", "equal_power_evening")
-    }
+        endurance += f", launched {clock_label(values[q.BEST_LAUNCH])}"
+    morning, evening = q.EQUAL_POWER_MORNING, q.EQUAL_POWER_EVENING
     return [
-        ("excess time", hours(record["excess_time_h"], UNLIMITED if _always_lit(record) else "-")),
-        ("charge margin", hours(record["charge_margin_h"])),
-        ("endurance", endurance),
-        ("minimum state of charge", f"{100 * record['minimum_state_of_charge']:.1f} %"),
-        ("total mass", f"{record['total_mass_kg']:.2f} kg"),
-        ("battery", f"{record['battery_energy_wh']:.0f} Wh"),
-        ("airspeed", MISSING if airspeed is None else f"{airspeed:.1f} m/s"),
-        ("load", f"{record['power_out_w']:.1f} W"),
-        ("solar energy of the day", f"{record['solar_energy_wh']:.0f} Wh"),
-        ("sunrise, sunset (solar time)", f"{times['sunrise']}, {times['sunset']}"),
+        *(one.fact(values[one]) for one in (q.EXCESS_TIME, q.CHARGE_MARGIN)),
+        (q.ENDURANCE.label, endurance),
+        q.MINIMUM_CHARGE.fact(values[q.MINIMUM_CHARGE]),
+        q.TOTAL_MASS.fact(design.total_mass_kg, ".2f"),
+        ("battery", q.BATTERY_ENERGY.fact(design.battery_energy_wh, ".0f")[1]),
+        q.AIRSPEED.fact(design.airspeed_m_per_s, ".1f"),
+        *(one.fact(values[one]) for one in (q.LOAD, q.SOLAR_ENERGY)),
+        ("sunrise, sunset (solar time)", _clocks(values[q.SUNRISE], values[q.SUNSET])),
+        ("equal power, morning and evening", _clocks(values[morning], values[evening])),
+        (q.FULL_CHARGE.label, clock_label(values[q.FULL_CHARGE])),
+    ]
+
+
+def _clocks(*hours_h: float) -> str:
+    return ", ".join(map(clock_label, hours_h))
+
+
+def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
+    """What climbing does in the worst scenario; nothing where the mission does not climb."""
+    if analysis.climb is None:
+        return []
+    flown, worst = analysis.climb.climb, analysis.worst
+    gain_h = float(analysis.climb.gain_h[worst])
+    return [
+        ("highest altitude", f"{flown.maximum_altitude_m[worst]:.0f} m"),
+        ("gliding in the evening", hours(float(flown.gliding_h[worst]))),
+        ("stored potential energy", f"{flown.maximum_potential_energy_wh[worst]:.1f} Wh"),
         (
-            "equal power, morning and evening",
-            f"{times['equal_power_morning']}, {times['equal_power_evening']}",
+            "excess time at constant altitude",
+            q.EXCESS_TIME.fact(q.EXCESS_TIME.of(analysis.climb.constant)[worst])[1],
         ),
-        ("full charge", clock_label(record["full_charge_h"])),
+        ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
     ]
 
 
-def _climb_rows(climb: dict[str, Any]) -> list[tuple[str, str]]:
-    gain = climb["gain_in_excess_time_h"]
-    constant = hours(climb["constant_altitude_excess_time_h"], UNLIMITED)
-    return [
-        ("highest altitude", f"{climb['maximum_altitude_m']:.0f} m"),
-        ("gliding in the evening", hours(climb["gliding_h"])),
-        ("stored potential energy", f"{climb['stored_height_wh']:.1f} Wh"),
-        ("excess time at constant altitude", constant),
-        ("gained by climbing", MISSING if gain is None else f"{gain:+.2f} h"),
-    ]
-
-
-def scenario_table(records: list[dict[str, Any]]) -> Table:
-    """Metrics of all scenarios, a row each."""
+def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Table:
+    """Metrics of scenarios, a row each: of all, or of some of them."""
+    scenarios = analysis.performance.day.scenarios
     columns = (
         Column("latitude"),
         Column("date"),
-        Column("excess_time", "excess time"),
-        Column("charge_margin", "charge margin"),
+        Column("excess_time", q.EXCESS_TIME.label),
+        Column("charge_margin", q.CHARGE_MARGIN.label),
         Column("minimum_state_of_charge", "min. SoC"),
         Column("endurance"),
     )
-    rows = [
-        (
-            latitude_label(r["latitude_deg"]),
-            date_label(r["day_of_year"]),
-            hours(r["excess_time_h"], UNLIMITED),
-            hours(r["charge_margin_h"]),
-            f"{100 * r['minimum_state_of_charge']:.1f} %",
-            _endurance(r),
+    rows = []
+    for index in range(len(scenarios)) if shown is None else shown:
+        values = analysis.scenario(index)
+        rows.append(
+            (
+                latitude_label(float(scenarios.latitude_deg[index])),
+                date_label(int(scenarios.day_of_year[index])),
+                *(one.fact(values[one])[1] for one in q.REACHED),
+                _endurance(values),
+            )
         )
-        for r in records
-    ]
     return Table("all scenarios", columns, tuple(rows))
 
 
-def flight_table(flight: dict[str, Any]) -> Table:
+def flight_table(flight: CalendarRun) -> Table:
     """Replayed flight as a list of facts."""
-    first_day = day_of_year(flight["launch"].split()[0])
-    clock_time = flight["launch"].split()[1]
-    rows = [("launch (local time)", f"{date_label(first_day)} {clock_time}")]
-    for clock in flight["full_charge_clock_h"]:
-        rows.append(("full charge", clock_label(clock, first_day=first_day)))
+    first_day = day_of_year(flight.launch.date)
+    rows = [("launch (local time)", f"{date_label(first_day)} {flight.launch.time_local}")]
+    for clock in flight.full_charge_clock_h:
+        rows.append((q.FULL_CHARGE.label, clock_label(clock, first_day=first_day)))
     rows += [
-        ("minimum state of charge", f"{100 * flight['minimum_state_of_charge']:.1f} %"),
-        ("flown", hours(flight["duration_h"])),
-        ("state of charge at the end", f"{100 * flight['final_state_of_charge']:.1f} %"),
+        q.MINIMUM_CHARGE.fact(flight.minimum_state_of_charge),
+        ("flown", hours(float(flight.clock_h[-1] - flight.clock_h[0]))),
+        ("state of charge at the end", f"{100 * flight.state_of_charge[-1]:.1f} %"),
     ]
-    if flight["empty_clock_h"] is not None:
-        rows.append(("battery empty", clock_label(flight["empty_clock_h"], first_day=first_day)))
+    if flight.empty_clock_h is not None:
+        rows.append(("battery empty", clock_label(flight.empty_clock_h, first_day=first_day)))
     return facts("flight on the calendar", rows)

@@ -21,7 +21,6 @@ _REQUIREMENTS = {
     "days_that_close": ("days of the record that close", ""),
     "always_lit": ("solar power above the load at all times", ""),
 }
-_BOUND_KEYS = {"total_mass_kg": "maximum_total_mass_kg"}
 _ENDS = ("maximum", "minimum")
 
 
@@ -51,9 +50,10 @@ def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
     """
     bounded, at_its, end = name.partition(" at its ")
     if at_its:
+        largest, fields = f"maximum_{bounded}", DesignSpace.model_fields
         key = f"{bounded}.{end}" if end in _ENDS else bounded
-        key = _BOUND_KEYS.get(bounded, key)
-        known = bounded in DesignSpace.model_fields or bounded in _BOUND_KEYS
+        key = largest if largest in fields else key
+        known = bounded in fields or largest in fields
         return Words(f"{label(bounded)} at its {end}", "", f"design_space.{key}" if known else "")
     plain, _, rest = name.partition(" (")
     where = rest.removesuffix(")")

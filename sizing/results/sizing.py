@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,6 +21,8 @@ from sizing.design import (
     structure_assessment,
 )
 from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.margins.probability import Reliability, check_reliability, size_reliably
+from sizing.margins.season_days import Survival
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
@@ -35,8 +36,9 @@ from sizing.optimisation.sensitivity import (
     constraint_multipliers,
     sensitivities,
 )
+from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.reliability import Reliability, check_reliability, size_reliably
+from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
@@ -44,7 +46,6 @@ from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
-from sizing.survival.result import Survival
 from sizing.validity.checks import record_check, stall_margin_within_polar
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, told
@@ -161,10 +162,9 @@ class SizingStudy(Result):
         variables = self._optimum().variables
         data = self.aircraft.model_dump(mode="json", exclude_unset=True)
         data["name"] = f"{data['name']}-sized"
-        data["airframe"]["wingspan_m"] = variables.wingspan_m
-        data["airframe"]["aspect_ratio"] = variables.aspect_ratio
-        data["battery"]["mass_kg"] = variables.battery_mass_kg
-        data["modules"]["area_m2"] = variables.module_area_m2
+        for one in q.CHOSEN:
+            section, key = parameter(one.name).key.split(".")
+            data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
         return data
@@ -206,7 +206,12 @@ class SizingStudy(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready; what only an optimum has is null without one."""
-        record = _result_record(self.result, self.aircraft, self.mission)
+        result = self.result
+        record = _result_record(result, self.aircraft, self.mission) | {
+            "quantities": self.quantities,
+            **_design_record(result.design),
+            **_simulated_record(result.simulated),
+        }
         structure = self.structure
         record["structure"] = None if structure is None else structure.to_dict()
         record |= {"model": self.solar.model, "correction": self.solar.correction}
@@ -229,12 +234,38 @@ class SizingStudy(Result):
         if self.cross_check is not None:
             record["cross_check"] = finite_values(self.cross_check.__dict__)
         if self.without_margins is not None:
-            record["as_assumed"] = _reached(self.without_margins)
+            record["as_assumed"] = q.worst_record(self.without_margins, q.REACHED)
         if self.reliability is not None:
             record["reliability"] = finite_values(self.reliability.to_dict())
         if self.survival is not None:
             record["weather"] = self.survival.to_dict()
         return record
+
+    @cached_property
+    def quantities(self) -> dict[str, float] | None:
+        """Quantities that may be bounded; outside of the airfoil's polar the stall is the fenced.
+
+        None where no optimum was found.
+        """
+        design = self.result.design
+        if design is None:
+            return None
+        conditions = FlightConditions.of(self.mission, self.aircraft)
+        it = DesignInFlight(self.aircraft, design, conditions.with_payload_of(design.variables))
+        values: dict[str, float] = {name: float(of(it)) for name, of in QUANTITIES.items()}
+        margin = float(stall_margin_within_polar(it))
+        if margin != values["stall_margin"]:
+            values["stall_margin"] = margin
+            values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
+        return values
+
+    def design_values(self) -> list[tuple[q.Quantity, float]]:
+        """Quantities of the optimum that tables show."""
+        design, perf, quantities = self._optimum(), self.result.simulated, self.quantities
+        assert perf is not None
+        assert quantities is not None
+        known = design.variables._asdict() | quantities | q.worst_record(perf, [q.LOAD])
+        return [(one, float(known[one.name])) for one in q.SIZED_TABLE]
 
     def to_frame(self) -> pd.DataFrame:
         """Design as rows of quantity, value and unit.
@@ -246,8 +277,8 @@ class SizingStudy(Result):
         """
         import pandas as pd
 
-        self._optimum()
-        return pd.DataFrame(design_rows(self.to_dict()), columns=["quantity", "value", "unit"])
+        rows = [(one.label, value, one.unit) for one, value in self.design_values()]
+        return pd.DataFrame(rows, columns=["quantity", "value", "unit"])
 
     def masses(self) -> pd.DataFrame:
         """Mass budget, one row per item."""
@@ -263,18 +294,9 @@ class SizingStudy(Result):
         self._optimum()
         perf = self.result.simulated
         assert perf is not None
-        scenarios, cycle = perf.day.scenarios, perf.cycle
-        return pd.DataFrame(
-            {
-                "latitude_deg": scenarios.latitude_deg,
-                "day_of_year": scenarios.day_of_year,
-                "excess_time_h": cycle.excess_time_h,
-                "charge_margin_h": cycle.charge_margin_h,
-                "minimum_state_of_charge": cycle.minimum_state_of_charge,
-                "solar_energy_wh": cycle.energy_budget.solar_wh,
-                "load_energy_wh": cycle.energy_budget.load_wh,
-            }
-        )
+        scenarios = perf.day.scenarios
+        places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
+        return pd.DataFrame(places | {one.name: one.of(perf) for one in q.REACHED_FRAME})
 
 
 def size(
@@ -466,77 +488,48 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
     if condition is not None:
         record["battery_condition"] = condition
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
-    record["quantities"] = None
-    if result.design is not None:
-        conditions = FlightConditions.of(mission, aircraft).with_payload_of(result.design.variables)
-        flown = DesignInFlight(aircraft, result.design, conditions)
-        record["quantities"] = _quantities(flown)
-    return record | _design_record(result.design) | _simulated_record(result.simulated)
-
-
-def _quantities(it: DesignInFlight) -> dict[str, float]:
-    """Quantities of a design; outside of the airfoil's polar the stall is the fenced one."""
-    values: dict[str, float] = {name: float(of(it)) for name, of in QUANTITIES.items()}
-    margin = float(stall_margin_within_polar(it))
-    if margin != values["stall_margin"]:
-        values["stall_margin"] = margin
-        values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
-    return values
+    return record
 
 
 def _nearest_record(perf: Performance) -> dict[str, Any]:
     """Design that comes closest to an infeasible requirement, and what it reaches."""
-    worst = perf.worst_scenario()
     return {
         **{name: float(value) for name, value in perf.design.variables.chosen().items()},
-        "total_mass_kg": finite(perf.design.total_mass_kg),
-        "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
-        "worst_scenario": perf.day.scenarios.label(worst),
+        **q.design_record(perf.design, [q.TOTAL_MASS]),
+        **q.worst_record(perf, [q.EXCESS_TIME]),
+        "worst_scenario": perf.day.scenarios.label(perf.worst_scenario()),
     }
 
 
 def _design_record(design: Design | None) -> dict[str, Any]:
     if design is None:
-        keys = (*DesignVariables._fields, "total_mass_kg", "masses_kg", "wing_area_m2")
-        return dict.fromkeys((*keys, "airspeed_m_per_s", "propulsion_power_w"))
+        names = (one.name for one in q.SIZED)
+        return dict.fromkeys((*DesignVariables._fields, q.TOTAL_MASS.name, "masses_kg", *names))
     return {
         **design.variables._asdict(),
-        "total_mass_kg": design.total_mass_kg,
+        **q.design_record(design, [q.TOTAL_MASS]),
         "masses_kg": design.masses._asdict(),
-        "wing_area_m2": design.wing_area_m2,
-        "airspeed_m_per_s": design.airspeed_m_per_s,
-        "propulsion_power_w": design.propulsion_power_w,
+        **q.design_record(design, q.SIZED),
     }
 
 
 def _simulated_record(perf: Performance | None) -> dict[str, Any]:
     if perf is None:
-        return {"power_out_w": None, "worst_scenario": None, "simulated": None}
-    worst = perf.worst_scenario()
-    scenarios = perf.day.scenarios
+        return {q.LOAD.name: None, "worst_scenario": None, "simulated": None}
+    worst, scenarios = perf.worst_scenario(), perf.day.scenarios
     return {
-        "power_out_w": float(perf.nominal_load_w.ravel()[0]),
+        **q.worst_record(perf, [q.LOAD]),
         "worst_scenario": {
             "latitude_deg": float(scenarios.latitude_deg[worst]),
             "day_of_year": int(scenarios.day_of_year[worst]),
             "label": scenarios.label(worst),
         },
         "simulated": {
-            **_reached(perf),
-            "total_mass_kg": float(perf.design.total_mass_kg),
+            **q.worst_record(perf, q.REACHED),
+            **q.design_record(perf.design, [q.TOTAL_MASS]),
             "model": perf.solar.model,
             "correction": perf.solar.correction,
         },
-    }
-
-
-def _reached(perf: Performance) -> dict[str, Any]:
-    """What a design reaches in its worst scenario."""
-    worst = int(np.argmin(perf.cycle.excess_time_h))
-    return {
-        "excess_time_h": finite(perf.cycle.excess_time_h[worst]),
-        "charge_margin_h": finite(perf.cycle.charge_margin_h[worst]),
-        "minimum_state_of_charge": finite(perf.cycle.minimum_state_of_charge[worst]),
     }
 
 
@@ -547,24 +540,6 @@ def _range_record(coverage: WidestRange) -> dict[str, Any]:
         ends = {"from": date_code(int(first)), "to": date_code(int(last))}
         return {**ends, "days": int(coverage.extent)}
     return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
-
-
-def design_rows(record: dict[str, Any]) -> list[tuple[str, float, str]]:
-    """Design of a sizing's record as rows of quantity, value and unit."""
-    quantities = record["quantities"]
-    rows = [
-        ("wingspan", record["wingspan_m"], "m"),
-        ("aspect ratio", record["aspect_ratio"], ""),
-        ("battery mass", record["battery_mass_kg"], "kg"),
-        ("module area", record["module_area_m2"], "m2"),
-        ("total mass", record["total_mass_kg"], "kg"),
-        ("airspeed", record["airspeed_m_per_s"], "m/s"),
-        ("stall speed", quantities["stall_speed_m_per_s"], "m/s"),
-        ("wing loading", quantities["wing_loading_kg_per_m2"], "kg/m2"),
-        ("climb rate at rated power", quantities["climb_rate_m_per_s"], "m/s"),
-        ("load", record["power_out_w"], "W"),
-    ]
-    return [(name, math.nan if value is None else float(value), unit) for name, value, unit in rows]
 
 
 def sensitivity_records(found: list[Sensitivity]) -> list[dict[str, Any]]:

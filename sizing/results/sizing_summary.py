@@ -6,14 +6,18 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from missions.dates import date_label, day_of_year
+import numpy as np
+
+from missions.dates import date_label
 from missions.mission import latitude_label
+from sizing.margins.probability import Reliability
+from sizing.margins.season_days import Survival
+from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.relaxations import Relaxation
 from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
-from sizing.reliability import Reliability
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.battery import battery_line
 from sizing.results.constraint_words import constraint_words, parameter_words
@@ -23,10 +27,10 @@ from sizing.results.notes import (
     mass_table,
     structure_blocks,
 )
+from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
 from sizing.results.records import hours
-from sizing.results.sizing import SizingStudy, design_rows
+from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
-from sizing.survival.result import Survival
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 
@@ -42,25 +46,24 @@ def headline(study: SizingStudy) -> str:
 
 def summary(study: SizingStudy) -> Summary:
     """What is shown of a sizing, in the order in which it is read."""
-    record = study.to_dict()
     title = f"{study.aircraft.name} sized for {_where(study)} ({study.objective.value})"
     blocks: list[Any] = [Line(f"{title}: {_verdict(study)}", "strong")]
     if study.design is None:
-        return Summary((*blocks, *_without_design(study, record)))
+        return Summary((*blocks, *_without_design(study)))
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
         blocks.append(Line(f"at the end of the design space: {words}", "warning"))
-    blocks.append((_design_table(record), mass_table(record["masses_kg"])))
+    blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)
-    blocks += _confidence(study, record)
+    blocks += _confidence(study)
     if study.reliability is not None:
         blocks.append(reliability_text(study.reliability, study))
     if study.survival is not None:
         blocks += survival_blocks(study.survival, study)
     if study.coverage is not None and study.coverage.first is not None:
-        blocks.append(_range_text(record["range"]))
+        blocks.append(_range_text(study.coverage))
     solver = study.result.solver
     solves = f"{solver.solves} solve{'s' if solver.solves > 1 else ''}"
     times = f"{1000 * solver.time_s:.0f} ms (built in {1000 * solver.build_time_s:.0f} ms)"
@@ -84,7 +87,7 @@ def _verdict(study: SizingStudy) -> str:
     return study.status.label
 
 
-def _without_design(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
+def _without_design(study: SizingStudy) -> list[Any]:
     """Requirements that are missed, what holds the design back, and what would help."""
     blocks: list[Any] = [f"  {one.text}" for one in study.result.violations]
     blocks += _limits("held back by", study)
@@ -150,43 +153,42 @@ def relaxation_table(found: Sequence[Relaxation]) -> Table:
     return Table("feasible with one of these, all else unchanged", columns, tuple(rows))
 
 
-_FORMS = {"m": ".3f", "": ".2f", "kg": ".3f", "m2": ".3f", "m/s": ".2f", "kg/m2": ".2f", "W": ".1f"}
+def _design_table(study: SizingStudy) -> Table:
+    flown = study.result.simulated
+    assert flown is not None
+    worst = flown.worst_scenario()
+    clear = " under a clear sky" if study.survival is not None else ""
+    excess, charge = (one.fact(one.of(flown)[worst]) for one in (EXCESS_TIME, MINIMUM_CHARGE))
+    where = f"{EXCESS_TIME.label}{clear}, {flown.day.scenarios.label(worst)}"
+    rows = [one.fact(value) for one, value in study.design_values()]
+    return facts("", [*rows, (where, excess[1]), charge])
 
 
-def _design_table(record: dict[str, Any]) -> Table:
-    rows = [
-        (name, f"{value:{_FORMS[unit]}} {unit}".rstrip())
-        for name, value, unit in design_rows(record)
-    ]
-    simulated = record["simulated"]
-    where = record["worst_scenario"]["label"]
-    clear = " under a clear sky" if "weather" in record else ""
-    rows.append((f"excess time{clear}, {where}", hours(simulated["excess_time_h"], UNLIMITED)))
-    rows.append(("minimum state of charge", f"{100 * simulated['minimum_state_of_charge']:.1f} %"))
-    return facts("", rows)
-
-
-def _confidence(study: SizingStudy, record: dict[str, Any]) -> list[Any]:
+def _confidence(study: SizingStudy) -> list[Any]:
     """How far the answer may be trusted: ranges of the models, their error, margins."""
     condition = battery_line(study.aircraft, study.mission)
     blocks: list[Any] = [] if condition is None else [condition]
     blocks += extrapolation_blocks(study.extrapolations)
     blocks += catalogue_blocks(study.aircraft)
-    if record["uncertainty"] is not None:
-        blocks.append(Line(uncertainty_line(record, study.mission), "faint"))
-        low = record["uncertainty"]["excess_time_low_h"]
+    flown, low, high = study.result.simulated, study.low, study.high
+    if flown is not None and low is not None and high is not None:
+        worst = flown.worst_scenario()
+        blocks.append(Line(uncertainty_line(low, high, worst, study.mission), "faint"))
+        low_h = float(low.cycle.excess_time_h[worst])
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.given or study.reliability is not None
         guarded = guarded or study.survival is not None
-        if low is not None and low < required and not guarded:
-            what = "ends perpetual flight" if low <= 0.0 else f"misses the required {required:g} h"
+        if low_h < required and not guarded:
+            what = (
+                "ends perpetual flight" if low_h <= 0.0 else f"misses the required {required:g} h"
+            )
             text = (
                 f"on the edge: one RMS error less solar power {what}; to size with that margin: "
                 "--set mission.uncertainty_margins.solar_model_sigmas=1"
             )
             blocks.append(Line(text, "warning"))
     if study.without_margins is not None:
-        reached = hours(record["as_assumed"]["excess_time_h"], UNLIMITED)
+        reached = hours(float(np.min(study.without_margins.cycle.excess_time_h)))
         blocks.append(f"without the mission's uncertainty margins the excess time is {reached}")
     return blocks
 
@@ -252,12 +254,14 @@ def _clear_sky_text(found: Survival, study: SizingStudy) -> str:
     return f"{text}; this one is {abs(more):.1f} % {'larger' if more >= 0.0 else 'smaller'}"
 
 
-def _range_text(found: dict[str, Any]) -> str:
-    if "days" in found:
-        ends = " to ".join(date_label(day_of_year(found[end])) for end in ("from", "to"))
-        return f"season: {ends}, {found['days']} days"
-    ends = " to ".join(latitude_label(found[end]) for end in ("from_deg", "to_deg"))
-    return f"latitudes: {ends}, {found['width_deg']:g} degrees"
+def _range_text(found: WidestRange) -> str:
+    first, last, extent = found.first, found.last, found.extent
+    assert first is not None
+    assert last is not None
+    if found.sizing.objective is Objective.longest_season:
+        ends = " to ".join(date_label(int(day)) for day in (first, last))
+        return f"season: {ends}, {int(extent)} days"
+    return f"latitudes: {latitude_label(first)} to {latitude_label(last)}, {extent:g} degrees"
 
 
 def with_unit(value: float | None, digits: str, objective: Objective) -> str:

@@ -38,9 +38,9 @@ class Column:
 
     ``name``: name in frames and CSV, with its unit: ``excess_time_h``. ``label``: heading for
     people; the name without underscores if left out. ``form``: format of numbers, such as ``.2f``;
-    ``{:+.1f} %`` where text surrounds them. ``missing``: what stands for a value that does not
-    exist. ``to_right``: whether its cells are aligned to the right; by default numbers and the
-    values of facts are.
+    ``.1%`` for shares; ``{:+.1f} kg`` where text surrounds them. ``missing``: what stands for a
+    value that does not exist. ``to_right``: whether its cells are aligned to the right; by default
+    numbers and the values of facts are.
     """
 
     name: str
@@ -66,7 +66,10 @@ class Column:
             return "yes" if value else "no"
         if math.isinf(value):
             return UNLIMITED if value > 0 else f"-{UNLIMITED}"
-        return self.form.format(value) if "{" in self.form else format(value, self.form)
+        if "{" in self.form:
+            return self.form.format(value)
+        text = format(value, self.form)
+        return f"{text[:-1]} %" if self.form.endswith("%") else text
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHARGE, Quantity
 from sizing.results.records import check_subjects, finite, hours
-from sizing.results.tables import UNLIMITED, Column, Line, Result, Summary, Table, facts
+from sizing.results.tables import Column, Line, Result, Summary, Table, facts
 from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
@@ -117,9 +118,7 @@ class UncertaintyAnalysis(Result):
             "required_excess_time_h": self.required_h,
             "probability_required": vars(self.probability_required),
             "nominal_excess_time_h": finite(self.nominal_excess_time_h),
-            "excess_time_h": _percentiles(self.flights.excess_time_h),
-            "minimum_state_of_charge": _percentiles(self.flights.minimum_state_of_charge),
-            "endurance_h": _percentiles(self.endurance_h),
+            **{one.name: _percentiles(values) for one, values in self._scattered().items()},
             "extrapolations": extrapolation_records(self.extrapolations),
             "sobol": {key: vars(index) for key, index in self.sobol.items()},
             "inputs": [
@@ -137,40 +136,29 @@ class UncertaintyAnalysis(Result):
         """A row a draw: its inputs, excess time, least state of charge, mass and power."""
         import pandas as pd
 
-        flown = self.flights
         return pd.DataFrame(
-            {
-                **self.values,
-                "excess_time_h": flown.excess_time_h,
-                "minimum_state_of_charge": flown.minimum_state_of_charge,
-                "total_mass_kg": flown.total_mass_kg,
-                "propulsion_power_w": flown.propulsion_power_w,
-            }
+            self.values | {one.name: getattr(self.flights, one.name) for one in DRAWN}
         )
+
+    def _scattered(self) -> dict[Quantity, FloatArray]:
+        known = vars(self.flights) | {ENDURANCE.name: self.endurance_h}
+        return {one: known[one.name] for one in (EXCESS_TIME, MINIMUM_CHARGE, ENDURANCE)}
 
     def summary(self) -> Summary:
         """What the terminal shows."""
-        record = self.to_dict()
-        excess, charge = record["excess_time_h"], record["minimum_state_of_charge"]
+        scattered = self._scattered()
         rows = [("probability of perpetual flight", self.probability_perpetual.text())]
         if self.required_h > 0.0:
             label = f"probability of {self.required_h:g} h of excess time"
             rows.append((label, self.probability_required.text()))
         rows += [
-            (
-                "excess time with the files' values",
-                hours(record["nominal_excess_time_h"], UNLIMITED),
-            ),
-            ("excess time: 10, 50, 90 % of draws", _three(excess, UNLIMITED)),
-            ("endurance", _three(record["endurance_h"], UNLIMITED)),
-            (
-                "minimum state of charge",
-                ", ".join(f"{100 * charge[p]:.1f} %" for p in PERCENTILES),
-            ),
+            ("excess time with the files' values", hours(self.nominal_excess_time_h)),
+            ("excess time: 10, 50, 90 % of draws", _three(EXCESS_TIME, scattered)),
+            *((one.label, _three(one, scattered)) for one in (ENDURANCE, MINIMUM_CHARGE)),
         ]
         blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
         blocks += extrapolation_blocks(self.extrapolations)
-        text = f"{record['model']}, correction: {record['correction']}; seed {self.seed}."
+        text = f"{self.solar.model}, correction: {self.solar.correction}; seed {self.seed}."
         if not self.inputs.independent:
             text += " Inputs are correlated: shares of the variance are not defined."
         blocks.append(Line(text, "faint"))
@@ -307,13 +295,18 @@ def _sobol_indices(
     }
 
 
-def _percentiles(values: FloatArray) -> dict[str, float | None]:
-    """P10, P50 and P90, each a draw that occurred; null where infinite."""
+def _at_percentiles(values: FloatArray) -> dict[str, float]:
+    """P10, P50 and P90, each a draw that occurred."""
     return {
-        name: finite(np.percentile(values, at, method="inverted_cdf"))
+        name: float(np.percentile(values, at, method="inverted_cdf"))
         for name, at in PERCENTILES.items()
     }
 
 
-def _three(record: dict[str, float | None], unlimited: str) -> str:
-    return ", ".join(hours(record[p], unlimited) for p in PERCENTILES)
+def _percentiles(values: FloatArray) -> dict[str, float | None]:
+    """The same, JSON-ready: null where infinite."""
+    return {name: finite(value) for name, value in _at_percentiles(values).items()}
+
+
+def _three(quantity: Quantity, values: dict[Quantity, FloatArray]) -> str:
+    return ", ".join(quantity.fact(one)[1] for one in _at_percentiles(values[quantity]).values())

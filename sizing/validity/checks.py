@@ -142,12 +142,7 @@ def _measured_checks(
 
 def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
     design, structure = it.design, it.airframe.structure
-    shape = {
-        "wingspan_m": design.variables.wingspan_m,
-        "aspect_ratio": design.variables.aspect_ratio,
-        "total_mass_kg": design.total_mass_kg,
-    }
-    for quantity, value in shape.items():
+    for quantity, value in (design.variables._asdict() | design._asdict()).items():
         if (quantity, structure.model) in ranges():
             yield Check.of(quantity, structure.model, value)
     if isinstance(structure, RibWingStructure):

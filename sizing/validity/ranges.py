@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sizing.limits import ROW_TOLERANCE
 from solar.types import BoolArray, FloatArray
 
-# Limits that an optimiser keeps are kept to its tolerance.
-_TOLERANCE = 1e-6
 _MOST_DIGITS = 8
 EXPERIENCE = "experience"
 
@@ -196,8 +195,8 @@ class Check(NamedTuple):
         """Where the value is outside; never where there is none."""
         low, high, value = self.minimum, self.maximum, self.value
         with np.errstate(invalid="ignore"):
-            below = value < low - _TOLERANCE * np.abs(low)
-            above = value > high + _TOLERANCE * np.abs(high)
+            below = value < low - ROW_TOLERANCE * np.abs(low)
+            above = value > high + ROW_TOLERANCE * np.abs(high)
         return np.asarray((below | above) & np.isfinite(value))
 
     @property

@@ -11,7 +11,9 @@ import warnings
 from typing import NamedTuple, TextIO
 
 import click
+from click.shell_completion import CompletionItem
 
+from missions.files.errors import InputError
 from solar._version import __version__
 from solar.versions import DeprecatedKeyWarning
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
@@ -99,12 +101,8 @@ class _LazyGroup(click.Group):
         command: click.Command = getattr(module, lazy.name)
         return command
 
-    def shell_complete(
-        self, ctx: click.Context, incomplete: str
-    ) -> list[click.shell_completion.CompletionItem[str]]:
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[str]]:
         """Commands with their summaries, and options; no command is imported."""
-        from click.shell_completion import CompletionItem
-
         some = {name: one for name, one in _COMMANDS.items() if name.startswith(incomplete)}
         items = [CompletionItem(name, help=one.summary) for name, one in some.items()]
         return [*items, *click.Command.shell_complete(self, ctx, incomplete)]
@@ -192,12 +190,11 @@ def _tell_mistake(error: BaseException) -> int:
         return error.exit_code
     if isinstance(error, click.Abort):
         return 128 + signal.SIGINT
-    from missions.files.errors import InputError
-    from sizing.design import ImpossibleDesignError
-
     if isinstance(error, InputError):
         tell_error(str(error))
         return EXIT_BAD_INPUT
+    from sizing.design import ImpossibleDesignError
+
     if isinstance(error, ImpossibleDesignError | OSError):
         tell_error(f"solar-uav: {error}")
         return EXIT_FAILED

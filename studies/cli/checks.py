@@ -1,14 +1,13 @@
-"""What a command needs of aircraft, mission and files, told in terms of the files."""
+"""What a command needs of aircraft and mission, told in terms of their files."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import click
 
-from missions.files.errors import InputError, Problem, printable
+from missions.files.errors import InputError, Problem
 from missions.files.validation import located_error
 from missions.flight_path import path_trouble
 from sizing.aircraft import MeasuredAirframe
@@ -16,7 +15,6 @@ from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import design_of
 from solar.names import ATTITUDE_MODELS
 from studies.cli.files import Case
-from studies.engine.chunk_store import check_target
 
 
 def refuse_climb(case: Case, command: str) -> None:
@@ -74,38 +72,6 @@ def require_parametric(case: Case, message: str) -> None:
     """Refuse a measured aircraft where masses and power must follow from the design."""
     if isinstance(case.aircraft.airframe, MeasuredAirframe):
         raise located_error(case.craft.document, ("airframe", "kind"), message)
-
-
-def check_outputs(**options: str | None) -> None:
-    """Refuse files that cannot be written, or all be written, before any work is done for them.
-
-    ``**options``: path given with each option, by the name of the option.
-    """
-    taken: dict[str, str] = {}
-    for name, path in options.items():
-        if path is None:
-            continue
-        option = f"--{name}"
-        if not path:
-            raise click.BadParameter("needs the name of a file", param_hint=option)
-        check_target(path)
-        if os.path.exists(path) and not os.path.isfile(path):  # noqa: PTH110, PTH113
-            continue  # a device or a pipe takes one after the other
-        folder, file = os.path.split(os.path.abspath(path))  # noqa: PTH100
-        place = os.path.join(os.path.realpath(folder), file)  # noqa: PTH118
-        if place in taken:
-            raise click.UsageError(f"{taken[place]} and {option} name the same file {path!r}")
-        taken[place] = option
-
-
-def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None]) -> None:
-    """Refuse an output in place of what the command reads: a flight is not flown again."""
-    if path is None or not os.path.isfile(path):  # noqa: PTH113
-        return
-    for one in read:
-        if one is not None and os.path.isfile(one) and os.path.samefile(one, path):  # noqa: PTH113, PTH121
-            message = f"{printable(path)!r} is read by this command; name another file"
-            raise click.BadParameter(message, param_hint=option)
 
 
 @contextmanager

@@ -5,14 +5,16 @@ The shells' scripts are click's; see "Shell Completion" in its documentation.
 
 from __future__ import annotations
 
+import csv
 import os
 from collections.abc import Iterable
+from importlib import resources
 from pathlib import Path
+from typing import NamedTuple
 
 from click.shell_completion import BashComplete, CompletionItem, ZshComplete, add_completion_class
 
 from missions.files.shipped import shipped_names, shipped_records
-from studies.cli.completion_keys import Key, known_keys
 
 YAML, LOGS = (".yaml", ".yml"), (".csv", ".ulg")
 _SHORT_NAMES = ("wingspan_m", "aspect_ratio", "battery_mass_kg", "module_area_m2")
@@ -23,7 +25,25 @@ COLUMNS = (
     *("power", "worst_latitude", "worst_day", "shortfall"),
 )
 
+KEYS_FILE = "completion_keys.csv"
+
 Items = list[CompletionItem[str]]
+
+
+class Key(NamedTuple):
+    """A key as ``--set`` takes it, the values it allows if those are few, and what it is."""
+
+    key: str
+    values: tuple[str, ...]
+    number: bool
+    label: str
+
+
+def known_keys() -> list[Key]:
+    """All keys, as they are written down."""
+    text = resources.files("studies.cli").joinpath(KEYS_FILE).read_text(encoding="utf-8")
+    rows = csv.reader(text.splitlines())
+    return [Key(k, tuple(v.split("|")) if v else (), n == "number", la) for k, v, n, la in rows]
 
 
 def values_for(name: str, incomplete: str) -> Items:

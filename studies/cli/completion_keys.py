@@ -1,4 +1,4 @@
-"""Keys of aircraft and mission files for shell completion, written down so that it is quick.
+"""Keys of aircraft and mission files, written down for shell completion so that it is quick.
 
 Reading them from the classes takes half a second; ``python -m studies.cli.completion_keys`` writes
 ``completion_keys.csv`` anew, and a test compares it with the classes.
@@ -10,39 +10,22 @@ import csv
 import io
 import types
 from collections.abc import Iterator, Mapping
-from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-FILE = "completion_keys.csv"
-MISSION_PREFIX = "mission."
+from missions.library import MISSION_PREFIX
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.catalogues.files import entry_names
+from sizing.parameters import catalogue
+from studies.cli.completion import KEYS_FILE, Key
+from studies.sweeps.axes import NAMED_KEYS
+
 _SWITCH = ("false", "true")
-
-
-class Key(NamedTuple):
-    """A key as ``--set`` takes it, the values it allows if those are few, and what it is."""
-
-    key: str
-    values: tuple[str, ...]
-    number: bool
-    label: str
-
-
-def known_keys() -> list[Key]:
-    """All keys, as they are written down."""
-    text = resources.files("studies.cli").joinpath(FILE).read_text(encoding="utf-8")
-    rows = csv.reader(io.StringIO(text))
-    return [Key(k, tuple(v.split("|")) if v else (), n == "number", la) for k, v, n, la in rows]
 
 
 def keys_of_classes() -> list[Key]:
     """All keys, as the classes of the files have them."""
-    from missions.mission import Mission
-    from sizing.aircraft import Aircraft
-    from sizing.catalogues.files import entry_names
-    from sizing.parameters import catalogue
-    from studies.sweeps.axes import NAMED_KEYS
-
     labels = {key: one.label for key, one in catalogue().items()}
     found: dict[str, tuple[set[str], bool]] = {}
     for prefix, owner in (("", Aircraft), (MISSION_PREFIX, Mission)):
@@ -98,4 +81,4 @@ def to_text(keys: list[Key]) -> str:
 
 
 if __name__ == "__main__":
-    Path(__file__).with_name(FILE).write_text(to_text(keys_of_classes()), encoding="utf-8")
+    Path(__file__).with_name(KEYS_FILE).write_text(to_text(keys_of_classes()), encoding="utf-8")

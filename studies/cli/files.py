@@ -27,13 +27,14 @@ from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft
 from sizing.sunlight import SolarModel
+from studies.cli.options import CaseOptions
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
 T = TypeVar("T")
 
 DEFAULT_MISSION = " (default mission)"  # behind the name of one that nobody chose
 _AIRCRAFT_PREFIX = "aircraft."
-_YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg", ".bin")
+_YAML = (".yaml", ".yml")
 _A_KIND: dict[Kind, str] = {"aircraft": "an aircraft", "mission": "a mission"}
 _OTHER: dict[Kind, Kind] = {"aircraft": "mission", "mission": "aircraft"}
 
@@ -155,22 +156,15 @@ def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMiss
     return LoadedMission(validate(document, Mission), document, _checksum("mission", name_or_path))
 
 
-def load(
-    aircraft: str,
-    mission: str | None,
-    overrides: Sequence[str] = (),
-    *,
-    model: str = "CAM",
-    correction: str = "none",
-    as_json: bool = False,
-) -> Case:
+def load(options: CaseOptions, *, required_excess_time_h: float | None = None) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
-    ``aircraft``: name, path of a file, or folder that ``--out`` wrote: its mission, model and
-    correction then stand in for options that are not given. ``mission``: name or path of a file;
-    None only with a folder. ``overrides``: ``key=value`` of the aircraft, or of the mission behind
-    ``mission.``.
+    A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
+    options that are not given. ``required_excess_time_h``: what the mission requires instead of its
+    own.
     """
+    aircraft, mission = options.aircraft, options.mission
+    model, correction = options.model, options.correction
     is_default = _is_default("mission")
     folder = RunFolder.at(aircraft)
     if folder is None and os.path.isdir(aircraft):  # noqa: PTH112 - takes any text for a path
@@ -184,21 +178,17 @@ def load(
         correction = folder.correction if _is_default("correction") else correction
     if mission is None:
         raise click.UsageError("Missing option '--mission' / '-m'.")
-    of_aircraft, of_mission = split_overrides(overrides)
+    of_aircraft, of_mission = split_overrides(options.overrides)
     errors: list[InputError] = []
     craft = _attempt(partial(open_aircraft, aircraft, of_aircraft), errors)
     where = _attempt(partial(open_mission, mission, of_mission), errors)
     if craft is None or where is None:
         raise _joined_errors(errors)
     solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-    return Case(craft, where, is_default, solar, as_json)
-
-
-def refuse_swapped_log(aircraft: str, log_file: str, verb: str = "verify") -> None:
-    """Refuse a log where the aircraft is meant, and the reverse."""
-    named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
-    if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
-        raise click.UsageError(f"the aircraft comes first: {verb} {log_file} {aircraft}")
+    case = Case(craft, where, is_default, solar, options.as_json)
+    if required_excess_time_h is None:
+        return case
+    return case.with_mission(required_excess_time_h=required_excess_time_h)
 
 
 def write_starters(name: str, folder: Path) -> list[Path]:

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import click
 
-# Headings of ``--help`` for the options that many commands have, in their order; the rest is the
-# command's own.
+# Headings of ``--help`` for the options that many commands have, and these below each in their
+# order; the rest is the command's own.
 _SUBJECTS = {
     "Solar power model, changes of the files": ("--model", "--correction", "--set"),
     "Output": (
-        "--json",
+        "--out",
         "--table",
         "--table-years",
         "--markdown",
         "--plot",
         "--pareto",
-        "--out",
         "--pdf",
         "--report",
+        "--json",
     ),
     "Figures": ("--figure-size", "--dpi", "--style", "--no-title"),
     "Long computations": ("--workers", "--scheduler", "--work", "--keep-parts"),
@@ -30,7 +30,7 @@ _OWN = "Options"
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
-class Command(click.Command):
+class HelpedCommand(click.Command):
     """Command with examples, its options by subject.
 
     ``examples``: calls as they are typed, shown at the end of the help text.
@@ -44,7 +44,7 @@ class Command(click.Command):
         """Write the options, those of many commands under headings of their own."""
         records: dict[str, list[tuple[str, str]]] = {_OWN: [], **{name: [] for name in _SUBJECTS}}
         options = [one for one in self.get_params(ctx) if isinstance(one, click.Option)]
-        for option in sorted(options, key=lambda one: "--help" in one.opts):
+        for option in sorted(options, key=lambda one: _place(one.opts)):
             record = option.get_help_record(ctx)
             if record is not None:
                 records[_subject(option.opts)].append(_with_choices(option, *record))
@@ -74,6 +74,12 @@ def _subject(options: Sequence[str]) -> str:
     return next((name for name, some in _SUBJECTS.items() if set(some) & set(options)), _OWN)
 
 
+def _place(options: Sequence[str]) -> int:
+    """Place of an option among those of its subject; a command's own stay in theirs, help last."""
+    names = [*_SUBJECTS.get(_subject(options), ()), "--help"]
+    return next((place for place, name in enumerate(names) if name in options), 0)
+
+
 def _with_choices(option: click.Option, left: str, right: str) -> tuple[str, str]:
     """Names to choose from as one writes them; long lists in the text, where lines break."""
     if not isinstance(option.type, click.Choice):
@@ -84,14 +90,3 @@ def _with_choices(option: click.Option, left: str, right: str) -> tuple[str, str
     if len(listed) <= _LONGEST_CHOICE:
         return f"{left} [{listed}]", right
     return f"{left} NAME", f"One of {', '.join(names)}. {right}"
-
-
-def command(
-    *examples: str, name: str | None = None
-) -> Callable[[Callable[..., Any]], click.Command]:
-    """Make a function a command, as :func:`click.command` does.
-
-    ``*examples``: calls as they are typed, shown at the end of the help text. ``name``: of the
-    command, where it is not the function's.
-    """
-    return click.command(name=name, cls=Command, examples=examples)

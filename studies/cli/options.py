@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
+from studies.cli.command import OutputFile, OutputFolder, argument, group, option
 from studies.cli.telling import tell_error
-from studies.output.figures.options import SHIPPED_STYLES, FigureOptions, TooManyDotsError
+from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 from studies.output.formats import (
     IMAGE_FORMATS,
     TABLE_FORMATS,
@@ -27,13 +27,8 @@ EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 _MAXIMUM_GRID = 2000
 _MAXIMUM_WORKERS = 1000
 
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-
 if TYPE_CHECKING:
     from click import ParamType as ParamType
-
-    from studies.cli.files import Case
 else:
 
     class ParamType(click.ParamType):
@@ -167,32 +162,9 @@ def completes(name: str) -> Callable[[click.Context, click.Parameter, str], Any]
     return values
 
 
-def aircraft_argument(default: str | None = None) -> Callable[[Command], Command]:
-    """Argument ``AIRCRAFT``: name, file or folder; required without a default."""
-    # A default of None is one, by click's rules: the argument would be missing without a word.
-    given: dict[str, Any] = {} if default is None else {"default": default}
-    return click.argument(
-        "aircraft", required=default is None, shell_complete=completes("aircraft"), **given
-    )
-
-
-def mission_option(default: str | None = "rafz-july") -> Callable[[Command], Command]:
-    """Option ``--mission``; without a default only a folder of results may stand in for it."""
-    needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
-    help_text = f"Name or file.{needed}"
-    return click.option(
-        "--mission",
-        "-m",
-        default=default,
-        show_default=True,
-        shell_complete=completes("mission"),
-        help=help_text,
-    )
-
-
 @dataclass(frozen=True)
-class Asked:
-    """What the options common to commands say: what is asked about, and in which form."""
+class CaseOptions:
+    """What a command is asked about, and in which form it answers."""
 
     aircraft: str
     mission: str | None
@@ -200,18 +172,90 @@ class Asked:
     model: str = "CAM"
     correction: str = "none"
     as_json: bool = False
-    required_h: float | None = None
 
-    def case(self) -> Case:
-        """Aircraft and mission as they are loaded; what is wrong with them is reported together."""
-        from studies.cli.files import load
 
-        given = vars(self).copy()
-        required_h = given.pop("required_h")
-        case = load(**given)
-        if required_h is None:
-            return case
-        return case.with_mission(required_excess_time_h=required_h)
+def aircraft_argument(default: str | None = None) -> Any:
+    """Argument ``AIRCRAFT``: name, file or folder; required without a default."""
+    # A default of None is one, by click's rules: the argument would be missing without a word.
+    given = {} if default is None else {"default": default}
+    return argument(required=default is None, shell_complete=completes("aircraft"), **given)
+
+
+def mission_option(default: str | None) -> Any:
+    """Option ``--mission``; without a default only a folder of results may stand in for it."""
+    needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
+    return option(
+        "--mission",
+        "-m",
+        default=default,
+        show_default=True,
+        shell_complete=completes("mission"),
+        help=f"Name or file.{needed}",
+    )
+
+
+def json_option(text: str = "Print JSON instead of tables.") -> Any:
+    """Option ``--json``."""
+    return option("--json", is_flag=True, help=text)
+
+
+_MODEL_OPTIONS = {
+    "model": option(
+        "--model",
+        type=click.Choice(MODEL_NAMES, case_sensitive=False),
+        default="CAM",
+        show_default=True,
+        help="Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
+        "module surfaces on the mission's flight path.",
+    ),
+    "correction": option(
+        "--correction",
+        type=click.Choice(CORRECTION_NAMES),
+        default="none",
+        show_default=True,
+        help="Correction of the model's systematic error: none; report, as one flight measured "
+        "it; loiter, from FM on the mission's flight path.",
+    ),
+}
+
+
+def case_options(
+    aircraft: str | None = None,
+    mission: str | None = "rafz-july",
+    *,
+    with_models: bool = True,
+    with_json: bool = True,
+) -> Any:
+    """Options of a command on an aircraft and a mission: both, ``--set`` and, by default, more.
+
+    ``aircraft``, ``mission``: what is meant where nothing is given. ``with_models``,
+    ``with_json``: whether the solar power model, and the form of the answer, can be chosen.
+    """
+    return group(
+        CaseOptions,
+        aircraft=aircraft_argument(aircraft),
+        mission=mission_option(mission),
+        **(_MODEL_OPTIONS if with_models else {}),
+        overrides=option(
+            "--set",
+            metavar="KEY=VALUE",
+            multiple=True,
+            shell_complete=completes("overrides"),
+            help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
+            "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
+        ),
+        **({"as_json": json_option()} if with_json else {}),
+    )
+
+
+def required_time_option() -> Any:
+    """Option ``--required-excess-time``."""
+    return option(
+        "--required-excess-time",
+        type=RealRange(0.0, 1000.0, unit="hours"),
+        metavar="HOURS",
+        help="Excess time that every scenario must have, instead of the mission's.",
+    )
 
 
 @dataclass(frozen=True)
@@ -242,128 +286,45 @@ class WorkOptions:
                 raise click.UsageError("--keep-parts needs --out or --work")
 
 
-def gathered(name: str, kind: type[Any]) -> Callable[[Command], Command]:
-    """Gather the options that a dataclass has as fields into a single argument of that name.
-
-    What does not go together is refused by the class itself, with ``click.UsageError``.
-    """
-    names = [field.name for field in fields(kind)]
-
-    def decorated(command: Command) -> Command:
-        @functools.wraps(command)
-        def gathering(*args: Any, **kwargs: Any) -> Any:
-            given = {key: kwargs.pop(key) for key in names if key in kwargs}
-            return command(*args, **kwargs, **{name: kind(**given)})
-
-        return cast(Command, gathering)
-
-    return decorated
-
-
-set_option = click.option(
-    "--set",
-    "overrides",
-    metavar="KEY=VALUE",
-    multiple=True,
-    shell_complete=completes("overrides"),
-    help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
-    "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
-)
-required_time_option = click.option(  # of ``asked``
-    "--required-excess-time",
-    "required_h",
-    type=RealRange(0.0, 1000.0, unit="hours"),
-    metavar="HOURS",
-    help="Excess time that every scenario must have, instead of the mission's.",
-)
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
-
-
-def solar_options(command: Command) -> Command:
-    """Options of the solar power model, ``--set`` and ``--json``, shared by all studies."""
-    return json_option(model_options(command))
-
-
-def set_options(command: Command) -> Command:
-    """Option ``--set``; the command has it, aircraft and mission as ``asked``."""
-    return set_option(gathered("asked", Asked)(command))
-
-
-def case_options(command: Command) -> Command:
-    """Options ``--set`` and ``--json``, of commands whose models are given; as ``asked``."""
-    return set_options(json_option(command))
-
-
-def model_options(command: Command) -> Command:
-    """Options of the solar power model, and ``--set``; the command has them as ``asked``."""
-    command = set_options(command)
-    for option in (
-        click.option(
-            "--correction",
-            type=click.Choice(CORRECTION_NAMES),
-            default="none",
-            show_default=True,
-            help="Correction of the model's systematic error: none; report, as one flight measured "
-            "it; loiter, from FM on the mission's flight path.",
-        ),
-        click.option(
-            "--model",
-            type=click.Choice(MODEL_NAMES, case_sensitive=False),
-            default="CAM",
-            show_default=True,
-            help="Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
-            "module surfaces on the mission's flight path.",
-        ),
-    ):
-        command = option(command)
-    return command
-
-
-def work_options(command: Command) -> Command:
-    """Options of commands that compute in chunks; the command has them as ``work``."""
-    command = gathered("work", WorkOptions)(command)
-    for option in (
-        click.option(
-            "--keep-parts",
-            is_flag=True,
-            help="Keep the finished chunks when the result is written.",
-        ),
-        click.option(
-            "--work",
-            "work_dir",
-            type=click.Path(),
-            help="Folder for finished chunks.  [default: the name of --out with .parts]",
-        ),
-        click.option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
-            "machine.",
-        ),
-        click.option(
+def work_options() -> Any:
+    """Options of a command that computes in chunks."""
+    return group(
+        WorkOptions,
+        workers=option(
             "--workers",
             type=click.IntRange(1, _MAXIMUM_WORKERS),
             help="Processes that compute; 1 starts none.  [default: as many as there are cores, "
             "where the work is worth their start]",
         ),
-    ):
-        command = option(command)
-    return command
+        scheduler=option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
+            "machine.",
+        ),
+        work_dir=option(
+            "--work",
+            type=click.Path(),
+            help="Folder for finished chunks.  [default: the name of --out with .parts]",
+        ),
+        keep_parts=option(
+            "--keep-parts",
+            is_flag=True,
+            help="Keep the finished chunks when the result is written.",
+        ),
+    )
 
 
-def out_option(contents: str) -> Callable[[Command], Command]:
+def out_option(contents: str) -> Any:
     """Option ``--out`` of commands that write a folder."""
     text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
-    return click.option("--out", "out_dir", type=click.Path(), help=text)
+    return option("--out", type=OutputFolder(), help=text)
 
 
-def table_option(
-    contents: str, name: str = "--table", *, older: str = "--csv"
-) -> Callable[[Command], Command]:
+def table_option(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
     """Option ``--table FILE`` of commands that write a table.
 
-    ``name``: the option; the command has its file as ``table_file``, or ``table_years`` and the
-    like. ``older``: what it was called when CSV was all that it wrote.
+    ``older``: what the option was called when CSV was all that it wrote.
     """
 
     def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
@@ -371,10 +332,9 @@ def table_option(
             check_table(path, table_format(path), TABLE_FORMATS, name)
         return path
 
-    return click.option(
+    return option(
         *(name, older),
-        "table_file" if name == "--table" else name.removeprefix("--").replace("-", "_"),
-        type=click.Path(),
+        type=OutputFile(),
         metavar="FILE",
         callback=checked,
         help=f"Write {contents} ({', '.join(TABLE_FORMATS)}).",
@@ -394,87 +354,118 @@ def check_table(path: str, found: str | None, allowed: Iterable[str], option: st
         raise click.BadParameter(missing, param_hint=option)
 
 
-def figure_options(command: Command) -> Command:
-    """Options of commands that draw; the command has them as ``figure``, a FigureOptions.
+def plot_option(text: str) -> Any:
+    """Option ``--plot FILE`` of commands that draw."""
 
-    They are refused where no figure is asked for: a command draws with ``--plot`` or ``--out``.
-    """
+    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
+        if path is not None and image_format(path) is None:
+            allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
+            raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
+        return path
 
-    @functools.wraps(command)
-    def drawing(*args: Any, **kwargs: Any) -> Any:
-        given = {
-            "size_in": kwargs.pop("figure_size"),
-            "dots_per_inch": kwargs.pop("dpi"),
-            "style": kwargs.pop("style"),
-            "title": False if kwargs.pop("no_title") else None,
-        }
-        asked = {name: value for name, value in given.items() if value is not None}
-        places = {"plot_file": "--plot", "out_dir": "--out"}
-        draws = [option for name, option in places.items() if name in kwargs]
-        if asked and not any(kwargs.get(name) is not None for name in places):
-            option = _FIGURE_OPTIONS[next(iter(asked))]
-            raise click.UsageError(f"{option} is of the figure: give {' or '.join(draws)} too")
-        try:
-            figure = FigureOptions(**asked)
-        except ValueError as error:
-            raise click.BadParameter(str(error), param_hint="--dpi") from None
-        try:
-            return command(*args, figure=figure, **kwargs)
-        except TooManyDotsError as error:  # of a figure whose height is that of its content
-            raise click.BadParameter(str(error), param_hint="--dpi") from None
+    return option("--plot", type=OutputFile(), callback=checked, help=f"{text} (png, svg, pdf).")
 
-    found: Any = drawing
-    for option in (
-        click.option("--no-title", is_flag=True, help="Leave title and notes to the caption."),
-        click.option(
-            "--style",
-            type=Parsed("name|file", "studies.output.figures.drawing:read_style"),
-            metavar="NAME|FILE",
-            help=f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
-            "an .mplstyle file.  [default: default]",
-        ),
-        click.option(
-            "--dpi",
-            type=Parsed("dots", "studies.output.figures.options:read_dots_per_inch"),
-            metavar="DOTS",
-            help="Dots per inch of PNG.  [default: 150]",
-        ),
-        click.option(
+
+def markdown_option() -> Any:
+    """Option ``--markdown FILE``."""
+    return option("--markdown", type=OutputFile(), help="Write the table to a file.")
+
+
+def report_option() -> Any:
+    """Option ``--report`` of commands whose results a page may show."""
+    text = "Also write a report, .html or .pdf; see docs/report.md."
+    return option("--report", type=click.Path(), metavar="FILE", help=text)
+
+
+def weather_option(text: str) -> Any:
+    """Option ``--weather FILE``."""
+    return option(
+        "--weather",
+        shell_complete=completes("weather_file"),
+        type=click.Path(),
+        metavar="FILE",
+        help=text,
+    )
+
+
+def figure_options() -> Any:
+    """Options of commands that draw."""
+    return group(
+        _figure_asked_for,
+        size_in=option(
             "--figure-size",
             type=Parsed("size", "studies.output.figures.options:read_size"),
             metavar="WIDTHxHEIGHT",
             help="For example 170x100mm or 7x4in; a width alone, 85mm, leaves the height to the "
             "figure.",
         ),
-    ):
-        found = option(found)
-    return cast(Command, found)
+        dots_per_inch=option(
+            "--dpi",
+            type=Parsed("dots", "studies.output.figures.options:read_dots_per_inch"),
+            metavar="DOTS",
+            help="Dots per inch of PNG.  [default: 150]",
+        ),
+        style=option(
+            "--style",
+            type=Parsed("name|file", "studies.output.figures.drawing:read_style"),
+            metavar="NAME|FILE",
+            help=f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
+            "an .mplstyle file.  [default: default]",
+        ),
+        no_title=option("--no-title", is_flag=True, help="Leave title and notes to the caption."),
+    )
 
 
-_FIGURE_OPTIONS = {
-    "size_in": "--figure-size",
-    "dots_per_inch": "--dpi",
-    "style": "--style",
-    "title": "--no-title",
-}
+def _figure_asked_for(**given: Any) -> FigureOptions:
+    """How figures look, refused where none is asked for: a command draws on request."""
+    command = click.get_current_context()
+    spelled = {str(one.name): one.opts[0] for one in command.command.params}
+    places = [name for name in ("plot_file", "out_dir") if name in spelled]
+    asked = [name for name, value in given.items() if value not in (None, False)]
+    if asked and all(command.params[name] is None for name in places):
+        draws = " or ".join(spelled[name] for name in places)
+        raise click.UsageError(f"{spelled[asked[0]]} is of the figure: give {draws} too")
+    no_title = given.pop("no_title")
+    chosen = {name: value for name, value in given.items() if value is not None}
+    try:
+        return FigureOptions(**chosen, title=not no_title)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--dpi") from None
 
 
-def report_option(command: Command) -> Command:
-    """Option ``--report`` of commands whose results a page may show."""
-    text = "Also write a report, .html or .pdf; see docs/report.md."
-    option = click.option("--report", "report_file", type=click.Path(), metavar="FILE", help=text)
-    return option(command)
+@dataclass(frozen=True)
+class LogOptions:
+    """A flight log, and how it is written: its columns, and its clock."""
+
+    log_file: str
+    columns_file: str | None
+    columns: tuple[tuple[str, str], ...]
+    timezone: str | None
 
 
-def check_image(path: str | None) -> None:
-    """Refuse a figure's file name before any work if it asks for a format that is not drawn."""
-    if path is not None and image_format(path) is None:
-        allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
-        raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
-
-
-def print_json(record: Any) -> None:
-    """Print a record as strict JSON."""
-    from missions.files.writing import to_json  # not for --help
-
-    click.echo(to_json(record, indent=2))
+def log_options() -> Any:
+    """Argument ``LOG``, and options that say how it is written."""
+    return group(
+        LogOptions,
+        log_file=argument(metavar="LOG", shell_complete=completes("log_file")),
+        columns_file=option(
+            "--columns",
+            type=click.Path(),
+            metavar="FILE",
+            help="YAML that says which column is what; what it does not say is guessed.",
+        ),
+        columns=option(
+            "--column",
+            type=Parsed("quantity=column", "missions.logs.columns:parse_column"),
+            multiple=True,
+            metavar="QUANTITY=COLUMN",
+            help="Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
+            "May be repeated.",
+        ),
+        timezone=option(
+            "--timezone",
+            type=Parsed("zone", "missions.logs.clock:zone_name"),
+            metavar="ZONE",
+            help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
+        ),
+    )

@@ -5,25 +5,29 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 from click.core import ParameterSource
 
 from missions.files.errors import printable
-from missions.files.writing import write_files_atomically
+from missions.files.writing import to_json, write_files_atomically
 from sizing.results.tables import Line, Result, Summary, Table
 from studies.cli.files import DEFAULT_MISSION, Case
-from studies.cli.options import print_json
 from studies.cli.telling import tell_error
-from studies.output.formats import image_format
+from studies.output.figures.drawing import to_bytes
+from studies.output.formats import image_format, table_bytes
 from studies.output.terminal import show, tell_line
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
+
+# Makes what a file holds, by its name.
+Content: TypeAlias = Callable[[str], bytes]
 
 
 def tell(
@@ -114,37 +118,54 @@ def _headed(shown: Summary | Table, case: Case) -> Summary:
     return Summary((changed, *others))
 
 
-def write_results(
-    data_file: str | None,
-    data: Callable[[], bytes],
-    plot_file: str | None = None,
-    draw: Callable[[], Figure] | None = None,
+def deliver(
+    case: Case,
+    record: Any,
+    shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
+    files: Mapping[str | None, Content],
+    *,
+    next_step: str | None = None,
 ) -> None:
-    """Make and write those of both files that were asked for; if one cannot be, neither is.
+    """Write the files of a result that were asked for, and print it, as :func:`told` does."""
+    with told(case, record, shown, files=files, next_step=next_step):
+        write_results(files)
 
-    Data are written even where they cannot be drawn.
 
-    ``data_file``, ``plot_file``: names of the files; None where one is not asked for. ``data``,
-    ``draw``: make the content of the one, and the figure of the other.
+def write_results(files: Mapping[str | None, Content]) -> None:
+    """Make and write those files that were asked for; if one cannot be written, none is.
+
+    Where one cannot be made, those before it are written: data, where they cannot be drawn.
     """
     contents: dict[str | os.PathLike[str], bytes] = {}
-    if data_file is not None:
-        contents[data_file] = data()
     try:
-        if plot_file is not None and draw is not None:
-            contents[plot_file] = figure_bytes(draw(), plot_file)
+        for path, made in files.items():
+            if path is not None:
+                contents[path] = made(path)
     except Exception:
         write_files_atomically(contents)
         raise
     write_files_atomically(contents)
 
 
+def table_of(frame: Callable[[], pd.DataFrame], title: str) -> Content:
+    """Table in the format that the name of its file asks for."""
+    return lambda path: table_bytes(frame(), path, title=title)
+
+
+def figure_of(draw: Callable[[], Figure]) -> Content:
+    """Figure in the format that its file name asks for, which was checked before."""
+    return lambda path: figure_bytes(draw(), path)
+
+
 def figure_bytes(figure: Figure, path: str) -> bytes:
     """Figure in the format that its file name asks for, which was checked before."""
-    from studies.output.figures.drawing import to_bytes  # matplotlib takes half a second
-
     content = to_bytes(figure, image_format(path) or "png")
     if getattr(figure.get_layout_engine(), "collapsed", False):
         remedy = "give a larger --figure-size, or --no-title"
         tell_error(f"solar-uav: {path}: the figure is too small for its axes and texts: {remedy}")
     return content
+
+
+def print_json(record: Any) -> None:
+    """Print a record as strict JSON."""
+    click.echo(to_json(record, indent=2))

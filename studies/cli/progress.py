@@ -30,17 +30,16 @@ def progress_of(unit: str, *, lines: bool = True) -> Iterator[Callable[[int, int
     if not console.is_terminal:
         yield _Lines(unit) if lines else _silent
         return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-    from rich.progress import TimeRemainingColumn as Remaining
+    from rich import progress as shown
 
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}"),
-        Remaining(),
+        shown.TextColumn("{task.description}"),
+        shown.BarColumn(),
+        shown.MofNCompleteColumn(),
+        shown.TextColumn("{task.fields[rate]}"),
+        shown.TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, transient=True) as bar:
+    with shown.Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(unit, rate="")
         pace = _Pace()
 

@@ -8,24 +8,24 @@ import os
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from missions.files.reading import read_plain_file
 from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance
-from studies.cli.checks import check_outputs, uncertain_inputs_of
+from sizing.results.sizing import SizingStudy
+from studies.cli.checks import uncertain_inputs_of
 from studies.cli.files import Case
+from studies.cli.targets import PAGE, PRINTED
 from studies.output.run_folder import RESULTS, RunFolder
+from studies.output.sizing_files import sized_inputs
+from studies.report import document
+from studies.report.pdf import to_pdf
+from studies.report.subject import Subject
 
 if TYPE_CHECKING:
-    from sizing.results.sizing import SizingStudy
     from studies.flight_logs.verification import Verification
-    from studies.report.subject import Subject
 
 __all__ = [
-    "check_report",
-    "check_uncertainty",
     "report_on_log",
     "report_on_sizing",
     "sizing_of_folder",
@@ -33,36 +33,13 @@ __all__ = [
     "write_report",
 ]
 
-_PAGE, _PRINTED = ".html", ".pdf"
 _MOST_BYTES = 10_000_000  # of a record of results
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
 _SAME_H = 1e-6
 
 
-def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--out") -> None:
-    """Refuse before any work a report that could not be written.
-
-    ``path``: file that the option names; None where it is not given.
-    """
-    if path is None:
-        return
-    from studies.report.pdf import MISSING, has_weasyprint
-
-    suffix = PurePath(path).suffix.lower()
-    if suffix not in (_PAGE, _PRINTED):
-        raise click.BadParameter(f"{path!r} must end in .html or .pdf", param_hint=option)
-    if (with_pdf or suffix == _PRINTED) and not has_weasyprint():
-        raise click.UsageError(MISSING)
-    places = {option.removeprefix("--"): path}
-    if with_pdf and suffix == _PAGE:
-        places["pdf"] = str(PurePath(path).with_suffix(_PRINTED))
-    check_outputs(**places)
-
-
 def subject_of(case: Case, **others: Any) -> Subject:
     """What a report on a case is about."""
-    from studies.report.subject import Subject
-
     options = {"inputs": case.inputs()} | others
     return Subject(
         *(case.aircraft, case.mission, case.solar),
@@ -95,12 +72,6 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     return dict(record) if same else None
 
 
-def check_uncertainty(case: Case, subject: Subject) -> None:
-    """Fly the draws of uncertain inputs, if the report has them; what is wrong names its line."""
-    with uncertain_inputs_of(case):
-        _ = subject.uncertainty
-
-
 def report_on_sizing(
     case: Case,
     study: SizingStudy,
@@ -110,8 +81,6 @@ def report_on_sizing(
     overrides: tuple[str, ...],
 ) -> None:
     """Write the report of a sizing: the optimum on the mission that it was sized for."""
-    from studies.output.sizing_files import sized_inputs
-
     inputs = sized_inputs(study, case.inputs())
     mission = Mission.model_validate(inputs.mission)
     flown = dataclasses.replace(
@@ -120,7 +89,8 @@ def report_on_sizing(
         where=dataclasses.replace(case.where, mission=mission),
     )
     subject = subject_of(flown, inputs=inputs, sizing=record, overrides=overrides)
-    check_uncertainty(case, subject)
+    with uncertain_inputs_of(case):
+        _ = subject.uncertainty
     write_report(subject, path)
 
 
@@ -142,17 +112,13 @@ def write_report(subject: Subject, path: str, *, with_pdf: bool = False) -> list
 
     ``path``: file of the page, or of the printed one. Returns files that were written.
     """
-    from studies.report.document import render
-
-    page = render(subject)
+    page = document.render(subject)
     contents: dict[str | os.PathLike[str], bytes] = {}
     printed = path
-    if PurePath(path).suffix.lower() == _PAGE:
+    if PurePath(path).suffix.lower() == PAGE:
         contents[path] = page.encode()
-        printed = str(PurePath(path).with_suffix(_PRINTED))
+        printed = str(PurePath(path).with_suffix(PRINTED))
     if with_pdf or printed == path:
-        from studies.report.pdf import to_pdf
-
         contents[printed] = to_pdf(page)
     write_files_atomically(contents)
     return [os.fspath(name) for name in contents]

@@ -13,11 +13,10 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import math
 import os
 import shutil
 import socket
-import zipfile
+import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -25,7 +24,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.files.errors import printable
 from missions.files.writing import OutputError
@@ -69,14 +67,11 @@ def check_target(target: str | os.PathLike[str]) -> None:
 
 def _probe(folder: Path, name: str) -> None:
     """Put a file into a folder and take it away again: permissions alone do not tell everything."""
-    scratch = folder / f".{os.urandom(8).hex()}.tmp"
     try:
-        scratch.write_bytes(b"probe")
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".", suffix=".tmp") as scratch:
+            scratch.write(b"probe")
     except OSError as error:
         raise OutputError(f"cannot write {name}: {_trouble(error)}") from error
-    finally:
-        with suppress(OSError):
-            scratch.unlink(missing_ok=True)
 
 
 def _trouble(error: OSError) -> str:
@@ -137,14 +132,9 @@ class ChunkStore:
             if not path.is_file() or path.stat().st_size > most:
                 return None
             head, _, body = path.read_bytes().partition(b"\n")
-        except OSError:
-            return None
-        if head != _head(key, body):
-            return None
-        try:
-            return _part(body, blanks, cells)
+            return _part(body, blanks, cells) if head == _head(key, body) else None
         except Exception:
-            return None  # whatever breaks a file that was made up
+            return None  # whatever breaks a file that cannot be read, or was made up
 
     def write(self, key: str, part: Part) -> None:
         """Keep a part."""
@@ -183,37 +173,20 @@ class ChunkStore:
 
 def _part(body: bytes, blanks: Mapping[str, Any], cells: int) -> Part | None:
     """Part that an archive holds; none if it has other columns, kinds or lengths."""
-    names = {*blanks, _FAILURES}
-    with zipfile.ZipFile(io.BytesIO(body)) as archive:
-        files = archive.infolist()
-        # Nothing is compressed, so that nothing is larger than the file.
-        if sorted(f.filename for f in files) != sorted(f"{name}.npy" for name in names):
+    with np.load(io.BytesIO(body), allow_pickle=False) as archive:
+        if sorted(archive.files) != sorted([*blanks, _FAILURES]):
             return None
-        if any(f.compress_type != zipfile.ZIP_STORED or f.file_size > len(body) for f in files):
-            return None
-        found = {f.filename.removesuffix(".npy"): _column(archive.read(f)) for f in files}
-    failures = {int(cell): text for cell, text in json.loads(str(found.pop(_FAILURES))).items()}
-    if not all(0 <= cell < cells and isinstance(text, str) for cell, text in failures.items()):
-        return None
-    for name, column in found.items():
+        columns = {name: archive[name] for name in blanks}
+        texts = json.loads(str(archive[_FAILURES]))
+    for name, column in columns.items():
         kind = np.asarray(blanks[name]).dtype
         alike = column.dtype.kind == "U" if kind.kind == "U" else column.dtype == kind
         if not alike or column.shape != (cells,):
             return None
-    return Part(found, failures)
-
-
-def _column(data: bytes) -> NDArray[Any]:
-    """Array of a NumPy file; its header is believed only if the file has as many bytes."""
-    file = io.BytesIO(data)
-    if np.lib.format.read_magic(file) != (1, 0):
-        raise ValueError("another version")
-    shape, _, kind = np.lib.format.read_array_header_1_0(file)
-    if kind.hasobject or math.prod(shape) * kind.itemsize != len(data) - file.tell():
-        raise ValueError("another length")
-    file.seek(0)
-    column: NDArray[Any] = np.lib.format.read_array(file, allow_pickle=False)
-    return column
+    failures = {int(cell): text for cell, text in texts.items()}
+    if not all(0 <= cell < cells and isinstance(text, str) for cell, text in failures.items()):
+        return None
+    return Part(columns, failures)
 
 
 def _head(key: str, body: bytes) -> bytes:
@@ -223,6 +196,8 @@ def _head(key: str, body: bytes) -> bytes:
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
     """Hold a lock file."""
+    from filelock import lock_descriptor  # for those who keep parts
+
     # A link in its place could lead to any file of the user's, which would be emptied.
     flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     if path.is_symlink() or (path.exists() and not path.is_file()):
@@ -232,9 +207,10 @@ def _locked(path: Path) -> Iterator[None]:
     except OSError as error:
         raise OutputError(f"cannot write to {path.parent}: {_trouble(error)}") from error
     with file:
-        file.seek(0)
-        if not _try_lock(file.fileno()):
-            holder = file.read(200).decode(errors="replace").strip()
+        if not lock_descriptor(file.fileno(), blocking=False):
+            holder = ""
+            with suppress(OSError):  # Windows lets nobody else read what is locked
+                holder = file.read(200).decode(errors="replace").strip()
             who = f" ({holder})" if holder else ""
             raise OutputError(
                 f"another run{who} works in {path.parent}: wait for it, or choose another place"
@@ -242,26 +218,3 @@ def _locked(path: Path) -> Iterator[None]:
         file.truncate(0)
         file.write(f"process {os.getpid()} on {socket.gethostname()}".encode())
         yield
-
-
-def _try_lock(descriptor: int) -> bool:
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        import msvcrt
-
-        # Far behind the text that names the holder, which others read.
-        os.lseek(descriptor, 1 << 20, os.SEEK_SET)
-        try:
-            # The module is known on Windows alone.
-            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
-        except OSError:
-            return False
-        finally:
-            os.lseek(descriptor, 0, os.SEEK_SET)
-        return True
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True

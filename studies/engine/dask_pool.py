@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
-from contextlib import ExitStack, suppress
-from typing import Any, TypeVar, cast
+from contextlib import ExitStack, contextmanager, suppress
+from typing import Any, TypeVar
 
-from studies.engine.workers import WorkersUnavailableError, available_cores, for_children
+from studies.engine.workers import Pool, WorkersUnavailableError, available_cores, for_children
 
 __all__ = ["LOCAL_CLUSTER", "DaskPool"]
 
@@ -26,7 +26,7 @@ _TOLD_AFTER_S = 10.0
 _LOGGERS = ("distributed", "tornado")
 
 
-class DaskPool:
+class DaskPool(Pool):
     """Workers of a dask cluster: one that runs already, or one of this machine for the occasion.
 
     The scheduler itself moves the tasks of a dead worker to others; it gives up on a task that has
@@ -34,8 +34,6 @@ class DaskPool:
 
     ``tell``: called with what the user should know while the work waits.
     """
-
-    in_process = False
 
     def __init__(
         self,
@@ -52,16 +50,16 @@ class DaskPool:
             ) from None
         self.deaths: tuple[type[BaseException], ...] = (distributed.KilledWorker,)
         self._tell = tell or (lambda text: None)
-        self._cluster, self._client = cast("tuple[Any, Any]", (None, None))
+        self._client: Any
         self._executor: Executor
         self._local = scheduler == LOCAL_CLUSTER
         self._name = "the cluster of this machine" if self._local else f"the scheduler {scheduler}"
         self._remedy = "" if self._local else f"; start one with: dask worker {scheduler}"
-        self._levels = _silenced()
         # A worker that dies twice within this time may be taken for lost, and is not started again.
         patience = {"distributed.deploy.lost-worker-timeout": "1 day"}
-        self._settings = ExitStack()
-        self._settings.enter_context(dask.config.set(patience))
+        self._opened = ExitStack()
+        self._opened.enter_context(_silenced())
+        self._opened.enter_context(dask.config.set(patience))
         try:
             with for_children():
                 self._connect(distributed, scheduler, workers)
@@ -74,15 +72,16 @@ class DaskPool:
         self._last_seen_s, self._told = time.monotonic(), False
 
     def _connect(self, distributed: Any, scheduler: str, workers: int | None) -> None:
+        address: Any = scheduler
         if self._local:
-            self._cluster = distributed.LocalCluster(
+            address = distributed.LocalCluster(
                 n_workers=available_cores() if workers is None else workers,
                 threads_per_worker=1,
                 # Any free port: that of a cluster that runs already would be warned of.
                 dashboard_address="127.0.0.1:0",
                 silence_logs=logging.CRITICAL,
             )
-        address = self._cluster or scheduler
+            self._opened.callback(_close, address)
         try:
             self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
@@ -91,6 +90,7 @@ class DaskPool:
                 f"no answer of {self._name}: {reason}; start it with: dask scheduler, "
                 "or compute on this machine with --workers"
             ) from None
+        self._opened.callback(_close, self._client)
 
     def _await_worker(self) -> None:
         if not self._client.nthreads():
@@ -101,9 +101,8 @@ class DaskPool:
             raise self._without_workers(_CONNECT_S) from None
 
     def _without_workers(self, time_s: float) -> WorkersUnavailableError:
-        return WorkersUnavailableError(
-            f"{self._name} has had no worker for {time_s:.0f} s{self._remedy}"
-        )
+        text = f"{self._name} has had no worker for {time_s:.0f} s{self._remedy}"
+        return WorkersUnavailableError(text)
 
     def _lost(self) -> WorkersUnavailableError:
         return WorkersUnavailableError(
@@ -139,24 +138,17 @@ class DaskPool:
             if self._threads:
                 self._last_seen_s, self._told = time.monotonic(), False
 
-    def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Send the task to the scheduler.
-
-        ``work``: function of the task; importable by name, for workers in other processes. Returns
-        what the function returns or raises.
-        """
+    def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
+        """Send the task to the scheduler."""
         try:
-            return self._executor.submit(work, task)
+            return self._executor.submit(work, *task)
         except Exception:
             if self._client.status == "running":
                 raise
             raise self._lost() from None
 
     def result(self, future: Future[T]) -> T:
-        """Result of a task.
-
-        Returns what the task has returned.
-        """
+        """Result of a task."""
         try:
             return future.result()
         except CancelledError:
@@ -164,23 +156,22 @@ class DaskPool:
 
     def close(self, *, at_once: bool) -> None:
         """Leave the cluster, and end the one that was started here."""
-        for one in (self._client, self._cluster):
-            if one is not None:
-                with suppress(OSError, TimeoutError):  # of a scheduler that is gone
-                    one.close()
-        for name, level in self._levels.items():
-            logging.getLogger(name).setLevel(level)
-        self._settings.close()
+        self._opened.close()
 
 
-def _silenced() -> dict[str, int]:
-    """Silence the log of dask, which has a traceback for all that is told in words here.
+def _close(one: Any) -> None:
+    with suppress(OSError, TimeoutError):  # of a scheduler that is gone
+        one.close()
 
-    Returns levels of before, by the name of the logger.
-    """
+
+@contextmanager
+def _silenced() -> Iterator[None]:
+    """Silence the log of dask, which has a traceback for all that is told in words here."""
     levels = {}
     for name, logger in list(logging.root.manager.loggerDict.items()):
         if name.partition(".")[0] in _LOGGERS and isinstance(logger, logging.Logger):
-            levels[name] = logger.level
+            levels[logger] = logger.level
             logger.setLevel(logging.CRITICAL + 1)
-    return levels
+    yield
+    for logger, level in levels.items():
+        logger.setLevel(level)

@@ -26,7 +26,7 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -44,6 +44,7 @@ __all__ = ["Cell", "Columns", "Job", "Outcome", "Stopped", "pieces", "pool_of", 
 
 Cell: TypeAlias = tuple[float, ...]
 Columns: TypeAlias = dict[str, NDArray[Any]]
+Progress: TypeAlias = Callable[[int, int], None]
 ChunkFunction: TypeAlias = Callable[[Any, Sequence[Cell]], Mapping[str, Any]]
 
 _PACKAGES = ("solar", "missions", "sizing", "studies")
@@ -124,7 +125,7 @@ class ComputationError(RuntimeError):
 def compute(
     job: Job,
     workers: int | None = 1,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     unit: str = "cells",
 ) -> Outcome:
     """Compute a job in memory, for callers in Python.
@@ -188,45 +189,36 @@ def code_digest() -> str:
 # ---- In the worker
 
 
-@dataclass(frozen=True)
-class _Task:
-    function: ChunkFunction
-    configuration: Any
-    cells: tuple[Cell, ...]
-    blanks: Mapping[str, Any]
-    code: str
-
-
 # Solvers that a worker keeps are not safe in several threads, which a dask worker may have.
 _ONE_AT_A_TIME = threading.Lock()
 
 
-def _compute(task: _Task) -> Part:
-    """Compute a task; cells that raise are failures of the part."""
-    if task.code != code_digest():
+def _compute(code: str, job: Job) -> Part:
+    """Compute a job of one chunk; cells that raise are failures of the part."""
+    if code != code_digest():
         raise WorkersUnavailableError(
             f"a worker has another version of solar-uav-sizing than this process ({__version__}): "
             "install the same one everywhere"
         )
     with _ONE_AT_A_TIME:
-        return _computed_or_failed(task, task.cells)
+        return _computed_or_failed(job, job.cells)
 
 
-def _computed_or_failed(task: _Task, cells: tuple[Cell, ...]) -> Part:
+def _computed_or_failed(job: Job, cells: tuple[Cell, ...]) -> Part:
     try:
-        return _computed(task, cells)
+        return _computed(job, cells)
     except Exception as error:
         if len(cells) == 1:
-            return _failed_chunk(task.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
-    return _joined([_computed_or_failed(task, (cell,)) for cell in cells])
+            return _failed_chunk(job.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
+    return _joined([_computed_or_failed(job, (cell,)) for cell in cells])
 
 
-def _computed(task: _Task, cells: tuple[Cell, ...]) -> Part:
-    found = task.function(task.configuration, cells)
-    if set(found) != set(task.blanks):
-        raise ValueError(f"columns {sorted(found)} are not {sorted(task.blanks)}")
+def _computed(job: Job, cells: tuple[Cell, ...]) -> Part:
+    found = job.function(job.configuration, cells)
+    if set(found) != set(job.blanks):
+        raise ValueError(f"columns {sorted(found)} are not {sorted(job.blanks)}")
     columns = {}
-    for name, blank in task.blanks.items():
+    for name, blank in job.blanks.items():
         kind = np.asarray(blank).dtype
         column = np.asarray(found[name], None if kind.kind == "U" else kind)
         if column.shape != (len(cells),):
@@ -255,10 +247,7 @@ def _joined(parts: Sequence[Part]) -> Part:
 
 
 def run(
-    job: Job,
-    pool: Pool,
-    store: ChunkStore | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    job: Job, pool: Pool, store: ChunkStore | None = None, progress: Progress | None = None
 ) -> Outcome:
     """Compute a job; the pool is closed at the end.
 
@@ -278,36 +267,39 @@ def run(
     return outcome
 
 
+@dataclass
 class _Run:
-    def __init__(
-        self,
-        job: Job,
-        pool: Pool,
-        store: ChunkStore | None,
-        progress: Callable[[int, int], None] | None,
-        signals: Signals,
-    ) -> None:
-        self.job, self.pool, self.store, self.signals = job, pool, store, signals
-        self.progress = progress or (lambda done, total: None)
-        self.keys = job.keys()
-        self.parts: dict[int, Part] = {}
-        self.waiting: deque[int] = deque()  # numbers of chunks
-        self.retry: list[int] = []  # chunks that were under way when a worker died
-        self.flying: dict[Future[Part], int] = {}
-        self.done = 0
+    job: Job
+    pool: Pool
+    store: ChunkStore | None
+    progress: Progress | None
+    signals: Signals
+    parts: dict[int, Part] = field(default_factory=dict)
+    waiting: deque[int] = field(default_factory=deque)  # numbers of chunks
+    retry: list[int] = field(default_factory=list)  # under way when a worker died
+    flying: dict[Future[Part], int] = field(default_factory=dict)
+    done: int = 0  # cells
+
+    @functools.cached_property
+    def keys(self) -> list[str]:
+        return self.job.keys()
 
     def outcome(self) -> Outcome:
         kept = self._take_kept()
-        self.progress(self.done, len(self.job.cells))
+        self._tell()
         while self.waiting or self.flying:
-            while len(self.flying) < self.pool.size(len(self.waiting) + len(self.flying)):
-                if not self.waiting:
-                    break
+            while self.waiting and len(self.flying) < self.pool.size(
+                len(self.waiting) + len(self.flying)
+            ):
                 number = self.waiting.popleft()
                 self.flying[self._submitted(self.job.chunks[number])] = number
             for future in self._finished(self.flying):
                 number = self.flying.pop(future)
-                self._keep(number, self._part(future))
+                part = self._part(future)
+                if part is None:
+                    self.retry.append(number)
+                else:
+                    self._keep(number, part)
         for number in self.retry:
             self._keep(number, self._alone(self.job.chunks[number]))
         whole = _joined([self.parts[i] for i in range(len(self.parts))])
@@ -315,28 +307,33 @@ class _Run:
 
     def _take_kept(self) -> int:
         """Read the chunks that an earlier run has left; the others wait."""
-        blanks = self.job.blanks
-        for number, (key, chunk) in enumerate(zip(self.keys, self.job.chunks, strict=True)):
-            part = None if self.store is None else self.store.read(key, blanks, len(chunk))
-            if part is None or part.failures or not self._is_possible(part):
+        for number, chunk in enumerate(self.job.chunks):
+            part = self._kept(number, len(chunk))
+            if part is None:
                 self.waiting.append(number)
             else:
                 self.parts[number] = part
                 self.done += len(chunk)
         return len(self.parts)
 
-    def _is_possible(self, part: Part) -> bool:
+    def _kept(self, number: int, cells: int) -> Part | None:
+        """Part of a chunk that an earlier run has left; none that failed or cannot be a result."""
+        if self.store is None:
+            return None
+        part = self.store.read(self.keys[number], self.job.blanks, cells)
+        if part is None or part.failures:
+            return None
         try:
-            return self.job.possible is None or self.job.possible(part.columns)
+            possible = self.job.possible is None or self.job.possible(part.columns)
         except Exception:
-            return False  # nothing that was computed here
+            return None  # nothing that was computed here
+        return part if possible else None
 
     def _submitted(self, cells: tuple[Cell, ...]) -> Future[Part]:
-        job = self.job
-        task = _Task(job.function, job.configuration, cells, job.blanks, code_digest())
         self.signals.held = not self.pool.in_process
+        task = replace(self.job, chunks=(cells,), possible=None)  # which need not pickle
         try:
-            return self.pool.submit(_compute, task)
+            return self.pool.submit(_compute, code_digest(), task)
         finally:
             self.signals.held = True
 
@@ -367,13 +364,13 @@ class _Run:
             return _failed_chunk(self.job.blanks, _DIED)
         return _joined([self._alone((cell,)) for cell in cells])
 
-    def _keep(self, number: int, part: Part | None) -> None:
-        """Keep a result; a chunk without one is to be tried again."""
-        if part is None:
-            self.retry.append(number)
-            return
+    def _keep(self, number: int, part: Part) -> None:
         if self.store is not None:
             self.store.write(self.keys[number], part)
         self.parts[number] = part
         self.done += len(self.job.chunks[number])
-        self.progress(self.done, len(self.job.cells))
+        self._tell()
+
+    def _tell(self) -> None:
+        if self.progress is not None:
+            self.progress(self.done, len(self.job.cells))

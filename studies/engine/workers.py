@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 __all__ = [
     "LocalPool",
@@ -44,33 +44,36 @@ class WorkersUnavailableError(OSError):
     """No worker can be had; the text says why and what to do."""
 
 
-class Pool(Protocol):
+class Pool:
     """Workers that compute tasks."""
 
     # Errors that say that a worker died.
-    deaths: tuple[type[BaseException], ...]
+    deaths: tuple[type[BaseException], ...] = (BrokenExecutor,)
 
     # Whether the next task is computed by this process, while it is submitted.
-    in_process: bool
+    in_process = False
 
     def size(self, tasks_left: int) -> int:
         """How many tasks the pool takes at once, told how many there are."""
+        raise NotImplementedError
 
-    def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Give out a task.
-
-        ``work``: function of the task; importable by name, for workers in other processes. Returns
-        what the function returns or raises.
-        """
+    def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
+        """Give out a task; ``work`` is importable by name, for workers in other processes."""
+        raise NotImplementedError
 
     def result(self, future: Future[T]) -> T:
         """Result of a task that is done; raises what the task did, or one of ``deaths``."""
+        return future.result()
 
     def check(self) -> None:
-        """Raise :class:`WorkersUnavailableError` if nobody is left to compute."""
+        """Raise :class:`WorkersUnavailableError` if nobody is left to compute.
+
+        A process that ends breaks its executor, which says so by itself.
+        """
 
     def close(self, *, at_once: bool) -> None:
         """End the workers, in the middle of their tasks if need be."""
+        raise NotImplementedError
 
 
 def available_cores() -> int:
@@ -81,14 +84,12 @@ def available_cores() -> int:
         return os.cpu_count() or 1
 
 
-class LocalPool:
+class LocalPool(Pool):
     """The present process for 1 worker, else so many processes of this machine.
 
     For None it is this process, and as many others as there are cores as soon as the work left is
     seen to be worth their start: small computations never wait for them.
     """
-
-    deaths: tuple[type[BaseException], ...] = (BrokenExecutor,)
 
     def __init__(self, workers: int | None = None) -> None:
         self._most = available_cores() if workers is None else workers
@@ -105,25 +106,21 @@ class LocalPool:
             self.in_process = tasks_left * self._spent_s / self._tasks <= _PAYS_S
         return 1 if self.in_process else self._most
 
-    def submit(self, work: Callable[[Any], T], task: Any) -> Future[T]:
-        """Compute the task now, or send it to a process.
-
-        ``work``: function of the task; importable by name, for workers in other processes. Returns
-        what the function returns or raises; done already, if in this process.
-        """
+    def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
+        """Compute the task now, or send it to a process."""
         if self.in_process:
-            return self._computed(work, task)
+            return self._computed(work, *task)
         with for_children():
             if self._executor is not None:
                 with suppress(BrokenExecutor):  # a worker died since
-                    return self._executor.submit(work, task)
-            return self._restarted().submit(work, task)
+                    return self._executor.submit(work, *task)
+            return self._restarted().submit(work, *task)
 
-    def _computed(self, work: Callable[[Any], T], task: Any) -> Future[T]:
+    def _computed(self, work: Callable[..., T], *task: Any) -> Future[T]:
         future: Future[T] = Future()
         begun = time.perf_counter()
         try:
-            future.set_result(work(task))
+            future.set_result(work(*task))
         except Exception as error:
             future.set_exception(error)
         if self._warm:  # the first task also imports what it needs
@@ -146,13 +143,6 @@ class LocalPool:
         self._executor = ProcessPoolExecutor(self._most, context, _prepare_worker)
         self._started = self._executor.submit(os.getpid)
         return self._executor
-
-    def result(self, future: Future[T]) -> T:
-        """Result of a task."""
-        return future.result()
-
-    def check(self) -> None:
-        """Nothing to raise: a process that ends breaks its executor, which says so by itself."""
 
     def close(self, *, at_once: bool) -> None:
         """End all processes."""

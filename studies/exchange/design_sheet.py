@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import ParametricAirframe
 from sizing.design import FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, parameter, parameter_value
+from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.records import finite_values
 from sizing.results.tables import MISSING, Column, Table
@@ -16,9 +18,9 @@ from sizing.results.tables import MISSING, Column, Table
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["DesignSheet", "Quantity", "design_sheet"]
+__all__ = ["DesignSheet", "Entry", "design_sheet"]
 
-_GEOMETRY = ("wingspan_m", "aspect_ratio", "wing_area_m2", "chord_m", "module_area_m2",
+_GEOMETRY = (q.WINGSPAN.name, "aspect_ratio", "wing_area_m2", "chord_m", "module_area_m2",
              "module_coverage")  # fmt: skip
 _FLIGHT = ("airspeed_m_per_s", "lift_coefficient", "reynolds_number", "stall_speed_m_per_s",
            "climb_rate_m_per_s")  # fmt: skip
@@ -36,8 +38,8 @@ _TECHNOLOGY = (
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A quantity of a design.
+class Entry:
+    """A quantity of a design, with its value.
 
     ``group``: what it is about: ``geometry``, ``masses``, ``flight``, ``power``, ``energy`` or
     ``technology``. ``key``: name in files and JSON, with its unit. ``label``, ``symbol``, ``unit``:
@@ -68,14 +70,14 @@ class DesignSheet:
     """
 
     title: str
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[Entry, ...]
     notes: tuple[str, ...]
 
     def table(self) -> Table:
         """Table for people, with a line between the groups."""
         columns = (Column("quantity"), Column("value", to_right=True), Column("unit"))
-        rows = tuple((q.label, q.text(), unit_text(q.unit)) for q in self.quantities)
-        groups = [q.group for q in self.quantities]
+        rows = tuple((one.label, one.text(), unit_text(one.unit)) for one in self.quantities)
+        groups = [one.group for one in self.quantities]
         lines = tuple(i for i in range(1, len(groups)) if groups[i] != groups[i - 1])
         return Table(self.title, columns, rows, self.notes, sections=lines)
 
@@ -87,7 +89,7 @@ class DesignSheet:
 
     def to_dict(self) -> dict[str, Any]:
         """Values by key, JSON-ready."""
-        return finite_values({q.key: q.value for q in self.quantities})
+        return finite_values({one.key: one.value for one in self.quantities})
 
 
 def design_sheet(analysis: Analysis) -> DesignSheet:
@@ -106,7 +108,7 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
     notes = (f"Energy: {worst}; {solar.model}, correction: {solar.correction}.",)
     return DesignSheet(
         f"{analysis.aircraft.name} on {analysis.mission.name}",
-        tuple(q for q in quantities if q.value is not None),
+        tuple(one for one in quantities if one.value is not None),
         notes,
     )
 
@@ -129,29 +131,23 @@ def unit_text(unit: str) -> str:
     return "" if unit == "1" else unit.replace("m2", "m²").replace("m3", "m³")
 
 
-def _of_catalogue(group: str, names: tuple[str, ...], analysis: Analysis) -> list[Quantity]:
+def _of_catalogue(group: str, names: tuple[str, ...], analysis: Analysis) -> list[Entry]:
     """Quantities that the catalogue of parameters knows."""
     values = _values(analysis)
     known = [(parameter(name), values.get(name)) for name in names]
-    return [Quantity(group, p.name, p.label, p.symbol, p.unit, value) for p, value in known]
+    return [Entry(group, p.name, p.label, p.symbol, p.unit, value) for p, value in known]
 
 
 def _values(analysis: Analysis) -> dict[str, float | None]:
     """Quantities of the design by name; those that only a parametric aircraft has are left out."""
     aircraft, design = analysis.aircraft, analysis.performance.design
-    load_w = float(design.nominal_load_w(analysis.mission))
-    span, area = float(design.variables.wingspan_m), float(design.wing_area_m2)
-    values: dict[str, float | None] = {
-        "wingspan_m": span,
-        "aspect_ratio": float(design.variables.aspect_ratio),
-        "wing_area_m2": area,
-        "chord_m": area / span,
-        "module_area_m2": float(design.variables.module_area_m2),
-        "module_coverage": float(design.variables.module_area_m2) / area,
-        "airspeed_m_per_s": _number(design.airspeed_m_per_s),
-        "propulsion_power_w": float(design.propulsion_power_w),
+    known = (*q.CHOSEN, q.WING_AREA, q.AIRSPEED, q.PROPULSION_POWER, q.BATTERY_ENERGY)
+    values = {one.name: _number(one.of(design)) for one in known}
+    load_w, area_m2 = float(design.nominal_load_w(analysis.mission)), float(design.wing_area_m2)
+    values |= {
+        "chord_m": area_m2 / float(design.variables.wingspan_m),
+        "module_coverage": float(design.variables.module_area_m2) / area_m2,
         "load_w": load_w,
-        "battery_energy_wh": float(design.battery_energy_wh),
         "cruise_discharge_rate_per_h": load_w / float(design.battery_energy_wh),
     }
     if isinstance(aircraft.airframe, ParametricAirframe):
@@ -165,7 +161,7 @@ def _number(value: Any) -> float | None:
     return None if value is None else float(value)
 
 
-def _masses(analysis: Analysis) -> list[Quantity]:
+def _masses(analysis: Analysis) -> list[Entry]:
     """Parts of the mass that there are, and their sum."""
     design = analysis.performance.design
     measured = not isinstance(analysis.aircraft.airframe, ParametricAirframe)
@@ -176,42 +172,27 @@ def _masses(analysis: Analysis) -> list[Quantity]:
             text = "airframe, propulsion, avionics"
         if float(mass) > 0.0:
             found.append(
-                Quantity("masses", f"{name}_mass_kg", f"mass: {text}", symbol, "kg", float(mass))
+                Entry("masses", f"{name}_mass_kg", f"mass: {text}", symbol, "kg", float(mass))
             )
-    total, loading = parameter("total_mass_kg"), parameter("wing_loading_kg_per_m2")
     mass_kg = float(design.total_mass_kg)
-    values = ((total, mass_kg), (loading, mass_kg / float(design.wing_area_m2)))
-    return [*found, *(Quantity("masses", p.name, p.label, p.symbol, p.unit, v) for p, v in values)]
+    values = ((q.TOTAL_MASS, mass_kg), (q.WING_LOADING, mass_kg / float(design.wing_area_m2)))
+    return [*found, *(_entry("masses", one, value) for one, value in values)]
 
 
-def _energy(analysis: Analysis) -> list[Quantity]:
+def _energy(analysis: Analysis) -> list[Entry]:
     """Metrics of the worst scenario."""
-    cycle, worst = analysis.performance.cycle, analysis.worst
-    endurance = analysis.endurances[worst]
-    rows: tuple[tuple[str, str, str, str, float | None], ...] = (
-        ("solar_energy_wh", "solar energy of the day", r"E_\mathrm{solar}", "Wh",
-         float(cycle.energy_budget.solar_wh[worst])),
-        ("excess_time_h", "excess time", r"T_\mathrm{exc}", "h",
-         _defined(cycle.excess_time_h[worst])),
-        ("charge_margin_h", "charge margin", r"T_\mathrm{cm}", "h",
-         _defined(cycle.charge_margin_h[worst])),
-        ("minimum_state_of_charge", "minimum state of charge", r"\mathit{SoC}_\mathrm{min}", "1",
-         float(cycle.minimum_state_of_charge[worst])),
-        ("endurance_h", "endurance", r"T_\mathrm{endur}", "h",
-         float("inf") if endurance is None else float(endurance.endurance_h)),
-    )  # fmt: skip
-    return [Quantity("energy", *row) for row in rows]
+    values = ((one, float(analysis.scenario()[one])) for one in q.SHEET_ENERGY)
+    return [_entry("energy", one, None if isnan(value) else value) for one, value in values]
 
 
-def _defined(value: Any) -> float | None:
-    number = float(value)
-    return None if number != number else number
+def _entry(group: str, one: q.Quantity, value: float | None) -> Entry:
+    return Entry(group, one.name, one.label, one.symbol, one.unit or "1", value)
 
 
-def _technology_quantities(analysis: Analysis) -> list[Quantity]:
+def _technology_quantities(analysis: Analysis) -> list[Entry]:
     known = [catalogue()[key] for key in _TECHNOLOGY]
     return [
-        Quantity("technology", p.key, p.label, p.symbol, p.unit,
+        Entry("technology", p.key, p.label, p.symbol, p.unit,
                  parameter_value(analysis.aircraft, None, p.key))
         for p in known
     ]  # fmt: skip

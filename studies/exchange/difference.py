@@ -15,7 +15,7 @@ from sizing.results.records import finite
 from sizing.results.tables import MISSING, Column, Result, Summary, Table
 from studies.exchange.design_sheet import (
     DesignSheet,
-    Quantity,
+    Entry,
     design_sheet,
     number_text,
     unit_text,
@@ -65,7 +65,7 @@ class DesignDifference(Result):
         """Both designs, and how many keys differ."""
         return f"{self.first.title} and {self.second.title}: {_count(len(self.keys), 'key')} differ"
 
-    def rows(self) -> list[tuple[Quantity, float | str | None, float | str | None]]:
+    def rows(self) -> list[tuple[Entry, float | str | None, float | str | None]]:
         """Quantities of either design, and their values in both; None where one has none."""
         one, two = ({q.key: q for q in sheet.quantities} for sheet in (self.first, self.second))
         found = [(q, q.value, two[q.key].value if q.key in two else None) for q in one.values()]

@@ -10,6 +10,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
 from solar.names import CorrectionName, ModelName
+from studies.exchange.airplane import airplane_text, missing_library
+from studies.exchange.design_sheet import design_sheet
+from studies.exchange.latex import latex_table
 from studies.output.formats import missing_writer, table_bytes, workbook_bytes
 
 __all__ = ["DESIGN_FORMATS", "GEOMETRY_FORMATS", "design_bytes", "export_design", "missing_for"]
@@ -29,8 +32,6 @@ def design_format(path: str) -> str | None:
 def missing_for(path: str) -> str | None:
     """What to install before a file can be written; None where nothing is missing."""
     if design_format(path) in ("avl", "vspscript"):
-        from studies.exchange.airplane import missing_library
-
         missing = missing_library()
         return None if missing is None else f".{design_format(path)} {missing}"
     return missing_writer(design_format(path))
@@ -82,15 +83,10 @@ def design_bytes(analysis: Analysis, path: str) -> bytes:
     """Content of a file of a design."""
     ending = design_format(path)
     if ending is not None and ending in GEOMETRY_FORMATS:
-        from studies.exchange.airplane import airplane_text
-
         return airplane_text(analysis.aircraft, ending).encode()
-    from studies.exchange.design_sheet import design_sheet
 
     sheet = design_sheet(analysis)
     if ending == "tex":
-        from studies.exchange.latex import latex_table
-
         return latex_table(sheet).encode()
     if ending == "xlsx":
         tables = {

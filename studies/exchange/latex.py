@@ -6,7 +6,7 @@ import re
 from itertools import groupby
 
 from sizing.results.tables import UNLIMITED
-from studies.exchange.design_sheet import DesignSheet, Quantity
+from studies.exchange.design_sheet import DesignSheet, Entry
 
 __all__ = ["escaped", "latex_table"]
 
@@ -44,7 +44,7 @@ def escaped(text: str) -> str:
     return "".join(_ESCAPES.get(character, character) for character in text)
 
 
-def _row(quantity: Quantity) -> str:
+def _row(quantity: Entry) -> str:
     symbol = f"${quantity.symbol}$" if quantity.symbol else ""
     value = quantity.text()
     shown = value if value == UNLIMITED or isinstance(quantity.value, str) else f"${_power(value)}$"

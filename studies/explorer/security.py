@@ -4,6 +4,7 @@ A server on this machine can be reached by every page that a browser has open, a
 the machine. Therefore each request names this server in ``Host`` (a foreign name that resolves to
 127.0.0.1 is refused), comes from its own pages (``Origin``), and carries the token that was printed
 when it started: in the cookie that the first page sets, or as ``Authorization: Bearer``.
+Starlette's ``TrustedHostMiddleware`` looks at no port, and takes the first of two ``Host`` headers.
 """
 
 from __future__ import annotations

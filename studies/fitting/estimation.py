@@ -19,6 +19,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import norm, t
 
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
@@ -274,9 +276,6 @@ def _undetermined(problem: _Problem, found: _Solution) -> tuple[int, str] | None
 
 
 def _solved(problem: _Problem, light_sigma: float) -> _Solution:
-    from scipy.optimize import least_squares
-    from scipy.stats import norm, t
-
     channel, count = problem.channel, len(problem.parameters)
     if not count:
         nothing = np.zeros(0)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import FloatArray
@@ -48,8 +49,6 @@ class PublishedFit(Result):
 
 def fit_published() -> PublishedFit:
     """Fit three numbers of the aircraft to three figures of a flight, and predict another."""
-    from scipy.optimize import least_squares
-
     chosen = tuple(PARAMETERS[name] for name in _FITTED)
     shipped = FLIGHT_28H.trial()
     loaded = shipped.with_load(NIGHT_LOAD_W)

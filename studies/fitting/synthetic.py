@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.signal import lfilter
 
 from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
@@ -117,8 +118,6 @@ def _after_first_peak(charge: FloatArray) -> int:
 
 def _wandering(count: int, step: float, rng: np.random.Generator) -> FloatArray:
     """Noise of unit variance that keeps ``exp(-step)`` of itself from sample to sample."""
-    from scipy.signal import lfilter
-
     keep = float(np.exp(-step))
     white = rng.standard_normal(count)
     white[0] /= np.sqrt(1.0 - keep**2)  # it has always wandered

@@ -9,9 +9,11 @@ measurement error that the truth does not know.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
+import pandas as pd
+from scipy.signal import lfilter
 
 from missions.flight_path import Circle, orbit
 from missions.logs.table import FlightLog, log_from_table
@@ -23,9 +25,6 @@ from solar.clearsky import Irradiance
 from solar.sun import SunPosition, sun_position
 from solar.types import FloatArray
 from studies.flight_logs.samples import ShadedArea, day_of_year
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Side = Literal["front", "right", "rear", "left"]
 Period: TypeAlias = tuple[float, float]
@@ -161,8 +160,6 @@ def _flown(
 
 def _gusts(elapsed: FloatArray, rng: np.random.Generator, correlation_s: float = 2.0) -> FloatArray:
     """Noise of unit variance, correlated over a few seconds."""
-    from scipy.signal import lfilter
-
     keep = float(np.exp(-(elapsed[1] - elapsed[0]) / correlation_s))
     white = rng.standard_normal(len(elapsed))
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
@@ -232,8 +229,6 @@ def _instruments(
     truth: _Truth,
     rng: np.random.Generator,
 ) -> pd.DataFrame:
-    import pandas as pd
-
     count, faults = len(elapsed), settings.faults
     hours = elapsed / 3600.0
     power = truth.power_w / (1.0 + settings.bias)

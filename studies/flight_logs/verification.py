@@ -11,9 +11,10 @@ import io
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from missions.files.errors import file_error
@@ -46,9 +47,6 @@ from studies.flight_logs.samples import (
     tail_shading,
 )
 from studies.flight_logs.verdict import log_sentences, model_sentence
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
@@ -213,8 +211,6 @@ class Verification(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """Samples with models and errors, one row each."""
-        import pandas as pd
-
         return pd.DataFrame({name: values for name, _, values in self._columns()})
 
     def to_csv(self) -> str:

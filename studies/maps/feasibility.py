@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of
 from sizing.energy.cycle import ENDS, Status
 from sizing.performance import Performance, performance
+from sizing.results.quantities import ENDURANCE, MAP
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     charge_rate_check,
@@ -26,7 +26,9 @@ from sizing.validity.told import told
 from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
-from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
+from studies.grid import GridStudy, chunks_of
+from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapConfiguration, cell_time_s
+from studies.output.columns import attributes
 from studies.output.gridded import OnGrid, can_be_result
 
 if TYPE_CHECKING:
@@ -48,30 +50,10 @@ _ENDURANCE_S = 2e-4  # of a cell, roughly
 _PERPETUAL = (Status.perpetual, Status.always_lit)
 
 # Variable -> unit, long name.
-_DESCRIBED = {
-    "excess_time": ("h", "excess time; infinite where solar power always exceeds the load"),
-    "minimum_state_of_charge": ("1", "minimum state of charge of the repeated day"),
-    "charge_margin": ("h", "time from first full charge to last instant of full charge"),
-    "equal_power_morning": ("h", "solar time at which solar power first equals the load"),
-    "equal_power_evening": ("h", "solar time at which solar power last equals the load"),
-    "full_charge": ("h", "solar time of the first full charge"),
-    "solar_energy": ("Wh", "electric energy of the modules over the day"),
-    "load_energy": ("Wh", "energy drawn over the day"),
-    "day_length": ("h", "time from sunrise to sunset"),
-}
-_ENDURANCE = {"endurance": ("h", "longest flight over all launch times; infinite where perpetual")}
+_DESCRIBED = {one.variable: one.described for one in MAP}
+_ENDURANCE = {ENDURANCE.variable: ENDURANCE.described}
 _CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
 _STATUS = {"status": ("1", "how the repeated day ends")}
-
-
-@dataclass(frozen=True)
-class MapConfiguration:
-    """What all cells of a map have in common."""
-
-    aircraft: Aircraft
-    mission: Mission
-    solar: SolarModel
-    endurance: bool = False
 
 
 def feasibility_map(
@@ -138,24 +120,25 @@ def prepare(
     days: ArrayLike,
     solar: SolarModel,
     endurance: bool = False,
-) -> MapStudy:
-    """Check a map and divide it into chunks.
-
-    Returns chunks of the map, and how their results become a dataset.
-    """
+) -> GridStudy:
+    """Check a map and divide it into chunks."""
     grid = Grid.of(latitudes, days)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
     blanks["status"] = np.int8(Status.failed)
-    configuration = MapConfiguration(aircraft, mission, solar, endurance)
-    possible = can_be_result(ENDS, ENDS)
-    job = Job(_map_chunk, configuration, grid.chunks(cell_s), blanks, possible)
-    title = f"Feasibility of {aircraft.name}"
-    return MapStudy(
-        *(job, grid, title, described | _STATUS, (Status.failed, *ENDS)),
-        extrapolated=lambda columns: _extrapolations_of_map(configuration, grid, columns),
+    asked = MapConfiguration(aircraft, mission, solar, endurance)
+    numbers = grid.chunks(cell_s)
+    chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(ENDS, ENDS)
+    return GridStudy(
+        Job(_map_chunk, asked, chunks, blanks, possible),
+        np.concatenate(numbers),
+        grid.coordinates(),
+        described | _STATUS,
+        (Status.failed, *ENDS),
+        attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
+        lambda columns: _extrapolations_of_map(asked, grid, columns),
     )
 
 
@@ -231,21 +214,10 @@ def _cells(
 ) -> dict[str, NDArray[Any]]:
     lit = solar_day(aircraft, mission, solar, scenarios=cells)
     found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
-    cycle = found.cycle
     columns: dict[str, NDArray[Any]] = {
-        "excess_time": cycle.excess_time_h,
-        "minimum_state_of_charge": cycle.minimum_state_of_charge,
-        "charge_margin": cycle.charge_margin_h,
-        "equal_power_morning": cycle.equal_power_morning_h,
-        "equal_power_evening": cycle.equal_power_evening_h,
-        "full_charge": cycle.full_charge_h,
-        "solar_energy": cycle.energy_budget.solar_wh,
-        "load_energy": cycle.energy_budget.load_wh,
-        "day_length": found.day.sunset_h - found.day.sunrise_h,
-        "status": cycle.status.astype(np.int8),
+        **{one.variable: one.of(found) for one in (*MAP, *([ENDURANCE] if endurance else []))},
+        "status": found.cycle.status.astype(np.int8),
     }
-    if endurance:
-        columns["endurance"] = found.endurance_h()
     for check in charge_rate_check(
         aircraft, mission, found.design, found.solar_power_w.max(axis=-1)
     ):

@@ -1,37 +1,24 @@
-"""What maps over latitude and season share: cells in chunks, and results laid out on the grid."""
+"""What maps over latitude and season share: their cells in chunks, and what all have in common."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import IntEnum
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
-from sizing.validity.ranges import Extrapolation
 from solar.names import ATTITUDE_MODELS
-from studies.engine.run import Cell, Job, Outcome, pieces
-from studies.output.columns import (
-    attributes,
-    extrapolation_attribute,
-    failed_cells,
-    variables,
-)
-from studies.output.gridded import Gridded, Labelled
+from solar.types import FloatArray, IntArray
+from studies.engine.run import pieces
+from studies.output.gridded import Labelled
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from solar.types import FloatArray
-
-__all__ = ["DAYS", "LATITUDES_DEG", "Grid", "MapStudy", "cell_time_s"]
+__all__ = ["DAYS", "LATITUDES_DEG", "Grid", "MapConfiguration", "cell_time_s"]
 
 # Of a map for which no other grid is asked.
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 2.0), np.arange(1, 366, 4)
@@ -43,11 +30,22 @@ _CELL_S, _CELL_ON_PATH_S = 2.5e-5, 1e-2
 
 
 @dataclass(frozen=True)
+class MapConfiguration:
+    """What all cells of a map have in common; ``objective``: what they are sized for, if so."""
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    endurance: bool = False
+    objective: Objective | None = None
+
+
+@dataclass(frozen=True)
 class Grid:
     """Latitudes [deg], north positive, and days of year from 1 to 365; see :meth:`of`."""
 
     latitudes_deg: FloatArray
-    days: NDArray[np.int_]
+    days: IntArray
 
     @classmethod
     def of(cls, latitudes: ArrayLike, days: ArrayLike) -> Grid:
@@ -68,27 +66,17 @@ class Grid:
             raise ValueError("days must be whole numbers")
         return cls(north, date.astype(int))
 
-    def chunks(self, cell_s: float) -> tuple[tuple[Cell, ...], ...]:
-        """Rectangles of cells (latitude, day): whole rows of latitude if a row is short enough."""
-        cells = max(round(_CHUNK_S / cell_s), 1)
-        rows = pieces(len(self.latitudes_deg), cells // len(self.days))
-        columns = pieces(len(self.days), cells)
-        north, date = self.latitudes_deg.tolist(), self.days.astype(float).tolist()
-        return tuple(
-            tuple(itertools.product(north[row], date[column])) for row in rows for column in columns
-        )
+    def cells(self) -> FloatArray:
+        """Latitude [deg] and day of all cells, shape ``(cell, 2)``."""
+        return np.array(list(itertools.product(self.latitudes_deg, self.days)), float)
 
-    def laid_out(self, job: Job, outcome: Outcome) -> dict[str, NDArray[Any]]:
-        """Columns of an outcome, shape ``(latitude, day)``.
-
-        ``job``: what was computed, with the latitude [deg] and day of its cells. Returns by the
-        names of the columns.
-        """
-        cells = np.array(job.cells)
-        row = np.searchsorted(self.latitudes_deg, cells[:, 0])
-        order = np.argsort(row * len(self.days) + np.searchsorted(self.days, cells[:, 1]))
-        shape = (len(self.latitudes_deg), len(self.days))
-        return {name: values[order].reshape(shape) for name, values in outcome.columns.items()}
+    def chunks(self, cell_s: float) -> list[IntArray]:
+        """Numbers of the cells of rectangles: whole rows of latitude if a row is short enough."""
+        shape = len(self.latitudes_deg), len(self.days)
+        most = max(round(_CHUNK_S / cell_s), 1)
+        numbers = np.arange(shape[0] * shape[1]).reshape(shape)
+        rows, columns = pieces(shape[0], most // shape[1]), pieces(shape[1], most)
+        return [numbers[row, column].ravel() for row in rows for column in columns]
 
     def coordinates(self) -> dict[str, Labelled]:
         """Coordinates of a result, with CF attributes."""
@@ -100,48 +88,10 @@ class Grid:
         }
 
 
-@dataclass(frozen=True)
-class MapStudy:
-    """A checked map, ready to be computed.
-
-    ``job``: its configuration has an aircraft, a mission and a solar model. ``described``: unit and
-    long name of every variable. ``flags``: what ``status`` may be. ``attributes``: attributes of
-    the result that other maps do not have. ``extrapolated``: what lies outside the range of a
-    model, of the columns laid out.
-    """
-
-    job: Job
-    grid: Grid
-    title: str
-    described: Mapping[str, tuple[str, str]]
-    flags: Iterable[IntEnum]
-    attributes: Mapping[str, Any] = field(default_factory=dict)
-    extrapolated: Callable[[Mapping[str, NDArray[Any]]], Sequence[Extrapolation]] | None = None
-
-    def dataset(self, outcome: Outcome) -> xr.Dataset:
-        """Result on the dimensions ``latitude`` and ``day``, with CF attributes."""
-        return self.gridded(outcome).to_xarray()
-
-    def gridded(self, outcome: Outcome) -> Gridded:
-        """Return the same as plain arrays: for those who need no more."""
-        asked = self.job.configuration
-        columns = self.grid.laid_out(self.job, outcome)
-        outside = () if self.extrapolated is None else self.extrapolated(columns)
-        return Gridded(
-            variables(("latitude", "day"), columns, self.described, self.flags),
-            self.grid.coordinates(),
-            attributes(self.title, asked.aircraft, asked.mission, asked.solar)
-            | dict(self.attributes)
-            | failed_cells(self.job.cells, outcome.failures, ("latitude", "day"))
-            | extrapolation_attribute(outside),
-        )
-
-
 def cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> float:
-    """Time that the solar power of a cell takes, roughly [s].
+    """Time that the solar power of a cell takes on one core, roughly [s].
 
-    ``solar``: model and correction; those that follow the flight path take longer. Returns time on
-    one core [s].
+    ``solar``: model and correction; those that follow the flight path take longer.
     """
     if not solar.needs_path:
         return _CELL_S

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,12 +17,14 @@ from sizing.validity.ranges import Extrapolation
 from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
-from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapStudy, cell_time_s
+from studies.grid import GridStudy, chunks_of
+from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapConfiguration, cell_time_s
 from studies.output.columns import (
     BLANKS,
     DESCRIBED,
     SIZED,
     SizingStatus,
+    attributes,
     resize_objective,
     told_of_cells,
 )
@@ -36,16 +37,6 @@ if TYPE_CHECKING:
 __all__ = ["prepare", "resized_map"]
 
 _SIZING_S = 4.5e-3  # of a cell, roughly
-
-
-@dataclass(frozen=True)
-class ResizedMapConfiguration:
-    """What all cells of a map have in common."""
-
-    aircraft: Aircraft
-    mission: Mission
-    solar: SolarModel
-    objective: Objective
 
 
 def resized_map(
@@ -122,48 +113,47 @@ def prepare(
     latitudes: ArrayLike,
     days: ArrayLike,
     solar: SolarModel,
-) -> MapStudy:
-    """Check a map and divide it into chunks.
-
-    ``mission``: in which air and with which load, and the excess time that is required.
-    ``objective``: what is as large or as small as possible. Returns chunks of the map, and how
-    their results become a dataset.
-    """
-    asked = resize_objective(objective)
+) -> GridStudy:
+    """Check a map and divide it into chunks."""
+    goal = resize_objective(objective)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
     grid = Grid.of(latitudes, days)
-    chunks = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))
-    configuration = ResizedMapConfiguration(aircraft, mission, solar, asked)
-    return MapStudy(
-        Job(_resized_chunk, configuration, chunks, BLANKS, can_be_result(SizingStatus, SIZED)),
-        grid,
-        f"Best designs of {aircraft.name}",
+    numbers = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))
+    asked = MapConfiguration(aircraft, mission, solar, objective=goal)
+    chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(SizingStatus, SIZED)
+    return GridStudy(
+        Job(_resized_chunk, asked, chunks, BLANKS, possible),
+        np.concatenate(numbers),
+        grid.coordinates(),
         DESCRIBED,
         SizingStatus,
         {
-            "objective": asked.value,
+            **attributes(f"Best designs of {aircraft.name}", aircraft, mission, solar),
+            "objective": goal.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
-        lambda columns: _extrapolations(configuration, grid, columns),
+        lambda columns: _extrapolations(asked, grid, columns),
     )
 
 
 def _extrapolations(
-    asked: ResizedMapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
+    asked: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the designs of all cells take from outside, its worth that of the lightest one."""
+    goal = asked.objective
+    assert goal is not None
     mass_kg = np.where(np.isin(columns["status"], SIZED), columns["total_mass"], np.inf)
     row, column = np.unravel_index(int(np.argmin(mass_kg)), mass_kg.shape)
     cell = (float(grid.latitudes_deg[row]), int(grid.days[column]))
     return with_worth(
         told_of_cells(columns, SIZED, "cells"),
         asked.aircraft,
-        lambda: sized_flight(asked.aircraft, asked.mission, cell, asked.objective, asked.solar),
+        lambda: sized_flight(asked.aircraft, asked.mission, cell, goal, asked.solar),
     )
 
 
-def _resized_chunk(configuration: ResizedMapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
+def _resized_chunk(asked: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
     """Best designs of some cells."""
-    asked = configuration
+    assert asked.objective is not None
     return size_cells(asked.aircraft, asked.mission, cells, asked.objective, asked.solar)

@@ -23,6 +23,7 @@ from sizing.optimisation.result import SizingResult, SizingStatus, objective_val
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME, TOTAL_MASS
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarDay, SolarModel, Sunlight
@@ -82,7 +83,7 @@ class Built:
         return {
             "status": sizing.status.name,
             **(dict.fromkeys(names) if design is None else design.variables._asdict()),
-            "total_mass_kg": None if design is None else design.total_mass_kg,
+            TOTAL_MASS.name: None if design is None else design.total_mass_kg,
             "promised_excess_time_h": None if promised is None else finite(promised),
             "violated_requirements": [v.text for v in sizing.violations],
             "judged": None if self.judged is None else self.judged.to_dict(),
@@ -285,9 +286,9 @@ _PREDICTED = (
     Column("correction", "corr."),
     Column("mean_solar_energy_wh", "solar energy", "Wh", ".0f"),
     Column("above_reference_percent", "vs ref.", "%", "+z.1f"),
-    Column("excess_time_h", "excess time", "h", ".2f"),
-    Column("minimum_state_of_charge_percent", "min. SoC", "%", ".1f"),
-    Column("charge_margin_h", "charge margin", "h", ".2f"),
+    EXCESS_TIME,
+    CHARGE_PERCENT,
+    CHARGE_MARGIN,
     Column("endurance"),
     Column("season_days", "season", "d"),
 )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.loiter_power import module_power_on_path
+from missions.loiter_power import Daylight, FlownModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.records import clock_label
@@ -78,18 +78,16 @@ def component_efficiencies(
     time_h = day_axis_h(step_h)
     scenarios = mission.scenarios()
     lit, orbit, power = module_power_on_path(
-        float(scenarios.latitude_deg[scenario]),
-        float(scenarios.noon_day[scenario]),
-        time_h,
-        geometry=geometry,
-        cell=aircraft.modules,
-        path=path,
-        wind=mission.wind,
+        FlownModules(geometry, aircraft.modules, path, mission.wind, aircraft.modules.shading),
+        Daylight(
+            float(scenarios.latitude_deg[scenario]),
+            float(scenarios.noon_day[scenario]),
+            time_h,
+            mission.altitude_m,
+            mission.pessimistic_clearness,
+            mission.sky,
+        ),
         ambient_temperature_c=float(mission.air_state().temperature_c),
-        altitude_m=mission.altitude_m,
-        clearness=mission.pessimistic_clearness,
-        sky=mission.sky,
-        shading=aircraft.modules.shading,
     )
     factor = mission.pessimistic_power_factor("FM")
     specific_power = power.specific_power_w_per_m2 * factor

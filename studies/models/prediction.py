@@ -10,7 +10,7 @@ import numpy as np
 
 from sizing.energy.cycle import Status
 from sizing.performance import Performance
-from sizing.results.records import finite
+from sizing.results.records import finite_values
 from sizing.sunlight import SolarDay
 
 # Excess time that is missing by less than is printed is not missing [h].
@@ -89,21 +89,16 @@ class Prediction:
 
     def to_dict(self) -> dict[str, Any]:
         """All but what only the outcome needs, JSON-ready; null where a number is infinite."""
+        numbers = finite_values({k: v for k, v in vars(self).items() if isinstance(v, float)})
+        latitude_deg = numbers.pop("latitude_deg")
         return {
             "status": self.status.name,
             "worst_scenario": {
-                "latitude_deg": self.latitude_deg,
+                "latitude_deg": latitude_deg,
                 "day_of_year": self.day_of_year,
                 "label": self.scenario,
             },
-            "excess_time_h": finite(self.excess_time_h),
-            "excess_time_low_h": finite(self.excess_time_low_h),
-            "excess_time_high_h": finite(self.excess_time_high_h),
-            "minimum_state_of_charge": self.minimum_state_of_charge,
-            "charge_margin_h": self.charge_margin_h,
-            "endurance_h": finite(self.endurance_h),
-            "solar_energy_wh": self.solar_energy_wh,
-            "mean_solar_energy_wh": self.mean_solar_energy_wh,
+            **numbers,
         }
 
 

@@ -16,6 +16,7 @@ from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import RESIZE_NAMES, Objective, SizingStatus
+from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import from_text, together
@@ -32,7 +33,6 @@ __all__ = [
     "attributes",
     "extrapolation_attribute",
     "extrapolations_of",
-    "failed_cells",
     "failed_count",
     "resize_objective",
     "status_names",
@@ -53,23 +53,11 @@ HATCHES = {
     "never_lit": "++",
 }
 
-_NAN = np.float64("nan")
-
 # What stands where a sizing failed; every other number is NaN unless the sizing is optimal.
 BLANKS: dict[str, Any] = {
     "status": np.int8(SizingStatus.failed),
-    "wingspan": _NAN,
-    "aspect_ratio": _NAN,
-    "battery_mass": _NAN,
-    "module_area": _NAN,
-    "payload_mass": _NAN,
-    "payload_power": _NAN,
-    "total_mass": _NAN,
-    "excess_time": _NAN,
-    "charge_margin": _NAN,
-    "minimum_state_of_charge": _NAN,
-    "power": _NAN,
-    "shortfall": _NAN,
+    **{one.variable: np.float64("nan") for one in (*DESIGN_COLUMNS, *REACHED, LOAD)},
+    "shortfall": np.float64("nan"),
     "violated_requirement": np.str_(""),
     "message": np.str_(""),
     "extrapolations": np.str_(""),
@@ -77,17 +65,9 @@ BLANKS: dict[str, Any] = {
 
 # Variable -> unit, long name.
 DESCRIBED: dict[str, tuple[str, str]] = {
-    "wingspan": ("m", "wingspan"),
-    "aspect_ratio": ("1", "aspect ratio"),
-    "battery_mass": ("kg", "battery mass"),
-    "module_area": ("m2", "area of the solar modules"),
-    "payload_mass": ("kg", "payload mass"),
-    "payload_power": ("W", "power of the payload"),
-    "total_mass": ("kg", "total mass"),
-    "excess_time": ("h", "excess time of the worst scenario"),
-    "charge_margin": ("h", "charge margin of the worst scenario"),
-    "minimum_state_of_charge": ("1", "minimum state of charge of the worst scenario"),
-    "power": ("W", "nominal load"),
+    **{one.variable: one.described for one in DESIGN_COLUMNS},
+    **{one.variable: (one.unit or "1", f"{one.label} of the worst scenario") for one in REACHED},
+    LOAD.variable: LOAD.described,
     "shortfall": (
         "1",
         "by how much the violated requirement is missed: relative to its limit, for "
@@ -147,26 +127,6 @@ def attributes(
         "aircraft": aircraft.model_dump_json(),
         "mission": mission.model_dump_json(),
     }
-
-
-def failed_cells(
-    cells: Sequence[tuple[Any, ...]], failures: Mapping[int, str], names: Sequence[str]
-) -> dict[str, str]:
-    """Attribute that says which cells failed, and why; none where none did.
-
-    Returns the attribute ``failed_cells``, one line for each cell, or nothing.
-    """
-    if not failures:
-        return {}
-    lines = [
-        ", ".join(
-            f"{name} {value if isinstance(value, str) else format(value, 'g')}"
-            for name, value in zip(names, cells[i], strict=True)
-        )
-        + f": {text}"
-        for i, text in sorted(failures.items())
-    ]
-    return {"failed_cells": "\n".join(lines)}
 
 
 def extrapolation_attribute(found: Sequence[Extrapolation]) -> dict[str, str]:

@@ -20,6 +20,7 @@ from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult
 from sizing.performance import Performance, performance_of_designs
+from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     charge_rate_check,
@@ -44,21 +45,9 @@ def sizing_row(result: SizingResult) -> dict[str, Any]:
         row |= {"message": "; ".join(v.text for v in result.violations)}
     if result.simulated is None or result.design is None:
         return row
-    design, perf = result.design, result.simulated
-    worst_scenario = perf.worst_scenario()
-    return row | {
-        "wingspan": design.variables.wingspan_m,
-        "aspect_ratio": design.variables.aspect_ratio,
-        "battery_mass": design.variables.battery_mass_kg,
-        "module_area": design.variables.module_area_m2,
-        "payload_mass": design.masses.payload,
-        "payload_power": design.variables.payload_power_w,
-        "total_mass": design.total_mass_kg,
-        "excess_time": float(perf.cycle.excess_time_h[worst_scenario]),
-        "charge_margin": float(perf.cycle.charge_margin_h[worst_scenario]),
-        "minimum_state_of_charge": float(perf.cycle.minimum_state_of_charge[worst_scenario]),
-        "power": float(perf.nominal_load_w.ravel()[0]),
-    }
+    flown, scenario = result.simulated, result.simulated.worst_scenario()
+    row |= {one.variable: one.of(result.design) for one in DESIGN_COLUMNS}
+    return row | {one.variable: float(one.of(flown)[scenario]) for one in (*REACHED, LOAD)}
 
 
 def size_cells(
@@ -135,20 +124,11 @@ def _programs(aircraft: Aircraft) -> SizingProblems:
 
 
 def _columns(found: CellSizings) -> dict[str, Any]:
-    chosen = found.variables
+    known = found.variables._asdict() | vars(found)
     return {
         "status": found.status.astype(np.int8),
-        "wingspan": chosen.wingspan_m,
-        "aspect_ratio": chosen.aspect_ratio,
-        "battery_mass": chosen.battery_mass_kg,
-        "module_area": chosen.module_area_m2,
-        "payload_mass": chosen.payload_mass_kg,
-        "payload_power": chosen.payload_power_w,
-        "total_mass": found.total_mass_kg,
-        "excess_time": found.excess_time_h,
-        "charge_margin": found.charge_margin_h,
-        "minimum_state_of_charge": found.minimum_state_of_charge,
-        "power": found.load_w,
+        **{one.variable: known[one.name] for one in (*DESIGN_COLUMNS, *REACHED)},
+        LOAD.variable: found.load_w,
         "shortfall": found.shortfall,
         "violated_requirement": found.requirement.tolist(),
         "message": [

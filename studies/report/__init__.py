@@ -5,5 +5,3 @@
 * ``geometry``, ``three_view``, ``svg``: the drawing; ``figures``: matplotlib's
 * ``pdf``: the page as PDF
 """
-
-from studies.report.document import make_report as make_report

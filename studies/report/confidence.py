@@ -31,14 +31,15 @@ def belief_section(subject: Subject) -> Section:
     """Ranges of the models that were left, errors of the solar models, and what is left out."""
     blocks: list[Block] = []
     if subject.verification is None:
-        outside = subject.analysis.extrapolations
+        found = subject.analysis
+        outside = found.extrapolations
         if outside:
             blocks.append(Text("Outside the range of a model:", "warning"))
             blocks.append(Items(tuple(one.text for one in outside)))
         else:
             blocks.append(Text("Nothing lies outside the range of a model.", "good"))
-        blocks.append(Text(uncertainty_line(subject.record, subject.mission)))
-        slow = settling_line(subject.analysis)
+        blocks.append(Text(uncertainty_line(found.low, found.high, found.worst, subject.mission)))
+        slow = settling_line(found)
         if slow is not None:
             blocks.append(Text(slow, "warning"))
         condition = battery_line(subject.aircraft, subject.mission)

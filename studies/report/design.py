@@ -10,6 +10,7 @@ from sizing.design import Design
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.results import quantities as q
 from sizing.results.constraint_words import constraint_words
 from sizing.results.sizing_summary import (
     cross_check_line,
@@ -47,36 +48,39 @@ def aircraft_section(subject: Subject) -> Section:
 
 
 def _design_tables(subject: Subject) -> Iterator[Any]:
-    aircraft, record = subject.aircraft, subject.record
-    span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
-    area, airspeed = span**2 / ratio, record["airspeed_m_per_s"]
+    aircraft, analysis = subject.aircraft, subject.analysis
+    design, values = analysis.performance.design, analysis.scenario()
+    area, modules = design.wing_area_m2, aircraft.modules
     yield facts(
         "geometry and mass",
         [
-            ("wingspan", f"{span:.3f} m"),
-            ("aspect ratio", f"{ratio:.2f}"),
-            ("wing area", f"{area:.3f} m²"),
-            ("chord", f"{span / ratio:.3f} m"),
-            ("module area", f"{aircraft.modules.area_m2:.3f} m²"),
-            ("modules over wing area", f"{100.0 * aircraft.modules.area_m2 / area:.0f} %"),
-            ("total mass", f"{record['total_mass_kg']:.3f} kg"),
-            ("wing loading", f"{record['total_mass_kg'] / area:.2f} kg/m²"),
+            *(_fact(one, design) for one in (q.WINGSPAN, q.ASPECT_RATIO, q.WING_AREA)),
+            ("chord", f"{design.variables.wingspan_m / design.variables.aspect_ratio:.3f} m"),
+            _fact(q.MODULE_AREA, design),
+            ("modules over wing area", f"{100.0 * modules.area_m2 / area:.0f} %"),
+            _fact(q.TOTAL_MASS, design),
+            ("wing loading", f"{design.total_mass_kg / area:.2f} kg/m²"),
         ],
     )
+    share = 100.0 * aircraft.battery.mass_kg / design.total_mass_kg
     yield facts(
         "power and energy",
         [
-            ("airspeed", "-" if airspeed is None else f"{airspeed:.2f} m/s"),
-            ("propulsion power", f"{record['propulsion_power_w']:.1f} W"),
-            ("load", f"{record['power_out_w']:.1f} W"),
-            ("battery energy", f"{record['battery_energy_wh']:.1f} Wh"),
+            _fact(q.AIRSPEED, design),
+            ("propulsion power", _fact(q.PROPULSION_POWER, design)[1]),
+            q.LOAD.fact(values[q.LOAD]),
+            _fact(q.BATTERY_ENERGY, design),
             ("specific energy", f"{aircraft.battery.specific_energy_wh_per_kg:g} Wh/kg"),
-            ("battery over total mass",
-             f"{100.0 * aircraft.battery.mass_kg / record['total_mass_kg']:.0f} %"),
-            ("module efficiency", f"{100.0 * aircraft.modules.efficiency_stc:.1f} %"),
-            ("solar energy of the day", f"{record['solar_energy_wh']:.0f} Wh"),
+            ("battery over total mass", f"{share:.0f} %"),
+            ("module efficiency", f"{100.0 * modules.efficiency_stc:.1f} %"),
+            q.SOLAR_ENERGY.fact(values[q.SOLAR_ENERGY]),
         ],
-    )  # fmt: skip
+    )
+
+
+def _fact(quantity: q.Quantity, design: Design) -> tuple[str, str]:
+    label, text = quantity.fact(quantity.of(design))
+    return label, text.replace("m2", "m²")
 
 
 # ---- Masses and power

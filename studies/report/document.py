@@ -9,6 +9,9 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
 from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -199,9 +202,6 @@ def _with_minus(text: str) -> str:
 
 def _template() -> Any:
     """Template of the page; every text in it is escaped."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-    from markupsafe import Markup
-
     environment = Environment(
         loader=PackageLoader("studies.report"),
         autoescape=True,

@@ -13,6 +13,8 @@ from importlib import resources
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
+from matplotlib.collections import QuadMesh
+
 from studies.output.figures.options import FigureOptions
 
 if TYPE_CHECKING:
@@ -71,8 +73,6 @@ def figure_markup(figure: Figure, *, title: str, description: str, key: str) -> 
 
 def _rasterise_cells(figure: Figure) -> None:
     """Cells of maps become an image; thousands of paths would be slow, with seams between them."""
-    from matplotlib.collections import QuadMesh
-
     for axes in figure.axes:
         for artist in axes.collections:
             if isinstance(artist, QuadMesh) and artist.get_array() is not None:

@@ -7,15 +7,25 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.contour import ContourSet
 
 from missions.dates import DAYS_PER_YEAR, date_label
 from missions.mission import latitude_label
-from sizing.results.analysis import flight_record
+from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table, scenario_table
+from sizing.results.quantities import MINIMUM_CHARGE
 from sizing.results.tables import Line, Summary, Table
+from studies.engine.run import compute
+from studies.flight_logs.plots import figures
+from studies.maps.feasibility import prepare
+from studies.maps.plots import plot_map
+from studies.models.plots import plot_comparison
+from studies.output.plots import plot_cycle, plot_flight
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
 from studies.report.figures import figure_markup, page_options
 from studies.report.subject import Subject
+from studies.uncertainty.plots import plot_uncertainty
+from studies.weather.plots import plot_weather
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot
@@ -67,17 +77,14 @@ def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block
 
 def day_section(subject: Subject) -> Section:
     """Cycle of the weakest scenario, all scenarios, and the flight on the calendar."""
-    from studies.output.plots import plot_cycle, plot_flight
-
     analysis = subject.analysis
     where = analysis.performance.day.scenarios.label(analysis.worst)
-    scenarios = subject.record["scenarios"]
-    several = len(scenarios) > 1
+    several = len(analysis.performance.cycle.status) > 1
     height = 5.2 if analysis.climb is None else 7.2
-    record = subject.record
+    _, least = MINIMUM_CHARGE.fact(analysis.scenario()[MINIMUM_CHARGE])
     described = (
         f"Solar power and load over the hours of the day, and below the state of charge, which is "
-        f"least, {100.0 * record['minimum_state_of_charge']:.1f} %, in the morning."
+        f"least, {least}, in the morning."
     )
     caption = (
         f"Solar power, load and state of charge over solar time at {where}"
@@ -92,9 +99,8 @@ def day_section(subject: Subject) -> Section:
     )
     blocks: list[Block] = [Figure(markup, caption, scrolls=True)]
     if several:
-        blocks.append(Tables((_scenarios(scenarios),)))
+        blocks.append(Tables((_scenarios(analysis),)))
     if analysis.flight is not None:
-        table = flight_table(flight_record(analysis.flight))
         blocks.append(
             Figure(
                 figure_markup(
@@ -107,24 +113,18 @@ def day_section(subject: Subject) -> Section:
                 scrolls=True,
             )
         )
-        blocks.append(Tables((table,)))
+        blocks.append(Tables((flight_table(analysis.flight),)))
     return Section("day", "The day", blocks)
 
 
-def _scenarios(records: list[dict[str, Any]]) -> Table:
+def _scenarios(analysis: Analysis) -> Table:
     """Scenarios; of many those with the least excess time."""
-    many = len(records) > _MOST_SCENARIOS
-
-    def weakness(record: dict[str, Any]) -> float:
-        excess = record["excess_time_h"]
-        return float("inf") if excess is None else float(excess)
-
-    shown = sorted(records, key=weakness)[:_MOST_SCENARIOS] if many else records
-    table = scenario_table(shown)
-    if not many:
-        return table
-    note = f"the {_MOST_SCENARIOS} weakest of {len(records)} scenarios"
-    return dataclasses.replace(table, notes=(*table.notes, note))
+    excess_h = analysis.performance.cycle.excess_time_h
+    if len(excess_h) <= _MOST_SCENARIOS:
+        return scenario_table(analysis)
+    weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
+    note = f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"
+    return dataclasses.replace(scenario_table(analysis, weakest), notes=(note,))
 
 
 # ---- Season
@@ -132,10 +132,6 @@ def _scenarios(records: list[dict[str, Any]]) -> Table:
 
 def season_section(subject: Subject) -> Section | None:
     """Where and when it flies perpetually, with the mission's places; None if it climbs."""
-    from studies.engine.run import compute
-    from studies.maps.feasibility import prepare
-    from studies.maps.plots import plot_map
-
     if subject.climbs:
         return None
     solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
@@ -164,8 +160,6 @@ def season_section(subject: Subject) -> Section | None:
 
 def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
     """Rings at the places of a mission: of many, at the corners of what they cover."""
-    from matplotlib.contour import ContourSet
-
     if len(day) > _MOST_RINGS:
         days, latitudes = ((min(v), max(v)) for v in (day, latitude_deg))
         day, latitude_deg = (*days, *days), (latitudes[0], *latitudes, latitudes[1])
@@ -210,8 +204,6 @@ def _places(latitudes: Sequence[float]) -> str:
 
 def models_section(subject: Subject) -> Section | None:
     """All solar power models side by side; None for a mission that climbs."""
-    from studies.models.plots import plot_comparison
-
     title = "Solar power models"
     if subject.path_trouble is not None and not subject.climbs:
         told = f"The solar power models are not compared: {subject.path_trouble}."
@@ -250,8 +242,6 @@ def models_section(subject: Subject) -> Section | None:
 
 def uncertainty_section(subject: Subject) -> Section | None:
     """How likely the flight is perpetual when the inputs scatter; None without such inputs."""
-    from studies.uncertainty.plots import plot_uncertainty
-
     found = subject.uncertainty
     if found is None:
         return None
@@ -277,8 +267,6 @@ def uncertainty_section(subject: Subject) -> Section | None:
 
 def weather_section(subject: Subject) -> Section | None:
     """Flight through a weather record; None without one."""
-    from studies.weather.plots import plot_weather
-
     found = subject.weather
     if found is None:
         return None
@@ -298,8 +286,6 @@ def weather_section(subject: Subject) -> Section | None:
 
 def verification_section(subject: Subject) -> Section | None:
     """Models against a flight log; None without one."""
-    from studies.flight_logs.plots import figures
-
     found = subject.verification
     if found is None:
         return None

@@ -12,7 +12,11 @@ from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
+from sizing.results.uncertainty import analyse_uncertainty
+from sizing.results.weather import analyse_weather
 from sizing.sunlight import SolarModel
+from studies.models.comparison import compare
+from studies.models.solar_models import attitude_is_known
 from studies.output.run_folder import RunInputs
 
 if TYPE_CHECKING:
@@ -73,8 +77,6 @@ class Subject:
     @cached_property
     def path_trouble(self) -> str | None:
         """Why VM and FM cannot fly the path in the wind; None if they can, or have none."""
-        from studies.models.solar_models import attitude_is_known
-
         path = self.mission.flight_path
         if path is None or not attitude_is_known(self.aircraft, self.mission):
             return None
@@ -87,9 +89,6 @@ class Subject:
         Of a mission with many latitudes at that of its weakest scenario: the season of VM and FM
         takes a second or two at each.
         """
-        from studies.models.comparison import compare
-        from studies.models.solar_models import attitude_is_known
-
         if self.climbs or self.path_trouble is not None:
             return None
         mission, latitudes = self.mission, self.mission.latitudes()
@@ -112,8 +111,6 @@ class Subject:
     @cached_property
     def uncertainty(self) -> UncertaintyAnalysis | None:
         """Flights under draws of the uncertain inputs, where there are any or asked for."""
-        from sizing.results.uncertainty import analyse_uncertainty
-
         wanted = self.with_uncertainty
         if wanted is None:
             wanted = self.has_uncertain_inputs and self.uncertainty_is_quick
@@ -130,8 +127,6 @@ class Subject:
     @cached_property
     def weather(self) -> WeatherAnalysis | None:
         """Flight through the weather record, where there is one."""
-        from sizing.results.weather import analyse_weather
-
         if self.weather_record is None:
             return None
         return analyse_weather(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sizing.results import quantities as q
 from sizing.results.records import hours
-from sizing.results.tables import UNLIMITED
 from studies.report.blocks import Fact
 from studies.report.subject import Subject
 
@@ -115,29 +115,28 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     if subject.verification is not None:
         yield from _facts_of_verification(subject.verification)
         return
-    record, aircraft = subject.record, subject.aircraft
-    excess, margin = record["excess_time_h"], record["charge_margin_h"]
-    required = subject.mission.required_excess_time_h
-    yield _hours_fact("excess time", excess, f"required: {required:g} h" if required else "")
-    yield _hours_fact("charge margin", margin, "first to last full charge")
-    charge = 100.0 * record["minimum_state_of_charge"]
-    yield Fact("minimum state of charge", f"{charge:.1f}", "%", "in the morning")
+    aircraft, analysis = subject.aircraft, subject.analysis
+    required, design = subject.mission.required_excess_time_h, analysis.performance.design
+    values = analysis.scenario()
+    yield _fact(q.EXCESS_TIME, values, f"required: {required:g} h" if required else "")
+    yield _fact(q.CHARGE_MARGIN, values, "first to last full charge")
+    yield _fact(q.MINIMUM_CHARGE, values, "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
-    yield Fact("wingspan", f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")
-    yield Fact("total mass", f"{record['total_mass_kg']:.2f}", "kg",
+    yield Fact(q.WINGSPAN.label, f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")
+    yield Fact(q.TOTAL_MASS.label, f"{design.total_mass_kg:.2f}", "kg",
                f"battery {aircraft.battery.mass_kg:.2f} kg")  # fmt: skip
-    yield Fact("battery", f"{record['battery_energy_wh']:.0f}", "Wh",
+    yield Fact("battery", f"{design.battery_energy_wh:.0f}", "Wh",
                f"{aircraft.battery.specific_energy_wh_per_kg:g} Wh/kg")  # fmt: skip
     coverage = aircraft.modules.area_m2 * ratio / span**2
     yield Fact("modules", f"{aircraft.modules.area_m2:.3g}", "m²",
                f"{100.0 * coverage:.0f} % of the wing")  # fmt: skip
-    yield Fact("load", f"{record['power_out_w']:.1f}", "W",
-               f"sun: {record['solar_energy_wh']:.0f} Wh a day")  # fmt: skip
+    yield _fact(q.LOAD, values, f"sun: {q.SOLAR_ENERGY.fact(values[q.SOLAR_ENERGY])[1]} a day")
 
 
-def _hours_fact(label: str, value: float | None, note: str) -> Fact:
-    return Fact(label, UNLIMITED if value is None else f"{value:.2f}", "" if value is None else "h",
-                note)  # fmt: skip
+def _fact(quantity: q.Quantity, values: Mapping[q.Quantity, Any], note: str) -> Fact:
+    label, text = quantity.fact(values[quantity])
+    number, _, unit = text.partition(" ")
+    return Fact(label, number, unit, note)
 
 
 def _facts_of_verification(found: Verification) -> Iterator[Fact]:

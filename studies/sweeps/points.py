@@ -20,7 +20,17 @@ from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
+from sizing.parameters import all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
+from sizing.results.quantities import (
+    CHOSEN,
+    ENDURANCE,
+    LOAD,
+    PAYLOAD_MASS,
+    REACHED,
+    TOTAL_MASS,
+)
+from sizing.smooth import Value
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
 from sizing.validity.told import as_text, cell_texts, extrapolations
@@ -29,7 +39,7 @@ from solar.types import FloatArray
 from studies.engine.run import Cell
 from studies.output import columns as sizing_columns
 from studies.output.columns import SizingStatus
-from studies.sweeps.axes import design_variable
+from studies.sweeps.axes import DESIGN_KEYS, design_variable
 
 __all__ = [
     "BLANKS",
@@ -48,29 +58,19 @@ __all__ = [
 MISSION_PREFIX = "mission."
 
 
-_NAN = np.float64("nan")
+_FLOWN = (*CHOSEN, TOTAL_MASS, PAYLOAD_MASS, *REACHED, ENDURANCE, LOAD)
 
 BLANKS: dict[str, Any] = {
     "status": np.int8(Status.failed),
-    "wingspan": _NAN,
-    "aspect_ratio": _NAN,
-    "battery_mass": _NAN,
-    "module_area": _NAN,
-    "total_mass": _NAN,
-    "payload_mass": _NAN,
-    "excess_time": _NAN,
-    "charge_margin": _NAN,
-    "minimum_state_of_charge": _NAN,
-    "endurance": _NAN,
-    "power": _NAN,
-    "worst_latitude": _NAN,
-    "worst_day": _NAN,
+    **{one.variable: np.float64("nan") for one in _FLOWN},
+    "worst_latitude": np.float64("nan"),
+    "worst_day": np.float64("nan"),
     "message": np.str_(""),
     "extrapolations": np.str_(""),
 }
 
 DESCRIBED = sizing_columns.DESCRIBED | {
-    "endurance": ("h", "longest flight in the worst scenario; infinite where perpetual"),
+    ENDURANCE.variable: ("h", "longest flight in the worst scenario; infinite where perpetual"),
     "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
     "worst_day": ("1", "day of year of the worst scenario"),
     "message": ("1", "why there is no result"),
@@ -229,10 +229,12 @@ def _variables(
     for name in values:
         key = next((k for k in given if design_variable(k) == name), None)
         values[name] = np.full(count, values[name]) if key is None else given[key]
-    if configuration.cover:
-        coverage = getattr(aircraft.airframe, "maximum_module_coverage", 1.0)
-        values["module_area_m2"] = coverage * values["wingspan_m"] ** 2 / values["aspect_ratio"]
-    return DesignVariables(**values)
+    variables = DesignVariables(**values)
+    if not configuration.cover:
+        return variables
+    coverage = getattr(aircraft.airframe, "maximum_module_coverage", 1.0)
+    covered_m2 = coverage * variables.wingspan_m**2 / variables.aspect_ratio
+    return variables._replace(module_area_m2=covered_m2)
 
 
 class _Missed(NamedTuple):
@@ -273,11 +275,8 @@ def _row_of_design(
 ) -> dict[str, Any]:
     """Row of one design."""
     design = found.design
-    variables = [float(np.asarray(v)[place]) for v in design.variables[:4]]
-    row: dict[str, Any] = dict(
-        zip(("wingspan", "aspect_ratio", "battery_mass", "module_area"), variables, strict=True)
-    )
-    row["payload_mass"] = mission.payload.mass_kg
+    row: dict[str, Any] = {one.variable: _of_place(one.of(design), place) for one in CHOSEN}
+    row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
     texts = [
         one.text.format(missed=f"{100.0 * float(one.amount[place]):.3g} %")
         for one in missed.values()
@@ -291,18 +290,18 @@ def _row_of_design(
     excess = cycle.excess_time_h[place]
     worst = int(np.argmin(excess))
     scenarios = found.day.scenarios
-    load = np.broadcast_to(found.nominal_load_w, cycle.excess_time_h.shape)
     return row | {
         "status": Status(int(cycle.status[place][worst])),
-        "total_mass": float(np.asarray(design.total_mass_kg)[place]),
-        "excess_time": float(excess[worst]),
-        "charge_margin": float(cycle.charge_margin_h[place][worst]),
-        "minimum_state_of_charge": float(cycle.minimum_state_of_charge[place][worst]),
-        "endurance": float(endurance_h[place]),
-        "power": float(load[place][worst]),
+        TOTAL_MASS.variable: _of_place(TOTAL_MASS.of(design), place),
+        **{one.variable: float(one.of(found)[place][worst]) for one in (*REACHED, LOAD)},
+        ENDURANCE.variable: _of_place(endurance_h, place),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),
     }
+
+
+def _of_place(values: Value, place: tuple[int, ...]) -> float:
+    return float(np.asarray(values)[place])
 
 
 def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
@@ -321,21 +320,8 @@ def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
     if "aspect_ratio" in variables:
         space["aspect_ratio"] = None  # fixed at the airframe's
     design_space: DesignSpace = aircraft.design_space.model_copy(update=space)
-    named = {
-        part: {name: variables[short] for short, name in names.items() if short in variables}
-        for part, names in _PLACES.items()
-    }
-    parts = {
-        part: getattr(aircraft, part).model_copy(update=update) for part, update in named.items()
-    }
-    return aircraft.model_copy(update={**parts, "design_space": design_space})
-
-
-_PLACES = {
-    "airframe": {"wingspan_m": "wingspan_m", "aspect_ratio": "aspect_ratio"},
-    "battery": {"battery_mass_kg": "mass_kg"},
-    "modules": {"module_area_m2": "area_m2"},
-}
+    values = {DESIGN_KEYS[name]: value for name, value in variables.items()}
+    return all_replaced(aircraft, values).model_copy(update={"design_space": design_space})
 
 
 def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -383,7 +369,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
             configuration.solar,
             problems=problems,
         )
-        row = {"payload_mass": mission.payload.mass_kg} | sizing_row(result)
+        row = {PAYLOAD_MASS.variable: mission.payload.mass_kg} | sizing_row(result)
         if result.simulated is not None:
             row["extrapolations"] = as_text(extrapolations(aircraft, result.simulated))
         rows.append(row)

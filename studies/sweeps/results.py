@@ -10,7 +10,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sizing.parameters import parameter
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.quantities import BATTERY_MASS, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
 from studies.output.columns import extrapolations_of
@@ -21,9 +23,8 @@ from studies.sweeps.study import to_table
 _ROWS = 40
 # Results that are the same as a varied key.
 _VARIED_AS = {
-    "wingspan": "wingspan_m",
-    "battery_mass": "battery_mass_kg",
-    "payload_mass": "mission.payload.mass_kg",
+    **{one.variable: one.name for one in (WINGSPAN, BATTERY_MASS)},
+    PAYLOAD_MASS.variable: parameter(PAYLOAD_MASS.name).key,
 }
 
 

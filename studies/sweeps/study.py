@@ -26,21 +26,21 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.energy.cycle import ENDS, Status
 from sizing.optimisation.objectives import Objective
+from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
+from solar.types import FloatArray, IntArray
 from studies.engine.run import Job, Outcome, compute, pieces
+from studies.grid import VARIED, GridStudy, chunks_of
 from studies.output.columns import (
     SIZED,
     SizingStatus,
     attributes,
-    extrapolation_attribute,
-    failed_cells,
     resize_objective,
     status_names,
     told_of_cells,
-    variables,
 )
-from studies.output.gridded import can_be_result
+from studies.output.gridded import Labelled, can_be_result
 from studies.sweeps.axes import (
     DESIGN_KEYS,
     SAMPLE_NAMES,
@@ -69,7 +69,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Study", "dataset", "feasible", "prepare", "sweep", "to_table"]
+__all__ = ["dataset", "feasible", "prepare", "sweep", "to_table"]
+
+_WING = {WINGSPAN.name, ASPECT_RATIO.name}
 
 _CHUNK_S = 0.5
 _CHECKED_VALUES = 50
@@ -79,25 +81,6 @@ _LEAST, _LARGEST = 1e-9, 1e12
 _COMBINED_KEYS = 6
 # Times [s], roughly, that decide the size of chunks and nothing else.
 _SCENARIO_S, _SCENARIO_ON_PATH_S, _AIRCRAFT_S, _SIZING_S = 3e-4, 1e-2, 3e-2, 0.25
-
-
-@dataclass(frozen=True)
-class Study:
-    """A checked trade study, ready to be computed.
-
-    ``points`` has the shape ``(point, axis)``; ``order`` is that in which the job's cells take
-    them; ``varied`` the axis that a point of ``one-at-a-time`` varies.
-    """
-
-    axes: tuple[Axis, ...]
-    sample: SampleName
-    points: Any
-    varied: Any
-    order: Any
-    job: Job
-    aircraft: Aircraft
-    mission: Mission
-    seed: int
 
 
 def sweep(
@@ -191,7 +174,7 @@ def prepare(
     seed: int = 0,
     resize: str | Objective | None = None,
     cover: bool | None = None,
-) -> Study:
+) -> GridStudy:
     """Check a trade study and divide it into chunks.
 
     ``samples``, ``seed``: number of drawn points, and where the drawing starts. ``cover``: whether
@@ -210,8 +193,7 @@ def prepare(
         table, varied = points(axes, sample, base=base, samples=samples, seed=seed)
     except ValueError as error:
         raise _error("", str(error)) from None
-    order = _order(axes, table)
-    configuration = SweepConfiguration(
+    asked = SweepConfiguration(
         files.aircraft_file.data,
         files.mission_file.data,
         tuple(axis.key for axis in axes),
@@ -221,14 +203,32 @@ def prepare(
         aircraft.texts_read,
         {axis.key: axis.names for axis in axes if axis.names},
     )
+    order = _order(axes, table)
     each = _points_per_chunk(mission, axes, solar, objective)
-    cells = [tuple(float(value) for value in table[i]) for i in order]
-    chunks = tuple(tuple(cells[piece]) for piece in pieces(len(cells), each))
-    blanks = BLANKS if objective is None else SIZED_BLANKS
-    possible = can_be_result(*_statuses(objective))
-    function = judge_points if objective is None else size_points
-    job = Job(function, configuration, chunks, blanks, possible)
-    return Study(tuple(axes), sample, table, varied, order, job, aircraft, mission, seed)
+    chunks = chunks_of(table, [order[piece] for piece in pieces(len(order), each)])
+    flags, with_result = _statuses(objective)
+    possible = can_be_result(flags, with_result)
+    job = Job(judge_points, asked, chunks, BLANKS, possible)
+    if objective is not None:
+        job = Job(size_points, asked, chunks, SIZED_BLANKS, possible)
+    title = f"Trade study of {aircraft.name} on {mission.name}"
+    return GridStudy(
+        job,
+        order,
+        _coordinates(axes, sample, table, varied),
+        DESCRIBED if objective is None else SIZED_DESCRIBED,
+        flags,
+        {
+            **attributes(title, aircraft, mission, solar),
+            "vary": to_json({axis.key: list(axis.names or axis.values) for axis in axes}),
+            "sample": sample,
+            "seed": seed,
+            "modules_cover_the_wing": int(asked.cover),
+            "objective": "" if objective is None else objective.value,
+            "required_excess_time_h": mission.required_excess_time_h,
+        },
+        lambda columns: told_of_cells(columns, with_result, "points"),
+    )
 
 
 def _statuses(objective: Objective | None) -> tuple[Iterable[IntEnum], tuple[IntEnum, ...]]:
@@ -292,7 +292,7 @@ def _check_request(
     for number, axis in enumerate(axes):
         if any(other.key == axis.key for other in axes[:number]):
             raise _error(axis.key, "is varied twice")
-        if measured and axis.design_variable in ("wingspan_m", "aspect_ratio"):
+        if measured and axis.design_variable in _WING:
             raise _error(
                 axis.key,
                 "a measured aircraft's power does not follow from its wing; take a parametric one",
@@ -382,11 +382,7 @@ def _covers(
         raise _error("modules.area_m2", "is varied and cannot follow the wing as well")
     if cover is not None:
         return cover
-    return (
-        parametric
-        and bool(varied & {"wingspan_m", "aspect_ratio"})
-        and ("module_area_m2" not in varied)
-    )
+    return parametric and bool(varied & _WING) and ("module_area_m2" not in varied)
 
 
 # ---- Points in chunks
@@ -416,64 +412,30 @@ def _points_per_chunk(
 # ---- Results
 
 
-def dataset(study: Study, outcome: Outcome) -> xr.Dataset:
-    """Columns of a study with their units, on a grid or along the samples.
-
-    Returns on the varied keys as dimensions for a grid, else on ``sample``.
-    """
-    import xarray as xr
-
-    objective = study.job.configuration.objective
-    place = np.argsort(study.order)
-    columns = {name: values[place] for name, values in outcome.columns.items()}
-    for number, text in outcome.failures.items():
-        messages = columns["message"].astype(object)
-        messages[study.order[number]] = text
-        columns["message"] = messages.astype(str)
-    names = axis_names(study.axes)
-    coords: dict[str, Any] = {}
-    grid = study.sample == "grid"
-    dims = tuple(names) if grid else ("sample",)
-    shape = tuple(len(axis.values) for axis in study.axes) if grid else (len(study.points),)
-    for i, (name, axis) in enumerate(zip(names, study.axes, strict=True)):
+def _coordinates(
+    axes: Sequence[Axis], sample: SampleName, table: FloatArray, varied: IntArray
+) -> dict[str, Labelled]:
+    """Varied keys: each on a dimension of its own for a grid, else all along the samples."""
+    coordinates, names = {}, axis_names(axes)
+    for name, axis, drawn in zip(names, axes, table.T, strict=True):
+        dims, places = ((name,), axis.values) if sample == "grid" else (("sample",), drawn)
+        values = np.array([shown_value(axis, place) for place in places])
         about = {"units": unit_of(axis.key), "long_name": axis.key}
-        places = axis.values if grid else study.points[:, i]
-        values = np.array([shown_value(axis, value) for value in places])
-        coords[name] = ((name,) if grid else ("sample",), values, about)
-    if study.sample == "one-at-a-time":
-        varied = [names[i] if i >= 0 else "" for i in study.varied]
-        coords["varied"] = (("sample",), varied, {"long_name": "what differs from the file"})
-    # The aspect ratio may be varied, and is no result then.
-    shaped = {n: values.reshape(shape) for n, values in columns.items() if n not in coords}
-    described = DESCRIBED if objective is None else SIZED_DESCRIBED
-    flags, with_result = _statuses(objective)
-    return xr.Dataset(
-        variables(dims, shaped, described, flags),
-        coords=coords,
-        attrs=_attributes(study)
-        | failed_cells(_shown_cells(study, outcome), outcome.failures, names)
-        | extrapolation_attribute(told_of_cells(columns, with_result, "points")),
-    )
+        coordinates[name] = Labelled(dims, values, about)
+    if sample == "one-at-a-time":
+        words = np.array([names[i] if i >= 0 else "" for i in varied])
+        coordinates[VARIED] = Labelled(
+            ("sample",), words, {"long_name": "what differs from the file"}
+        )
+    return coordinates
 
 
-def _shown_cells(study: Study, outcome: Outcome) -> Sequence[tuple[Any, ...]]:
-    """Cells with names in place of their places; only where one is asked for."""
-    if not outcome.failures:
-        return ()
-    return [tuple(map(shown_value, study.axes, cell)) for cell in study.job.cells]
-
-
-def _attributes(study: Study) -> dict[str, Any]:
-    asked: SweepConfiguration = study.job.configuration
-    title = f"Trade study of {study.aircraft.name} on {study.mission.name}"
-    return attributes(title, study.aircraft, study.mission, asked.solar) | {
-        "vary": to_json({axis.key: list(axis.names or axis.values) for axis in study.axes}),
-        "sample": study.sample,
-        "seed": study.seed,
-        "modules_cover_the_wing": int(asked.cover),
-        "objective": "" if asked.objective is None else asked.objective.value,
-        "required_excess_time_h": study.mission.required_excess_time_h,
-    }
+def dataset(study: GridStudy, outcome: Outcome) -> xr.Dataset:
+    """Result of a study; the message of a point that failed is the reason."""
+    messages = outcome.columns["message"].astype(object)
+    messages[list(outcome.failures)] = list(outcome.failures.values())
+    told = outcome.columns | {"message": messages.astype(str)}
+    return study.dataset(replace(outcome, columns=told))
 
 
 def to_table(data: xr.Dataset) -> pd.DataFrame:

@@ -20,11 +20,12 @@ from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.design import Design, ImpossibleDesignError, design_of
+from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.parameters import with_parameter
+from sizing.results.quantities import BATTERY_MASS, TOTAL_MASS
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
-from sizing.survival.flights import Powers, SeasonFlights
 from sizing.validity.checks import record_check
 from sizing.validity.told import told
 from solar.types import IntArray
@@ -169,8 +170,8 @@ def battery_map_record(data: xr.Dataset) -> dict[str, Any]:
         "weather": data.attrs["weather"],
         "site": data.attrs["site"],
         "battery_factor": data["battery_factor"].to_numpy().tolist(),
-        "battery_mass_kg": data["battery_mass"].to_numpy().tolist(),
-        "total_mass_kg": [finite(value) for value in data["total_mass"].to_numpy()],
+        BATTERY_MASS.name: data[BATTERY_MASS.variable].to_numpy().tolist(),
+        TOTAL_MASS.name: [finite(value) for value in data[TOTAL_MASS.variable].to_numpy()],
         "half_month": list(HALF_MONTHS),
         "days": data["days"].to_numpy().tolist(),
         "days_that_close": [

@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 
 from missions.flight_path import Circle, FlightPath, Level, StraightLegs, Wind
-from missions.loiter_power import mean_power_on_path, module_power_on_path
+from missions.loiter_power import Daylight, FlownModules, mean_power_on_path, module_power_on_path
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
 
 TIME_H = np.linspace(0.0, 24.0, 97)
+DAY = Daylight(47.6, 182.5, TIME_H)
 FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))
 AFT = ModuleGeometry(
     surfaces=(ModuleSurface(name="aft", area_m2=1.0, side="centre", pitch_deg=10.0),)
@@ -21,16 +22,10 @@ def mean(
 ) -> np.ndarray:
     return mean_power_on_path(
         model,  # type: ignore[arg-type]
-        47.6,
-        182.5,
-        TIME_H,
-        geometry=geometry,
-        cell=SolarCell(),
-        path=path,
-        wind=wind,
+        FlownModules(geometry, SolarCell(), path, wind, samples=samples),
+        DAY,
         ambient_temperature_c=20.0,
         module_temperature_c=20.0,
-        samples=samples,
     )
 
 
@@ -80,14 +75,7 @@ def test_straight_legs_average_two_headings() -> None:
 
 def test_components_multiply_to_the_power() -> None:
     lit, orbit, power = module_power_on_path(
-        47.6,
-        182.5,
-        TIME_H,
-        geometry=AFT,
-        cell=SolarCell(),
-        path=CIRCLE,
-        wind=CALM,
-        ambient_temperature_c=20.0,
+        FlownModules(AFT, SolarCell(), CIRCLE, CALM), DAY, ambient_temperature_c=20.0
     )
     product = power.irradiance_w_per_m2 * power.module_efficiency * power.mppt_efficiency
     assert product == pytest.approx(power.specific_power_w_per_m2, rel=1e-12)

@@ -26,8 +26,8 @@ from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import Job, Outcome
 from studies.engine.workers import LocalPool
+from studies.grid import GridStudy
 from studies.maps import feasibility, resized
-from studies.maps.grid import MapStudy
 
 __all__ = ["faults"]
 
@@ -59,7 +59,7 @@ def faults() -> Iterator[Fault]:
 
 
 @functools.cache
-def _study(sized: bool) -> MapStudy:
+def _study(sized: bool) -> GridStudy:
     """Return a map of a few short chunks."""
     from studies.maps import grid
 

@@ -19,7 +19,7 @@ from benchmarks.reliability.inputs.mutations import (
     text_changed,
 )
 from missions.files.shipped import shipped_names, shipped_text
-from studies.cli.completion_keys import Key, known_keys
+from studies.cli.completion import Key, known_keys
 
 __all__ = ["aircraft_file", "folder", "mission_file", "override", "polar_table"]
 

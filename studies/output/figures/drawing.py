@@ -109,11 +109,9 @@ def _begun(options: FigureOptions, size_in: tuple[float, float], *, lines: bool)
     A figure without a size grows with its type, by half as much. One of a given width has the
     height between that of its proportions and that of its lines of text, their geometric mean.
     """
-    import matplotlib as mpl
-
     from studies.output.figures.canvas import StyledFigure  # half a second, for those who draw
 
-    type_size = mpl.rcParams["font.size"] / _USUAL_TYPE
+    type_size = _setting("font.size") / _USUAL_TYPE
     usual = (size_in[0] * math.sqrt(type_size), None)
     width, height = options.size_in or usual
     if height is None:
@@ -201,27 +199,29 @@ def objective_caption(objective: str | Objective) -> str:
 
 def is_narrow(canvas: Canvas, size_in: tuple[float, float]) -> bool:
     """Whether panels should stand below each other: there is room for few words in a line."""
-    import matplotlib as mpl
-
     if isinstance(canvas, FigureOptions):
         width = size_in[0] if canvas.size_in is None else canvas.size_in[0]
     else:
         width = canvas.get_figwidth()
-    return bool(width * _USUAL_TYPE / mpl.rcParams["font.size"] < _NARROW_IN)
+    return bool(width * _USUAL_TYPE / _setting("font.size") < _NARROW_IN)
+
+
+def _setting(name: str) -> Any:
+    """Setting of matplotlib, as the style has it."""
+    import matplotlib as mpl
+
+    settings: Any = mpl.rcParams
+    return settings[name]
 
 
 def ink() -> str:
     """Colour of text and of lines without a meaning of their own, dark or light as the style is."""
-    import matplotlib as mpl
-
-    return str(mpl.rcParams["text.color"])
+    return str(_setting("text.color"))
 
 
 def paper() -> str:
     """Colour of the ground that is drawn on."""
-    import matplotlib as mpl
-
-    return str(mpl.rcParams["axes.facecolor"])
+    return str(_setting("axes.facecolor"))
 
 
 def night() -> str:

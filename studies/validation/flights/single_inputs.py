@@ -17,7 +17,7 @@ import numpy as np
 
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from studies.validation.flights.inputs import MISSES, SOLAR_POWER, Input, Miss, Spread
-from studies.validation.flights.published_flights import Flight, Trial, facts_of
+from studies.validation.flights.published_flights import Trial, facts_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -111,10 +111,8 @@ class Explanations(Result):
             Table(row.title, columns, tuple(_short(n) for n in row.needed), (row.note,))
             for row in self.rows
         ]
-        return Summary((Line(self.headline(), "strong"), *tables, *map(facts_of, self._flights())))
-
-    def _flights(self) -> list[Flight]:
-        return list({row.miss.flight.name: row.miss.flight for row in self.rows}.values())
+        flights = {row.miss.flight.name: row.miss.flight for row in self.rows}.values()
+        return Summary((Line(self.headline(), "strong"), *tables, *map(facts_of, flights)))
 
     def table(self) -> Table:
         """Every input of every miss, in one table with the sources of the ranges."""
@@ -136,7 +134,13 @@ class Explanations(Result):
             Column("source", "source of the range"),
         )
         rows = tuple(
-            (*_of_miss(row), *_of_input(n), _others(row, n), n.spread.source)
+            (
+                *(row.miss.flight.name, row.miss.quantity.name, row.miss.quantity.unit),
+                *(row.miss.quantity.published, row.computed),
+                *(n.spread.input.name, n.spread.input.unit, n.used, n.needed),
+                *(n.spread.low, n.spread.high, n.sigmas, n.within),
+                *(_others(row, n), n.spread.source),
+            )
             for row in self.rows
             for n in row.needed
         )
@@ -203,19 +207,6 @@ class Explanations(Result):
         return self.table().to_frame()
 
 
-def _of_miss(row: Explanation) -> tuple[Any, ...]:
-    quantity = row.miss.quantity
-    return row.miss.flight.name, quantity.name, quantity.unit, quantity.published, row.computed
-
-
-def _of_input(n: Needed) -> tuple[Any, ...]:
-    spread = n.spread
-    return (
-        *(spread.input.name, spread.input.unit, n.used, n.needed),
-        *(spread.low, spread.high, n.sigmas, n.within),
-    )
-
-
 def _short(n: Needed) -> tuple[Any, ...]:
     unit = "" if n.spread.input.unit == "-" else f" [{n.spread.input.unit}]"
     known = f"{n.spread.low:.4g} to {n.spread.high:.4g}"
@@ -243,22 +234,18 @@ def explain(
     tell(0, len(misses))
     found = []
     for miss in misses:
-        found.append(_explained(miss))
+        trial = miss.flight.trial()
+        factor = _root(miss, SOLAR_POWER, trial)
+        needed = tuple(_needed(miss, spread, trial, factor) for spread in miss.spreads)
+        computed = miss.quantity.compute(trial)
+        found.append(Explanation(miss, computed, needed, _together(miss, trial, computed)))
         tell(len(found), len(misses))
     return Explanations(tuple(found))
 
 
-def _explained(miss: Miss) -> Explanation:
-    trial = miss.flight.trial()
-    factor = _root(miss, SOLAR_POWER, trial)
-    needed = tuple(_needed(miss, spread, trial, factor) for spread in miss.spreads)
-    return Explanation(miss, miss.quantity.compute(trial), needed, _together(miss, trial))
-
-
-def _together(miss: Miss, trial: Trial) -> float:
+def _together(miss: Miss, trial: Trial, computed: float) -> float:
     """Number with every separate input at the end of its range nearer to the published one."""
-    quantity, computed = miss.quantity, miss.quantity.compute(trial)
-    changed = trial
+    quantity, changed = miss.quantity, trial
     for spread in miss.spreads:
         source = spread.input
         if source.separate:

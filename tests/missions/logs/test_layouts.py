@@ -192,6 +192,13 @@ def test_wrong_maps_are_refused(tmp_path: Path, columns: dict[str, object], expe
     assert expected in refused(tmp_path, table().to_csv(index=False), layout)
 
 
+def test_mistakes_in_a_sum_name_the_sum(tmp_path: Path) -> None:
+    columns = {"load_w": "near [W] + far [W]"}
+    text = table().assign(near=9e9, far=1.0).to_csv(index=False)
+    message = refused(tmp_path, text, ColumnMap.model_validate({"columns": columns}))
+    assert "near + far: " in message
+
+
 @pytest.mark.parametrize("text", ["solar_power_w", "solar_power_w=", "power=P"])
 def test_wrong_options_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"QUANTITY=COLUMN|no such quantity"):

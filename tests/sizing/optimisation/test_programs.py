@@ -18,10 +18,6 @@ from sizing.limits import design_requirements
 from sizing.optimisation.energy_constraints import cycle_function, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import (
-    SOLAR_TECHNOLOGY,
-    WIND,
-    WORST_EXCESS,
-    Role,
     SizingProblem,
     SizingProblems,
     build_problem,
@@ -30,6 +26,7 @@ from sizing.optimisation.problem import (
     programs_built,
 )
 from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role
 from sizing.parameters import all_replaced, parameter_value
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, solar_day

@@ -13,8 +13,8 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingStatus
-from sizing.optimisation.search import SizingResult, size_aircraft
+from sizing.optimisation.result import SizingResult, SizingStatus
+from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance_of_designs
 from sizing.sunlight import SolarModel, solar_day
 from solar.types import FloatArray

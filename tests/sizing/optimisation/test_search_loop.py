@@ -9,9 +9,9 @@ from typing import Any, cast
 import pytest
 
 from sizing.design import DesignVariables
+from sizing.optimisation.loop import Search, Simulated, run
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingStatus
-from sizing.optimisation.search import Search, Simulated, run
 from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, Solution
 
 

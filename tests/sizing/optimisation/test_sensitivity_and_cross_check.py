@@ -10,7 +10,8 @@ from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.optimisation.cross_check import CrossCheck, _elsewhere, _Judge, cross_check
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.search import SizingResult, size_aircraft
+from sizing.optimisation.result import SizingResult
+from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
     Sensitivity,
     constraint_multipliers,

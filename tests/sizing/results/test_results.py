@@ -231,10 +231,11 @@ def test_results_are_compared_by_identity(analysis: Analysis) -> None:
 
 def test_a_replayed_flight_is_told_by_its_facts() -> None:
     aircraft, mission = sizing.load_aircraft("atlantiksolar-as2"), missions.load_mission("rafz-28h")
-    flight = sizing.analyse(aircraft, mission).to_dict()["flight"]
+    flight = sizing.analyse(aircraft, mission).flight
+    assert flight is not None
     rows = dict(flight_table(flight).rows)
     assert rows["launch (local time)"] == "30 Jun 11:14"
-    assert rows["minimum state of charge"] == f"{100.0 * flight['minimum_state_of_charge']:.1f} %"
+    assert rows["minimum state of charge"] == f"{100.0 * flight.minimum_state_of_charge:.1f} %"
     assert list(rows)[-2:] == ["flown", "state of charge at the end"]
 
 

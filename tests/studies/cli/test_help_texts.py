@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 import shlex
+from typing import get_type_hints
 
 import click
 import pytest
 from click.testing import CliRunner
 
 from studies.cli import __main__ as main
-from studies.cli.help_texts import Command
+from studies.cli.command import Command
 
 NAMES = list(main._COMMANDS)
 
@@ -48,6 +50,15 @@ def test_the_example_of_a_command_is_one_that_it_takes(name: str) -> None:
         assert (program, called) == ("solar-uav", name)
         it.make_context(name, rest, parent=click.Context(main.cli, **main.cli.context_settings))
         assert example in " ".join(help_text(name).replace("\\\n", "").split())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_body_of_a_command_takes_what_the_command_declares(name: str) -> None:
+    it = command(name)
+    assert isinstance(it, Command)
+    module, _, function = it.body.partition(":")
+    body = getattr(importlib.import_module(module), function)
+    assert get_type_hints(body) == {"options": it.options, "return": type(None)}
 
 
 @pytest.mark.parametrize("columns", [60, 80])

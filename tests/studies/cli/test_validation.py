@@ -10,7 +10,7 @@ import pytest
 from command_line import Run, files
 
 from missions.library import load_mission
-from missions.loiter_power import mean_power_on_path
+from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from sizing.library import load_aircraft
 
 AS2 = "atlantiksolar-as2"
@@ -30,17 +30,16 @@ def test_efficiencies_belong_to_the_power_on_the_path(run: Run, tmp_path: Path) 
     scenarios = mission.scenarios()
     power = mean_power_on_path(
         "FM",
-        float(scenarios.latitude_deg[0]),
-        float(scenarios.noon_day[0]),
-        by_time["time"].to_numpy(),
-        geometry=modules.geometry,
-        cell=modules,
-        path=mission.flight_path,
-        wind=mission.wind,
+        FlownModules(modules.geometry, modules, mission.flight_path, mission.wind),
+        Daylight(
+            float(scenarios.latitude_deg[0]),
+            float(scenarios.noon_day[0]),
+            by_time["time"].to_numpy(),
+            mission.altitude_m,
+            mission.clearness,
+        ),
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
-        altitude_m=mission.altitude_m,
-        clearness=mission.clearness,
     )
     # The same model averaged by other code; the file has all digits.
     np.testing.assert_allclose(by_time["specific_power"], power, rtol=1e-9)

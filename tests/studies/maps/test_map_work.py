@@ -30,10 +30,11 @@ from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import ComputationError, compute
+from studies.grid import chunks_of
 from studies.maps import feasibility
-from studies.maps.grid import Grid
+from studies.maps.grid import Grid, MapConfiguration
 from studies.maps.plots import plot_map, plot_resized_map
-from studies.maps.resized import ResizedMapConfiguration, _resized_chunk, resized_map
+from studies.maps.resized import _resized_chunk, resized_map
 from studies.output.columns import SizingStatus
 from studies.output.gridded import to_netcdf_bytes
 
@@ -55,7 +56,8 @@ def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Res
 @pytest.mark.parametrize("cell_s", [1e-6, 0.004, 0.03, 10.0])
 def test_chunks_hold_every_cell_once_and_are_rectangles(cell_s: float) -> None:
     latitudes, days = np.linspace(-70, 70, 15), np.arange(1, 362, 20)
-    chunks = Grid.of(latitudes, days).chunks(cell_s)
+    grid = Grid.of(latitudes, days)
+    chunks = chunks_of(grid.cells(), grid.chunks(cell_s))
     cells = [cell for chunk in chunks for cell in chunk]
     assert sorted(cells) == [(lat, day) for lat in latitudes for day in days]
     for chunk in chunks:
@@ -246,7 +248,7 @@ def sized() -> xr.Dataset:
 
 def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft() -> None:
     """Each task brings its own copy of the aircraft; the worker keeps the programs of the last."""
-    asked = ResizedMapConfiguration(DESIGN, JULY, SolarModel(), Objective.min_wingspan)
+    asked = MapConfiguration(DESIGN, JULY, SolarModel(), objective=Objective.min_wingspan)
     once = _resized_chunk(asked, [(0.0, 172.0)])
     # What was derived while it was used in this process travels along.
     again = _resized_chunk(pickle.loads(pickle.dumps(asked)), [(0.0, 172.0)])

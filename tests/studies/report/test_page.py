@@ -10,7 +10,7 @@ from browser_pages import DESKTOP, PHONE, Sheet, accessibility_problems, sheets,
 from builders import DESIGN, shipped_mission
 
 import sizing
-from studies.report import make_report
+from studies import make_report
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -9,7 +9,7 @@ from browser_pages import DESKTOP, PHONE, OpenPage, accessibility_problems, shee
 from builders import AS2, SKY_SAILOR, mission
 
 from sizing.results.sizing import size
-from studies.report import make_report
+from studies import make_report
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

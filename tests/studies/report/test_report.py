@@ -27,9 +27,9 @@ from missions.weather.files import load_weather
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import analyse
 from sizing.sunlight import SolarModel
+from studies import make_report
 from studies.flight_logs.synthetic import Settings, synthetic_log
 from studies.output.run_folder import RunInputs
-from studies.report import make_report
 from studies.report.blocks import Bars
 from studies.report.design import budget_section
 from studies.report.margins import margin_table
@@ -346,8 +346,8 @@ def test_without_weasyprint_a_pdf_is_refused(run: Run, monkeypatch: pytest.Monke
 
 def test_commands_without_a_report_import_none_of_it() -> None:
     code = (
-        "import sys; from studies.cli.commands import analyse, size, verify; "
-        "from studies.cli.reports import check_report; check_report(None); print(*sys.modules)"
+        "import sys; from studies.cli.bodies import analyse, size, verify; "
+        "from studies.cli.targets import check_report; check_report(None); print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not {"studies.report", "jinja2", "matplotlib", "casadi"} & set(done.stdout.split())
+    assert not {"studies.report.document", "jinja2", "matplotlib"} & set(done.stdout.split())

@@ -22,8 +22,9 @@ MEGABYTE = 1e6
 
 def session_of(name: str) -> Session:
     from studies.cli.files import load
+    from studies.cli.options import CaseOptions
 
-    case = load(name, "rafz-july", (), model="CAM", correction="none")
+    case = load(CaseOptions(name, "rafz-july"))
     return Session(case.craft.document, case.where.document, case.solar)
 
 

@@ -7,7 +7,7 @@ import pytest
 import sizing
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.reliability import _next_index
+from sizing.margins.probability import _next_index
 from sizing.sunlight import UNCORRECTED_CAM
 from sizing.uncertainty.inputs import uncertain_inputs
 from sizing.uncertainty.propagation import Propagation
@@ -25,8 +25,8 @@ def with_inputs(**inputs):
 
 @pytest.fixture(autouse=True)
 def _few_draws(monkeypatch):
-    monkeypatch.setattr("sizing.reliability.SEARCH_SAMPLES", 1024)
-    monkeypatch.setattr("sizing.reliability.VERIFICATION_SAMPLES", 4000)
+    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 1024)
+    monkeypatch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 4000)
 
 
 def sized(reliability, objective="min_wingspan", aircraft=DESIGN, mission=MISSION, **options):
@@ -36,8 +36,8 @@ def sized(reliability, objective="min_wingspan", aircraft=DESIGN, mission=MISSIO
 @pytest.fixture(scope="module")
 def reliable():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sizing.reliability.SEARCH_SAMPLES", 1024)
-        patch.setattr("sizing.reliability.VERIFICATION_SAMPLES", 4000)
+        patch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 1024)
+        patch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 4000)
         return sized(0.9)
 
 
@@ -112,12 +112,23 @@ def test_largest_excess_time_leaves_something_for_the_requirement():
 def test_one_uncertain_number_has_an_exact_answer(monkeypatch):
     """With the battery's specific energy alone, 95 % is the design for its 5 % quantile."""
     alone = functools.partial(uncertain_inputs, model_error=False)
-    monkeypatch.setattr("sizing.reliability.uncertain_inputs", alone)
+    monkeypatch.setattr("sizing.margins.probability.uncertain_inputs", alone)
     found = sized(0.95, "min_mass", aircraft=with_inputs(**{ENERGY: {"relative_sigma": 0.05}}))
     quantile = DESIGN.battery.specific_energy_wh_per_kg * (1.0 - 0.05 * 1.6449)
     worse = load_aircraft("atlantiksolar-design", {ENERGY: quantile})
     by_hand = sizing.size(worse, MISSION, "min_mass")
     assert found.design.total_mass_kg == pytest.approx(by_hand.design.total_mass_kg, rel=5e-3)
+
+
+@pytest.mark.parametrize("largest_wh", [740.0, 700.0])
+def test_limit_on_the_battery_is_that_of_the_battery_that_is_carried(largest_wh):
+    """The sizing with margins counts the battery as smaller; it costs what the limit takes away."""
+    limits = {"design_space.limits.battery_energy_wh.maximum": largest_wh}
+    found = sized(0.9, aircraft=load_aircraft("atlantiksolar-design", limits))
+    assert 0.97 * largest_wh < found.design.battery_energy_wh <= largest_wh * (1.0 + 1e-5)
+    free = sized(0.9)
+    assert free.design.battery_energy_wh > 740.0
+    assert 1.0 < found.variables.wingspan_m / free.variables.wingspan_m < 1.02
 
 
 def test_out_of_reach_says_what_is_reached():
@@ -221,7 +232,7 @@ def test_largest_reachable_probability_is_that_of_a_scan(
     Of 2,048 draws the share has a standard error of 1 % at most, on either side: together they
     differ by less than 2.5 %. The search sees other draws than the scan.
     """
-    monkeypatch.setattr("sizing.reliability.SEARCH_SAMPLES", 2048)
+    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 2048)
     changed = {**changed, "design_space.wingspan_m.maximum": span_m}
     craft = load_aircraft(name, changed)
     mission = load_mission("rafz-july", {"required_excess_time_h": required_h})

@@ -7,32 +7,24 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
+from sizing.margins.edge import least_step
+from sizing.margins.search import Trial
+from sizing.margins.season_days import SeasonDays, Survival
+from sizing.margins.season_flights import Powers, SeasonFlights
+from sizing.margins.season_search import SeasonSearch, Steps
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.relaxations import MINIMAL, Relaxation, bisected, relaxations, rounded
-from sizing.optimisation.result import (
-    SizingResult,
-    SizingStatus,
-    Violation,
-    objective_value,
-    plain_design,
-)
+from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.solver import SolverReport
 from sizing.parameters import catalogue, parameter_value, with_parameter
-from sizing.performance import performance_of_designs
+from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import SolarModel
-from sizing.survival.contour import least_step
-from sizing.survival.flights import SeasonFlights
-from sizing.survival.result import SeasonDays, Survival
-from sizing.survival.search import Candidate, Steps, SurvivalSearch
 from solar.types import FloatArray
 
 # What has a smallest or largest design on the edge of closing enough days.
@@ -98,7 +90,7 @@ def size_surviving(
     ``progress``: called with the steps of the search that are done, and those in all. Returns
     without survival where there is no design at all, whatever the sun.
     """
-    sizing = _SurvivalSizing(aircraft, mission, objective, solar, weather, survive, Steps(progress))
+    sizing = _SurvivalSizing(aircraft, mission, objective, solar, weather, survive, progress)
     return sizing.run(notes)
 
 
@@ -111,9 +103,10 @@ class _SurvivalSizing:
         solar: SolarModel,
         weather: Weather,
         required: float,
-        steps: Steps | None = None,
+        progress: Callable[[int, int], None] | None = None,
     ) -> None:
-        self.aircraft, self.objective, self.solar, self.steps = aircraft, objective, solar, steps
+        self.aircraft, self.objective, self.solar = aircraft, objective, solar
+        self.steps = Steps(progress)
         self.mission = in_the_record(mission)
         self.weather, self.required = weather, required
         self.problems = SizingProblems(aircraft)
@@ -129,22 +122,12 @@ class _SurvivalSizing:
             *(craft, self.mission, self.weather, self.solar), step_s=step_s, lead_days=lead_days
         )
 
-    def _search(self, aircraft: Aircraft, problems: SizingProblems) -> SurvivalSearch:
+    def _search(self, aircraft: Aircraft, problems: SizingProblems) -> SeasonSearch:
         fine, coarse = (
             self._flights(step_s, _LEAD_DAYS, aircraft) for step_s in (NODE_STEP_S, _COARSE_STEP_S)
         )
-        return SurvivalSearch(
-            *(
-                aircraft,
-                self.mission,
-                self.objective,
-                self.solar,
-                fine,
-                coarse,
-                problems,
-                self.steps,
-            )
-        )
+        given = (aircraft, self.mission, self.objective, self.solar)
+        return SeasonSearch(*given, fine, coarse, problems, self.steps)
 
     def run(self, notes: tuple[str, ...]) -> Survived:
         clear = size_aircraft(
@@ -155,10 +138,10 @@ class _SurvivalSizing:
         best = self._best()
         if best is None and not self.search.found:
             return Survived(self._nothing(clear), None, self._relaxed_clear(clear))
-        shown = best if best is not None else self._most_days()
+        shown = best or max(self.search.found, key=lambda one: (one.reached, one.merit))
         found = Survival(
             *(self.weather, self.mission, self.required),
-            days=SeasonDays.of(self.record, shown.powers),
+            days=SeasonDays.of(self.record, Powers.of(shown.design)),
             clear_sky_status=clear.status,
             clear_sky_objective=clear.objective_value,
             clear_sky_days=self._clear_days(clear),
@@ -166,78 +149,57 @@ class _SurvivalSizing:
         )
         if best is None:
             return Survived(self._failed(shown, found), found, tuple(self._relaxed(shown)))
-        return Survived(self._optimal(best), found, ())
+        return Survived(self._as_asked(best).with_design(self._flown_there(best)), found, ())
 
-    def _best(self) -> Candidate | None:
+    def _best(self) -> Trial | None:
         """Best design of the search that all days of the record confirm."""
         needed = self.needed
         for _ in range(_CORRECTIONS):
             best = self.search.best(needed)
             if best is None:
                 return None
-            missing = self.needed - int(self.record.that_close(best.powers)[0])
+            missing = self.needed - self._days_of(best)
             if missing <= 0:
                 return best
             needed = min(needed + missing, len(self.record))
-        good = [o for o in self.search.found if self.record.that_close(o.powers)[0] >= self.needed]
-        return min(good, key=lambda one: one.cost, default=None)
+        good = [one for one in self.search.found if self._days_of(one) >= self.needed]
+        return max(good, key=lambda one: one.merit, default=None)
 
-    def _most_days(self) -> Candidate:
-        return max(self.search.found, key=lambda one: (one.days, -one.cost))
+    def _days_of(self, one: Trial) -> int:
+        """Days that close in all of the record."""
+        return int(self.record.that_close(Powers.of(one.design))[0])
 
     def _clear_days(self, clear: SizingResult) -> SeasonDays | None:
         if clear.design is None:
             return None
-        return SeasonDays.of(self.record, self.search.powers_of(clear.design.variables))
+        return SeasonDays.of(self.record, Powers.of(clear.design))
 
     # --- verdicts ----------------------------------------------------------------------------
 
-    def _optimal(self, best: Candidate) -> SizingResult:
-        perf = performance_of_designs(self.aircraft, self.mission, best.variables, self.solar)
-        return replace(
-            best.result,
-            objective=self.objective,
-            required_excess_time_h=0.0,
-            objective_value=float(objective_value(self.objective, perf)),
-            design=plain_design(perf.design),
-            simulated=perf,
-            active_constraints=_of_the_record(best.result.active_constraints),
-            solver=self._report(),
-            optimum=None,
-        )
+    def _as_asked(self, one: Trial) -> SizingResult:
+        """Result of a trial; the program's day stands for the record's."""
+        asked = self.search.as_asked(one, self.search.reports)
+        active = (DAYS_THAT_CLOSE if " (" in name else name for name in asked.active_constraints)
+        return replace(asked, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
 
-    def _failed(self, nearest: Candidate, found: Survival) -> SizingResult:
-        perf = performance_of_designs(self.aircraft, self.mission, nearest.variables, self.solar)
+    def _flown_there(self, one: Trial) -> Performance:
+        """Design under a clear sky, on the mission's dates at the record's site."""
+        return performance_of_designs(self.aircraft, self.mission, one.variables, self.solar)
+
+    def _failed(self, nearest: Trial, found: Survival) -> SizingResult:
         text = (
             f"{self.needed} of the season's {len(found.days)} days are out of reach: the best "
             f"design that was found closes {found.days.that_close}, a share of {found.achieved:.3g}"
         )
-        return SizingResult(
-            status=SizingStatus.infeasible,
-            objective=self.objective,
-            required_excess_time_h=0.0,
-            objective_value=None,
-            design=None,
-            simulated=None,
-            nearest=perf,
-            active_constraints=_of_the_record(nearest.result.active_constraints),
-            violations=(Violation(DAYS_THAT_CLOSE, self.required - found.achieved, text),),
-            solver=self._report(),
-        )
+        missed = Violation(DAYS_THAT_CLOSE, self.required - found.achieved, text)
+        perf = self._flown_there(nearest)
+        return self._as_asked(nearest).without_design(SizingStatus.infeasible, perf, missed)
 
     def _nothing(self, clear: SizingResult) -> SizingResult:
         """Sizing without any design: that under a clear sky says why."""
         if clear.design is None:
             return clear
-        return replace(
-            clear,
-            status=SizingStatus.not_converged,
-            objective_value=None,
-            design=None,
-            simulated=None,
-            nearest=clear.simulated,
-            optimum=None,
-        )
+        return clear.without_design(SizingStatus.not_converged, clear.simulated)
 
     def _relaxed_clear(self, clear: SizingResult) -> tuple[Relaxation, ...]:
         if clear.status is not SizingStatus.infeasible:
@@ -246,7 +208,7 @@ class _SurvivalSizing:
             relaxations(self.aircraft, self.mission, clear, self.solar, problems=self.problems)
         )
 
-    def _relaxed(self, nearest: Candidate) -> list[Relaxation]:
+    def _relaxed(self, nearest: Trial) -> list[Relaxation]:
         """What would let a design close enough days: found for the program's day, then flown.
 
         The program's day has the factors of the best design of a wider design space; where that has
@@ -268,7 +230,7 @@ class _SurvivalSizing:
         flown = (self._flown(one, factors) for one in found if one.parameter not in _OF_THE_SITE)
         return [one for one in flown if one is not None]
 
-    def _wanted_factors(self, nearest: Candidate) -> FloatArray | None:
+    def _wanted_factors(self, nearest: Trial) -> FloatArray | None:
         aircraft = self.aircraft
         for key, one in catalogue().items():
             bound = parameter_value(aircraft, self.mission, key) if one.kind == "bound" else None
@@ -278,7 +240,7 @@ class _SurvivalSizing:
         if best is not None:
             return best.factors
         count = self.search.counts(nearest, self.search.flights)
-        step = least_step(count, np.ones(2), (0.0, _MOST_STEPS), self.needed)
+        step = least_step(count, (0.0, _MOST_STEPS), self.needed)
         return None if math.isnan(step) else nearest.factors - step
 
     def _flown(self, one: Relaxation, factors: FloatArray) -> Relaxation | None:
@@ -311,21 +273,5 @@ class _SurvivalSizing:
             )
         except (AttributeError, KeyError, ValueError):  # nothing that a file may say
             return False
-        best = other.search.candidate(factors, Objective.max_excess_time)
-        return best is not None and int(other.record.that_close(best.powers)[0]) >= self.needed
-
-    def _report(self) -> SolverReport:
-        """Work of all sizings."""
-        reports = self.search.reports
-        return SolverReport(
-            iterations=sum(one.iterations for one in reports),
-            time_s=sum(one.time_s for one in reports),
-            build_time_s=sum(one.build_time_s for one in reports),
-            solves=sum(one.solves for one in reports),
-            message=reports[-1].message,
-        )
-
-
-def _of_the_record(active: tuple[str, ...]) -> tuple[str, ...]:
-    """Constraints that hold a design back, those of the program's day by what they stand for."""
-    return tuple(dict.fromkeys(DAYS_THAT_CLOSE if " (" in name else name for name in active))
+        best = other.search.trial(factors, Objective.max_excess_time)
+        return best is not None and other._days_of(best) >= self.needed

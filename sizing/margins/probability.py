@@ -1,17 +1,13 @@
 """Sizing for a probability: the best design that most draws of the uncertain inputs can fly.
 
 The chance constraint ``P(every scenario has the required excess time) >= reliability`` is met by
-margins. Draws differ, for the energy over a day, in two numbers: *income*, what the sun returns
-over the load, and *storage*, what the battery holds over the load. A design that is sized with both
-lowered to a quantile of the draws withstands most of them. One margin alone saturates: a design
-without any margin on the other number fails in half of the draws.
+margins. Draws differ, for the energy over a day, in income and storage. A design that is sized with
+both lowered to a quantile of the draws withstands most of them. One margin alone saturates: a
+design without any margin on the other number fails in half of the draws.
 
-Sizing with fixed margins and assessment by simulation alternate, as in sequential optimisation and
-reliability assessment (SORA: Du, X., Chen, W. (2004), Sequential optimization and reliability
-assessment method for efficient probabilistic design, J. Mech. Des. 126, 225-233); the step from a
-missed probability to another margin is made in the reliability index, its normal score, as in the
-performance measure approach (Tu, J., Choi, K. K., Park, Y. H. (1999), A new study on
-reliability-based design optimization, J. Mech. Des. 121, 557-564). Other than there, no most
+The step from a missed probability to another margin is made in the reliability index, its normal
+score, as in the performance measure approach (Tu, J., Choi, K. K., Park, Y. H. (1999), A new study
+on reliability-based design optimization, J. Mech. Des. 121, 557-564). Other than there, no most
 probable point is searched for: thousands of draws are flown instead, so that failures in several
 scenarios and by income or storage all count. How the permitted failures are divided between income
 and storage is chosen for the best objective.
@@ -21,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from statistics import NormalDist
 
@@ -29,23 +25,14 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions
-from sizing.limits import meets_requirements
-from sizing.optimisation.infeasibility import least_mission
+from sizing.design import Design, DesignVariables
+from sizing.margins.search import MarginSearch, Trial
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import (
-    SizingResult,
-    SizingStatus,
-    Violation,
-    objective_value,
-    plain_design,
-)
+from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.solver import SolverReport
-from sizing.parameters import MISSION_PREFIX, with_parameter
-from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import SolarDay, SolarModel, solar_day
+from sizing.parameters import with_parameter
+from sizing.sunlight import SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs, uncertain_inputs
 from sizing.uncertainty.propagation import Propagation, check_inputs
 from sizing.uncertainty.samples import Proportion, sobol_points
@@ -68,7 +55,6 @@ _LEAST_STEP = 0.01
 _INCOME_STEP = 1.0  # of the margin on income, in standard deviations: brackets the most reliable
 _INCOME_TOLERANCE = 0.25  # of that margin: at the summit it moves the probability by 0.1 %
 _STEEPEST = 2.5  # rise of the reliability index with that of the margins
-_ROW_TOLERANCE = 1e-5  # of requirements, relative: the solver meets them to about 1e-8
 _LEAST_SPREAD = 0.003  # of income and storage, where no input moves them
 
 # Keys of what the sizing chooses; distributions with ends of their own do not move with it.
@@ -111,17 +97,6 @@ class Reliability:
             "nominal": self.nominal.value,
             "nominal_objective": self.nominal_objective,
         }
-
-
-@dataclass(frozen=True)
-class _Trial:
-    """A design that was sized with margins, and the share of draws that it withstands."""
-
-    result: SizingResult
-    performance: Performance
-    reliability: float
-    merit: float
-    sound: bool
 
 
 def check_reliability(
@@ -167,11 +142,10 @@ def size_reliably(
     required excess time. ``reliability``: least probability of the required excess time in every
     scenario [-]. Returns reliability is None where there is no design even without uncertainty.
     """
-    search = _ReliableSizing(aircraft, mission, objective, solar, reliability, problems)
-    return search.run()
+    return _ReliableSizing(aircraft, mission, objective, solar, reliability, problems).run()
 
 
-class _ReliableSizing:
+class _ReliableSizing(MarginSearch):
     """Search for the margins of the best design that is reliable enough."""
 
     def __init__(
@@ -183,44 +157,46 @@ class _ReliableSizing:
         required: float,
         problems: SizingProblems,
     ) -> None:
-        self.aircraft, self.mission, self.objective = aircraft, mission, objective
-        self.solar, self.required, self.problems = solar, required, problems
-        self.day = solar_day(aircraft, mission, solar)
+        day = solar_day(aircraft, mission, solar)
+        super().__init__(aircraft, mission, objective, solar, day, problems)
+        self.required = required
         self.count = len(uncertain_inputs(aircraft, mission, solar))
         self.shares = sobol_points(self.count, SEARCH_SAMPLES, _SEARCH_SEED)
-        self.trials: list[_Trial] = []
         self.start: DesignVariables | None = None
         self.telling = np.arange(len(self.day.scenarios))  # scenarios that draws are flown in
 
     def run(self) -> tuple[SizingResult, Reliability | None]:
-        nominal = self._sized_with_margins(self.mission, self.day, self.objective, explain=True)
-        if nominal.design is None or nominal.simulated is None:
+        nominal = size_aircraft(
+            *(self.aircraft, self.mission, self.objective, self.solar),
+            day=self.day,
+            problems=self.problems,
+        )
+        if nominal.design is None:
             return nominal, None
         self.start = nominal.design.variables
         everywhere = self.telling
-        self.nominal = found = self._judged(nominal)
-        if found.reliability < self.required:
-            study, inputs = self._study(found.performance)
+        self.nominal = found = self.judged(nominal, np.zeros(2))
+        if found.reached < self.required:
+            study, inputs = self._study(found.design)
             self.telling = np.unique(study.flights(inputs.values(self.shares)).worst).astype(int)
             found = self._search()
         if len(self.telling) < len(everywhere):
-            enough = min(found.reliability, self.required)
-            self.telling, self.trials = everywhere, [self.nominal]
-            found = self._judged(found.result)
-            if found.reliability < enough:
+            enough = min(found.reached, self.required)
+            self.telling, self.tried = everywhere, [self.nominal]
+            found = self.judged(found.result, found.factors)
+            if found.reached < enough:
                 found = self._search()
-        result = self._reliable_optimum(found) if self._meets(found) else self._unreachable(found)
-        return result, self._verified(found)
+        return self._verdict(found), self._verified(found)
 
-    def _meets(self, trial: _Trial) -> bool:
-        return trial.sound and trial.reliability >= self.required
+    def _meets(self, trial: Trial) -> bool:
+        return trial.sound and trial.reached >= self.required
 
     # --- margins ---------------------------------------------------------------------------
 
     @cached_property
     def _spread(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Median over the nominal value, and standard deviation of the logarithm's lower half."""
-        study, inputs = self._study(self.nominal.performance)
+        study, inputs = self._study(self.nominal.design)
         worst = int(np.argmin(self.nominal.performance.cycle.excess_time_h[self.telling]))
         drawn = study.income_and_storage(inputs.values(self.shares), worst)
         plain = {one.key: np.array([one.nominal]) for one in inputs.inputs}
@@ -231,17 +207,16 @@ class _ReliableSizing:
             found.append((float(median), sigma))
         return found[0], found[1]
 
-    def _margins(self, share: float, index: float) -> tuple[float, float]:
-        """Factors on income and storage whose failures are those of a reliability index."""
+    def _margins(self, share: float, index: float) -> list[float]:
+        """Factors on income and storage, as logarithms, that fail as a reliability index does."""
         failures = _NORMAL.cdf(-index)
         parts = (share * failures, (1.0 - share) * failures)
-        income, storage = (
-            math.exp(median + sigma * _NORMAL.inv_cdf(part))
+        return [
+            median + sigma * _NORMAL.inv_cdf(part)
             for (median, sigma), part in zip(self._spread, parts, strict=True)
-        )
-        return income, storage
+        ]
 
-    def _search(self) -> _Trial:
+    def _search(self) -> Trial:
         """Best design that is reliable enough; where none is found, the most reliable one."""
         score, steps = 0.0, list(_SHARE_STEPS)
         index, merit = self._on_share(score, _NORMAL.inv_cdf(self.required))
@@ -250,10 +225,12 @@ class _ReliableSizing:
             if not self._meets(most):
                 return most
             del steps[0]  # near the edge few shares have a design
-            index, merit = self._on_share(score, self._index(most.reliability))
+            index, merit = self._on_share(score, self._index(most.reached))
             merit = max(merit, most.merit)
         self._try_shares(score, index, merit, steps)
-        return max(filter(self._meets, self.trials), key=lambda one: one.merit)
+        best = self.best_of_tried(self.required)
+        assert best is not None
+        return best
 
     def _try_shares(self, score: float, index: float, merit: float, steps: Sequence[float]) -> None:
         """Move the share of income to where the merit is best, by ever smaller steps."""
@@ -271,7 +248,7 @@ class _ReliableSizing:
                 if (merit - min(beside)) / 8.0 < _SHARE_GAIN * abs(merit):
                     break
 
-    def _most_reliable(self) -> tuple[_Trial, float]:
+    def _most_reliable(self) -> tuple[Trial, float]:
         """Most reliable design, and the normal score of the share of its failures by income.
 
         Of the designs that withstand a given income, that of largest excess time withstands the
@@ -280,15 +257,16 @@ class _ReliableSizing:
         from scipy.optimize import minimize_scalar
 
         (median, sigma), _ = self._spread
-        found: dict[float, _Trial] = {}
+        found: dict[float, Trial] = {}
 
         def failing(deviations: float) -> float:
             """Share of draws that fails with a margin on income of some standard deviations."""
-            trial = self._of_largest_excess(math.exp(median - deviations * sigma))
+            income = median - deviations * sigma
+            trial = self.trial([income, 0.0], Objective.max_excess_time, self.start)
             if trial is None:
                 return 1.0
             found[deviations] = trial
-            return 1.0 - trial.reliability
+            return 1.0 - trial.reached
 
         margin, least = 0.0, failing(0.0)
         while (beyond := failing(margin + _INCOME_STEP)) < least:
@@ -298,9 +276,9 @@ class _ReliableSizing:
             failing, bounds=bounds, method="bounded", options={"xatol": _INCOME_TOLERANCE}
         )
         sound = [one for one in (*found.values(), self.nominal) if one.sound]
-        most = max(sound, key=lambda one: one.reliability)
+        most = max(sound, key=lambda one: one.reached)
         own = [margin for margin, one in found.items() if one is most]
-        failures = _NORMAL.cdf(-self._index(most.reliability))
+        failures = _NORMAL.cdf(-self._index(most.reached))
         by_income = _NORMAL.cdf(-own[0]) / failures if own else 0.5
         return most, _NORMAL.inv_cdf(min(max(by_income, _LEAST_SHARE), 1.0 - _LEAST_SHARE))
 
@@ -313,15 +291,15 @@ class _ReliableSizing:
         tried: list[tuple[float, float]] = []
         infeasible, merit = math.inf, -math.inf
         for _ in range(_TRIALS):
-            one = self._trial(*self._margins(_NORMAL.cdf(score), index))
+            one = self.trial(self._margins(_NORMAL.cdf(score), index), start=self.start)
             if one is None:
                 infeasible, index = index, math.inf
             else:
                 if self._meets(one):
                     merit = max(merit, one.merit)
-                    if one.reliability - self.required <= self._band:
+                    if one.reached - self.required <= self._band:
                         break
-                tried.append((index, self._index(one.reliability)))
+                tried.append((index, self._index(one.reached)))
                 index = _next_index(tried, wanted)
             if index < infeasible:
                 continue
@@ -345,55 +323,17 @@ class _ReliableSizing:
         least = 0.5 / self.shares.shape[1]
         return _NORMAL.inv_cdf(min(max(reliability, least), 1.0 - least))
 
-    # --- sizing and flights ----------------------------------------------------------------
+    # --- flights ---------------------------------------------------------------------------
 
-    def _trial(self, income: float, storage: float) -> _Trial | None:
-        """Design that is sized with margins; None where there is none."""
-        capacity = storage * self.mission.uncertainty_margins.battery_capacity
-        key = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
-        _, darker = with_parameter(self.aircraft, self.mission, key, capacity)
-        result = self._sized_with_margins(darker, self.day.scaled(income), self.objective)
-        return None if result.design is None else self._judged(result)
+    def reached(self, design: Design) -> float:
+        """Share of the draws that a design withstands."""
+        study, inputs = self._study(design)
+        return float(np.mean(self._flying(study, inputs.values(self.shares))))
 
-    def _of_largest_excess(self, income: float) -> _Trial | None:
-        """Design of largest excess time with a margin on income; None where none flies."""
-        mission = least_mission(self.mission, self.objective)
-        free = mission.model_copy(update={"required_excess_time_h": 0.0})
-        result = self._sized_with_margins(free, self.day.scaled(income), Objective.max_excess_time)
-        return None if result.design is None else self._judged(result)
-
-    def _sized_with_margins(
-        self, mission: Mission, day: SolarDay, objective: Objective, *, explain: bool = False
-    ) -> SizingResult:
-        return size_aircraft(
-            *(self.aircraft, mission, objective, self.solar),
-            day=day,
-            problems=self.problems,
-            start=self.start,
-            explain=explain,
-        )
-
-    def _judged(self, result: SizingResult) -> _Trial:
-        """Design without margins in the simulator, and the draws that it withstands."""
-        assert result.design is not None
-        variables = result.design.variables
-        perf = performance_of_designs(
-            self.aircraft, self.mission, variables, self.solar, day=self.day
-        )
-        conditions = FlightConditions.of(self.mission, self.aircraft)
-        sound = meets_requirements(self.aircraft, perf.design, conditions, tolerance=_ROW_TOLERANCE)
-        value = float(objective_value(self.objective, perf))
-        study, inputs = self._study(perf)
-        share = float(np.mean(self._flying(study, inputs.values(self.shares))))
-        merit = value if self.objective.maximised else -value
-        trial = _Trial(result, perf, share, merit, bool(np.all(sound)))
-        self.trials.append(trial)
-        return trial
-
-    def _study(self, perf: Performance) -> tuple[Propagation, UncertainInputs]:
+    def _study(self, design: Design) -> tuple[Propagation, UncertainInputs]:
         """Flights of the draws of a design, and its uncertain inputs."""
         craft, mission = self.aircraft, self.mission
-        chosen = perf.design.variables.chosen()
+        chosen = design.variables.chosen()
         for key, name in _CHOSEN.items():
             if name in chosen:
                 craft, mission = with_parameter(craft, mission, key, float(chosen[name]))
@@ -407,61 +347,35 @@ class _ReliableSizing:
 
     # --- verdicts --------------------------------------------------------------------------
 
-    def _verified(self, trial: _Trial) -> Reliability:
+    def _verified(self, trial: Trial) -> Reliability:
         """Reliability by draws that the search has not seen."""
         shares = np.random.default_rng(_VERIFICATION_SEED).random(
             (self.count, VERIFICATION_SAMPLES)
         )
         found = []
         for one in (trial, self.nominal):
-            study, inputs = self._study(one.performance)
+            study, inputs = self._study(one.design)
             found.append(Proportion.of(self._flying(study, inputs.values(shares))))
         merit = self.nominal.merit
         objective = merit if self.objective.maximised else -merit
         return Reliability(self.required, found[0], VERIFICATION_SAMPLES, found[1], objective)
 
-    def _reliable_optimum(self, trial: _Trial) -> SizingResult:
-        return replace(
-            trial.result,
-            objective=self.objective,
-            required_excess_time_h=self.mission.required_excess_time_h,
-            objective_value=float(objective_value(self.objective, trial.performance)),
-            design=plain_design(trial.performance.design),
-            simulated=trial.performance,
-            solver=self._report(),
-        )
-
-    def _unreachable(self, nearest: _Trial) -> SizingResult:
-        reached = nearest.reliability
-        enough = reached >= self.required  # by a design of largest excess time
+    def _verdict(self, found: Trial) -> SizingResult:
+        """Optimum, or that the most reliable design that was found is not reliable enough."""
+        # Work of all sizings that found a design.
+        reports = [one.solver for one in {id(t.result): t.result for t in self.tried}.values()]
+        asked = self.as_asked(found, reports)
+        if self._meets(found):
+            return asked.with_design(found.performance)
+        reached = found.reached
+        if reached >= self.required:  # by a design of largest excess time
+            return asked.without_design(SizingStatus.not_converged, found.performance)
         text = (
             f"a reliability of {100 * self.required:g} % is out of reach: the most reliable design "
             f"that was found has {100 * reached:.1f} %"
         )
         missed = Violation("reliability", self.required - reached, text)
-        return SizingResult(
-            status=SizingStatus.not_converged if enough else SizingStatus.infeasible,
-            objective=self.objective,
-            required_excess_time_h=self.mission.required_excess_time_h,
-            objective_value=None,
-            design=None,
-            simulated=None,
-            nearest=nearest.performance,
-            active_constraints=nearest.result.active_constraints,
-            violations=() if enough else (missed,),
-            solver=self._report(),
-        )
-
-    def _report(self) -> SolverReport:
-        """Work of all sizings that found a design."""
-        reports = [one.solver for one in {id(t.result): t.result for t in self.trials}.values()]
-        return SolverReport(
-            iterations=sum(one.iterations for one in reports),
-            time_s=sum(one.time_s for one in reports),
-            build_time_s=sum(one.build_time_s for one in reports),
-            solves=sum(one.solves for one in reports),
-            message=reports[-1].message,
-        )
+        return asked.without_design(SizingStatus.infeasible, found.performance, missed)
 
 
 def _next_index(tried: list[tuple[float, float]], wanted: float) -> float:

@@ -10,8 +10,8 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from missions.weather.record import Weather
+from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.optimisation.result import SizingStatus
-from sizing.survival.flights import Powers, SeasonFlights
 from sizing.weather_run import run_lengths
 from solar.types import BoolArray, IntArray
 

@@ -1,0 +1,166 @@
+"""Sizings with factors on solar energy and storage, and their designs without the factors."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, LimitedQuantity
+from sizing.design import Design, DesignVariables
+from sizing.limits import meets_requirements
+from sizing.optimisation.infeasibility import least_mission
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.result import SizingResult, objective_value
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.solver import SolverReport
+from sizing.parameters import MISSION_PREFIX, with_parameter
+from sizing.performance import Performance, performance_of_designs
+from sizing.sunlight import SolarDay, SolarModel
+from solar.types import FloatArray
+
+# Limits on the battery, by the power of the factor on its storage with which they grow.
+_SCALED_LIMITS: dict[LimitedQuantity, float] = {
+    "battery_energy_wh": 1.0,
+    "cruise_discharge_rate_per_h": -1.0,
+    "climb_discharge_rate_per_h": -1.0,
+}
+
+
+class Trial(NamedTuple):
+    """A design that was sized with factors, and how it does without them.
+
+    ``factors``: their logarithms, of income and storage. ``merit``: objective, the larger the
+    better. ``reached``: share of draws, or number of days, by which the design is judged.
+    ``sound``: whether it keeps every requirement on the design itself.
+    """
+
+    result: SizingResult
+    factors: FloatArray
+    performance: Performance
+    merit: float
+    reached: float
+    sound: bool
+
+    @property
+    def design(self) -> Design:
+        """Design without the factors."""
+        return self.performance.design
+
+    @property
+    def variables(self) -> DesignVariables:
+        """Design variables."""
+        return self.design.variables
+
+
+class MarginSearch(ABC):
+    """Search for the factors of the best design that a judge accepts; see the package.
+
+    ``day``: the sun that the program is given factors on. ``problems``: programs of the aircraft.
+    """
+
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        objective: Objective,
+        solar: SolarModel,
+        day: SolarDay,
+        problems: SizingProblems,
+    ) -> None:
+        self.aircraft, self.mission, self.objective = aircraft, mission, objective
+        self.solar, self.day, self.problems = solar, day, problems
+        self.tried: list[Trial] = []
+        self.reports: list[SolverReport] = []
+        self.limited = [
+            name for name in _SCALED_LIMITS if name in aircraft.design_space.all_limits()
+        ]
+
+    @abstractmethod
+    def reached(self, design: Design) -> float:
+        """What the judge finds for a design."""
+
+    @property
+    def found(self) -> list[Trial]:
+        """Trials that keep every requirement on the design itself."""
+        return [one for one in self.tried if one.sound]
+
+    def best_of_tried(self, enough: float) -> Trial | None:
+        """Best design of the trials that reaches enough; None where there is none."""
+        good = [one for one in self.found if one.reached >= enough]
+        return max(good, key=lambda one: one.merit, default=None)
+
+    def trial(
+        self,
+        factors: ArrayLike,
+        objective: Objective | None = None,
+        start: DesignVariables | None = None,
+    ) -> Trial | None:
+        """Best design with factors on income and storage; None where there is none.
+
+        ``objective``: another one, for which no excess time is required and the least is carried.
+        """
+        steps = np.asarray(factors, float)
+        mission = self.mission if objective is None else least_mission(self.mission, self.objective)
+        mission, day = self.given(steps, mission)
+        aircraft = self.with_limits(steps)
+        result = size_aircraft(
+            *(aircraft, mission, objective or self.objective, self.solar),
+            required_excess_time_h=None if objective is None else 0.0,
+            day=day,
+            problems=self.problems if aircraft is self.aircraft else SizingProblems(aircraft),
+            start=start,
+            explain=False,
+        )
+        self.reports.append(result.solver)
+        return None if result.design is None else self.judged(result, steps)
+
+    def given(self, factors: FloatArray, mission: Mission) -> tuple[Mission, SolarDay]:
+        """Mission and day of the program with factors on storage and income."""
+        income, storage = map(math.exp, factors)
+        # Not a margin of a file: the factor may exceed 1.
+        key = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
+        capacity = storage * mission.uncertainty_margins.battery_capacity
+        return with_parameter(mission, mission, key, capacity)[1], self.day.scaled(income)
+
+    def with_limits(self, factors: FloatArray) -> Aircraft:
+        """Aircraft whose limits on the battery hold without the factor on its storage."""
+        if not self.limited:
+            return self.aircraft
+        space, storage = self.aircraft.design_space, math.exp(factors[1])
+        for name in self.limited:
+            limit = self.aircraft.design_space.all_limits()[name]
+            factor = storage ** _SCALED_LIMITS[name]
+            if limit.minimum is not None:
+                space = space.with_limit(name, "minimum", limit.minimum * factor)
+            if limit.maximum is not None:
+                space = space.with_limit(name, "maximum", limit.maximum * factor)
+        return self.aircraft.model_copy(update={"design_space": space})
+
+    def judged(self, result: SizingResult, factors: FloatArray) -> Trial:
+        """Trial of a sizing's design, without the factors."""
+        assert result.design is not None
+        perf = performance_of_designs(
+            *(self.aircraft, self.mission, result.design.variables, self.solar), day=self.day
+        )
+        value = float(objective_value(self.objective, perf))
+        merit = value if self.objective.maximised else -value
+        sound = bool(meets_requirements(self.aircraft, self.mission, perf.design))
+        one = Trial(result, factors, perf, merit, self.reached(perf.design), sound)
+        self.tried.append(one)
+        return one
+
+    def as_asked(self, one: Trial, reports: list[SolverReport]) -> SizingResult:
+        """Sizing of a trial as that for the objective and the mission that are asked for."""
+        return replace(
+            one.result,
+            objective=self.objective,
+            required_excess_time_h=self.mission.required_excess_time_h,
+            solver=sum(reports, SolverReport()),
+        )

@@ -1,0 +1,260 @@
+"""The loop around the program: solve, simulate, shift the goal, and keep the best design.
+
+The program knows a few scenarios on coarse nodes; the simulator judges all of them on fine ones. A
+search solves the program, simulates the design that it finds, shifts the program's goal by what the
+simulator finds otherwise, and solves again; scenarios that turn out worse than those in the program
+join it. What counts is the simulator's number: of all designs that it accepts on the way, the best
+is the optimum.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from sizing.design import DesignVariables
+from sizing.energy.cycle import Status
+from sizing.limits import meets_requirements
+from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.variables import WORST_EXCESS
+from sizing.performance import Performance
+
+_ROUNDS = 12
+_WASTE_H = 0.012  # excess time beyond the required one that another goal is to save
+_WASTE = 1e-3  # the same in what it costs of the objective, relative
+# Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
+PENALTY = 300.0
+_SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
+_UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
+_LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
+
+
+class Simulated(NamedTuple):
+    """What the simulator finds for one solution.
+
+    The excess time is that of ``worst``, the scenario with the least, confirmed with a fine step;
+    ``merit`` is the larger the better, and ``sound`` tells whether the design keeps every
+    requirement besides the excess time.
+    """
+
+    excess_time_h: float
+    worst: int
+    merit: float
+    sound: bool
+    performance: Performance | None = None
+
+
+class Accepted(NamedTuple):
+    """A design that the simulator accepts."""
+
+    solution: Solution
+    found: Simulated
+
+
+class _Bound(NamedTuple):
+    """Goal and margin of a program, and the excess time that its design turned out to have."""
+
+    goal_h: float
+    margin: float
+    excess_time_h: float
+
+
+class Search:
+    """One search for a design that the simulator accepts.
+
+    ``instance``: what the program is to be solved for; its goal carries a cushion for all but the
+    largest excess time. ``required_h``: excess time that the simulator must find in every scenario
+    [h]. ``scenarios``: scenarios that are in the program from the beginning. ``solve``: solution of
+    the search's instance; None where there is none.
+    """
+
+    def __init__(
+        self,
+        instance: ProblemInstance,
+        required_h: float,
+        scenarios: Sequence[int],
+        solve: Callable[[Search], Solution | None],
+        *,
+        count: int,
+    ) -> None:
+        self.instance, self.required_h = instance, required_h
+        self.scenarios, self.blocks, self.count = list(scenarios), len(scenarios), count
+        self.cushion_h = GOAL_CUSHION_H
+        self.ceiling_h = math.inf  # goal beyond which the program is known to have no solution
+        self._solve = solve
+        self.solution: Solution | None = None
+        self.previous: Solution | None = None
+        self.best: Accepted | None = None
+        # Programs of these scenarios whose designs the simulator rejected and accepted last.
+        self._short: _Bound | None = None
+        self._enough: _Bound | None = None
+        # Design of the last program whose goal turned out too low: as good as any can be.
+        self.rejected: DesignVariables | None = None
+
+    def filled(self) -> list[int]:
+        """Scenarios in the blocks; spare ones repeat them."""
+        return [self.scenarios[i % len(self.scenarios)] for i in range(self.blocks)]
+
+    @property
+    def current(self) -> Solution:
+        """Solution to be judged."""
+        assert self.solution is not None
+        return self.solution
+
+    def solved(self) -> bool:
+        """Whether there is a solution to be judged, after solving the program if need be."""
+        if self.solution is None:
+            self.solution = self._solve(self)
+        return self.solution is not None
+
+    def judge(self, found: Simulated) -> bool:
+        """Keep the solution if it is the best one; whether the program is to be solved again."""
+        accepted = self.accepts(found)
+        if accepted and (self.best is None or found.merit > self.best.found.merit):
+            self.best = Accepted(self.current, found)
+        if accepted and found.worst in self.scenarios and not self._wasteful(found):
+            return False
+        if accepted and self.instance.lit and np.isinf(found.excess_time_h):
+            return False  # nothing is worse than the others
+        if found.worst in self.scenarios:
+            bound = _Bound(self.instance.goal_h, self.instance.margin, found.excess_time_h)
+            self._short, self._enough = (self._short, bound) if accepted else (bound, self._enough)
+        if not accepted:
+            self.rejected = self.current.design
+            if self.ceiling_h - self.instance.goal_h < _SAME_GOAL_H or self.enclosed():
+                return False
+        self._tighten(found)
+        self.previous, self.solution = self.solution, None
+        return True
+
+    def accepts(self, found: Simulated) -> bool:
+        """Whether a design has enough excess time everywhere and keeps its requirements."""
+        if not (found.excess_time_h > 0.0 and found.excess_time_h >= self.required_h):
+            return False
+        # A limit on the total mass may be what is to be moved.
+        return found.sound or "total_mass_kg" in self.instance.bounds
+
+    def _wasteful(self, found: Simulated) -> bool:
+        """Whether a design has more excess time than needed, and another goal may change that."""
+        if self.instance.best_excess or (self.instance.goal_h <= 0.0 and self._short is None):
+            return False
+        surplus_h = found.excess_time_h - self.required_h
+        if self._unchanged() or self.enclosed():
+            return False
+        # Next to the largest excess time minutes cost much: what they are worth is known.
+        worth = self.current.cost(1.0)
+        if surplus_h * worth > _WASTE:
+            self.cushion_h = min(self.cushion_h, _WASTE / worth / 4.0)
+            return True
+        return surplus_h > _WASTE_H
+
+    def begin_below(self, enough: Accepted) -> None:
+        """Aim below a design of largest excess time, which is known to be enough.
+
+        The program counts otherwise than the simulator: it wants a margin on the recharge, and its
+        steps are longer. Near the largest excess time that decides whether it has any solution.
+        """
+        optimum, excess_h = enough.solution, enough.found.excess_time_h
+        to_spare_h = excess_h - self.required_h
+        if math.isinf(to_spare_h):
+            return
+        self.cushion_h = min(self.cushion_h, to_spare_h / 4.0)
+        self.scenarios = list(dict.fromkeys(optimum.scenarios))
+        self.blocks = len(optimum.scenarios)
+        self.ceiling_h, margin = optimum.value(WORST_EXCESS), optimum.instance.margin
+        self._short, self._enough = None, _Bound(self.ceiling_h, margin, excess_h)
+        goal_h = self.ceiling_h - to_spare_h + self.cushion_h
+        self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
+
+    def enclosed(self) -> bool:
+        """Whether what lies between a rejected program and an accepted one is worth nothing.
+
+        The excess time may leap there: a day that returns a little less lets the battery run empty.
+        """
+        last = self.solution or self.previous
+        if self._short is None or self._enough is None or last is None:
+            return False
+        hours = abs(self._enough.goal_h - self._short.goal_h)
+        margin = abs(self._enough.margin - self._short.margin)
+        return last.cost(hours, margin) < _WASTE / 4.0
+
+    def _unchanged(self) -> bool:
+        """Whether the last goal made no difference: another requirement decides."""
+        if self.previous is None:
+            return False
+        then, now = (list(one.design.chosen().values()) for one in (self.previous, self.current))
+        return bool(np.allclose(then, now, rtol=_UNCHANGED, atol=0.0))
+
+    def _tighten(self, found: Simulated) -> None:
+        """Let the worst scenario join, or shift the goal if it is there already."""
+        if found.worst not in self.scenarios:
+            self.scenarios.append(found.worst)
+            if len(self.scenarios) > self.blocks:
+                self.blocks = min(2 * self.blocks, self.count)
+            self._short = self._enough = None
+            return
+        goal_h, margin = self.instance.goal_h, self.instance.margin
+        if self._short is not None and self._enough is not None:
+            goal_h, margin = self._between(self._short, self._enough)
+        elif found.excess_time_h <= 0.0:
+            # The battery runs empty over many days: the day must return more.
+            goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
+        else:
+            shifted_h = goal_h + self.required_h - found.excess_time_h + self.cushion_h
+            if shifted_h > self.ceiling_h:
+                shifted_h = (goal_h + self.ceiling_h) / 2.0
+            goal_h = max(shifted_h, 0.0)
+        self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
+
+    def _between(self, short: _Bound, enough: _Bound) -> tuple[float, float]:
+        """Goal and margin between those that are too low and those that waste, by regula falsi."""
+        aim_h = self.required_h + self.cushion_h - short.excess_time_h
+        share = aim_h / (enough.excess_time_h - short.excess_time_h)
+        share = min(max(share, _LEAST_SHARE), 1.0 - _LEAST_SHARE)
+        goal_h = short.goal_h + share * (enough.goal_h - short.goal_h)
+        return goal_h, short.margin * (enough.margin / short.margin) ** share
+
+
+def run(
+    searches: Sequence[Search],
+    simulate: Callable[[Sequence[Search]], Sequence[Simulated]],
+    *,
+    rounds: int = _ROUNDS,
+) -> None:
+    """Solve, simulate, shift and keep the best, until the simulator accepts each design.
+
+    ``searches``: they are solved one after the other and simulated together. ``simulate``: what the
+    simulator finds for the solutions of some searches.
+    """
+    for _ in range(rounds):
+        searches = [search for search in searches if search.solved()]
+        if not searches:
+            return
+        judged = zip(searches, simulate(searches), strict=True)
+        searches = [search for search, found in judged if search.judge(found)]
+
+
+def telling_scenarios(perf: Performance, count: int) -> list[int]:
+    """Scenarios likely to drive the sizing: least excess time, and least sun for their load.
+
+    Returns indices, the most telling one first.
+    """
+    cycle = perf.cycle
+    short_of_sun = int(np.argmin(cycle.energy_budget.solar_wh / cycle.energy_budget.load_wh))
+    by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
+    dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
+    return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
+
+
+def simulated(
+    solver: ProgramSolver, perf: Performance, merit: float, required_h: float
+) -> Simulated:
+    """What the simulator finds for one design."""
+    worst = perf.worst_scenario()
+    sound = bool(meets_requirements(solver.aircraft, solver.mission, perf.design))
+    excess_h = solver.least_excess_h(perf, required_h)
+    return Simulated(excess_h, worst, merit, sound, perf)

@@ -1,0 +1,1 @@
+"""What each command does; imported once its options are found to go together."""

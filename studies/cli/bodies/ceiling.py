@@ -1,0 +1,44 @@
+"""What ``solar-uav ceiling`` does."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from studies.ceiling import perpetual_ceiling, plot_ceiling
+from studies.cli.checks import refuse_climb, refuse_polar_night, require_path
+from studies.cli.commands.ceiling import Ceiling
+from studies.cli.files import load
+from studies.cli.options import EXIT_FAILED
+from studies.cli.outputs import deliver, figure_of, table_of
+from studies.cli.progress import progress_of
+
+
+def ceiling(options: Ceiling) -> None:
+    """Find the highest altitude of perpetual flight, and tell it."""
+    case = load(options.case)
+    refuse_climb(case, "ceiling")
+    refuse_polar_night(case)
+    require_path(case)
+    lowest_m, highest_m = case.mission.altitude_m, options.highest_m
+    if highest_m <= lowest_m:
+        message = f"must be above the mission's altitude_m of {lowest_m:g} (got {highest_m:g})"
+        raise click.BadParameter(message, param_hint="--highest")
+    with progress_of("altitudes", lines=False) as progress:
+        result = perpetual_ceiling(
+            case.aircraft,
+            case.mission,
+            model=case.solar.model,
+            correction=case.solar.correction,
+            highest_m=highest_m,
+            step_m=options.step_m,
+            progress=progress,
+        )
+    files = {
+        options.table_file: table_of(result.to_frame, "altitudes"),
+        options.plot_file: figure_of(lambda: plot_ceiling(result, figure=options.figure)),
+    }
+    deliver(case, case.named(result.to_dict()), result, files)
+    if result.found.highest is None:
+        sys.exit(EXIT_FAILED)

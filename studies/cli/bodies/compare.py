@@ -1,0 +1,56 @@
+"""What ``solar-uav compare`` does."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from studies.cli.checks import refuse_climb, refuse_polar_night, require_path
+from studies.cli.commands.compare import Compare
+from studies.cli.files import load
+from studies.cli.options import EXIT_FAILED
+from studies.cli.outputs import figure_bytes, figure_of, table_of, told, write_results
+from studies.cli.progress import progress_of
+from studies.models import comparison
+from studies.models.plots import plot_comparison
+from studies.models.solar_models import attitude_is_known
+from studies.output.formats import csv_bytes
+from studies.output.run_folder import write_run_folder
+
+_IMAGE = "comparison.png"
+
+
+def compare(options: Compare) -> None:
+    """Run all solar power models, and tell what each says."""
+    case = load(options.case, required_excess_time_h=options.required_h)
+    refuse_climb(case, "compare")
+    refuse_polar_night(case)
+    if options.needs_path is not None or attitude_is_known(case.aircraft, case.mission):
+        # With surfaces and a path, the reference flies it even if no case does.
+        require_path(case, options.needs_path or "the reference")
+    with progress_of("models", lines=False) as progress:
+        found = comparison.compare(
+            case.aircraft,
+            case.mission,
+            models=options.models,
+            corrections=options.corrections,
+            objective=options.objective,
+            design=not options.no_design,
+            progress=progress,
+        )
+    record, folder = case.named(found.to_dict()), options.out_dir
+    files = {
+        options.table_file: table_of(found.to_frame, "models"),
+        options.plot_file: figure_of(lambda: plot_comparison(found, figure=options.figure)),
+    }
+    with told(case, record, found, out_dir=folder, files=files):
+        write_results(files)
+        if folder is not None:
+            contents = {"comparison.csv": csv_bytes(found.to_frame())}
+            drawn = {
+                _IMAGE: lambda: figure_bytes(plot_comparison(found, figure=options.figure), _IMAGE)
+            }
+            write_run_folder(Path(folder), case.inputs(), record, contents, drawn)
+    sized = [one.built for one in found.cases if one.built is not None]
+    if sized and all(built.judged is None for built in sized):
+        sys.exit(EXIT_FAILED)

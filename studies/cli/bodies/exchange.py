@@ -1,0 +1,71 @@
+"""What ``solar-uav export``, ``diff`` and ``schema`` do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import click
+
+from missions.files.writing import to_json, write_files_atomically, write_text_atomically
+from sizing.results.analysis import Analysis, analyse
+from studies.cli.checks import require_climber, require_path
+from studies.cli.commands.exchange import Diff, Export, Schema
+from studies.cli.files import load
+from studies.cli.options import CaseOptions, check_table
+from studies.cli.outputs import print_json, table_of, write_results
+from studies.cli.targets import check_files
+from studies.exchange import files
+from studies.exchange.difference import compare_designs
+from studies.exchange.schema import file_schema
+from studies.output.terminal import show, tell_line
+
+
+def export(options: Export) -> None:
+    """Write a design for other tools."""
+    for path in options.out_files:
+        check_files({"--out": path})
+        check_table(path, files.design_format(path), files.DESIGN_FORMATS, "--out")
+        missing = files.missing_for(path)
+        if missing is not None:
+            raise click.BadParameter(missing, param_hint="--out")
+    analysis = _analysed(options.case)
+    write_files_atomically({path: files.design_bytes(analysis, path) for path in options.out_files})
+    for path in options.out_files:
+        tell_line(f"written to {path}")
+
+
+def diff(options: Diff) -> None:
+    """Put two designs side by side."""
+    first, second = options.case, replace(options.case, aircraft=options.other)
+    found = compare_designs(_analysed(first), _analysed(second))
+    write_results({options.table_file: table_of(found.to_frame, "designs")})
+    if options.case.as_json:
+        print_json(found.to_dict())
+        return
+    show(found)
+    if options.table_file is not None:
+        tell_line(f"written to {options.table_file}")
+
+
+def _analysed(options: CaseOptions) -> Analysis:
+    """Aircraft on its mission, without the replay."""
+    case = load(options)
+    require_path(case)
+    require_climber(case)
+    return analyse(
+        case.aircraft,
+        case.mission,
+        model=case.solar.model,
+        correction=case.solar.correction,
+        replay=False,
+    )
+
+
+def schema(options: Schema) -> None:
+    """Print or write the schema of a kind of file."""
+    record = file_schema(options.kind)
+    if options.out_file is None:
+        print_json(record)
+        return
+    write_text_atomically(options.out_file, to_json(record, indent=2) + "\n")
+    click.echo(f"written to {options.out_file}")

@@ -1,0 +1,45 @@
+"""What ``solar-uav explore`` does."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from missions.files.writing import write_text_atomically
+from studies.cli.checks import refuse_climb, require_path
+from studies.cli.commands.explore import Explore
+from studies.cli.files import load
+from studies.cli.options import EXIT_FAILED
+from studies.cli.telling import tell_error
+from studies.explorer.offline.page import offline_page
+from studies.explorer.session import Session
+from studies.output.terminal import tell_line
+
+
+def explore(options: Explore) -> None:
+    """Serve the page of a design, or write it."""
+    case = load(options.case)
+    refuse_climb(case, "explore")
+    require_path(case)
+    where, overrides = case.where.document.source.removesuffix(" (shipped)"), options.case.overrides
+    words = [options.case.aircraft, "-m", where, *(w for one in overrides for w in ("--set", one))]
+    session = Session(case.craft.document, case.where.document, case.solar, command=words)
+    if options.static_file is not None:
+        write_text_atomically(options.static_file, offline_page(session))
+        tell_line(f"written to {options.static_file}")
+        return
+    from studies.explorer.serve import ADDRESS, bound_socket, serve  # of the extra
+
+    try:
+        listening = bound_socket(options.port)
+    except OSError as error:
+        reason = f"cannot listen on {ADDRESS}:{options.port}: {error.strerror}; try --port 0"
+        tell_error(f"solar-uav: {reason}")
+        sys.exit(EXIT_FAILED)
+
+    def tell(address: str) -> None:
+        click.echo(address)  # which flushes, so that a program that started us can read it
+        tell_error(f"{case.title}; Ctrl-C ends it")
+
+    serve(session, listening, tell=tell, browser=not options.no_browser)

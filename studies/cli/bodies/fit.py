@@ -1,0 +1,94 @@
+"""What ``solar-uav fit`` and ``calibrate`` do."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from missions.files.writing import write_text_atomically
+from missions.files.yaml import Document
+from sizing.results.tables import Summary
+from studies.cli.commands.fit import Calibrate, Fit
+from studies.cli.files import Case, load, open_aircraft
+from studies.cli.logs import read_log, refuse_swapped_log
+from studies.cli.options import EXIT_FAILED
+from studies.cli.outputs import figure_bytes, print_json, told
+from studies.cli.targets import refuse_to_overwrite
+from studies.fitting import calibration
+from studies.fitting.files import file_text, fitted_document, fitted_lines
+from studies.fitting.flight import FlightFit, fit_flight
+from studies.fitting.parameters import chosen
+from studies.fitting.plots import plot_fit
+from studies.fitting.prediction import predict_flight
+from studies.output.run_folder import InputFile, write_run_folder
+from studies.output.terminal import show, tell_line
+
+
+def fit(options: Fit) -> None:
+    """Fit an aircraft to a flight, write it, and tell what was found."""
+    log_file, other_log = options.log.log_file, options.other_log
+    read = (options.case.aircraft, options.case.mission, log_file, other_log)
+    refuse_to_overwrite("--write", options.write_file, read)
+    refuse_swapped_log(options.case.aircraft, log_file, "fit")
+    case = load(options.case)
+    try:
+        chosen(options.names, case.aircraft)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--fit") from None
+    log = read_log(options.log)
+    found = fit_flight(
+        case.aircraft, log, case.mission, names=options.names, light_sigma=options.light_sigma
+    )
+    record, shown = case.named(found.to_dict()), found.summary()
+    if other_log is not None:
+        other = read_log(replace(options.log, log_file=other_log))
+        prediction = predict_flight(found, other, case.mission)
+        record["prediction"] = prediction.to_dict()
+        shown = shown + Summary((prediction.table(),))
+    write_file, folder = (options.write_file, options.out_dir) if found.fitted else (None, None)
+    with told(case, record, shown, out_dir=folder, files=(write_file,)):
+        if write_file is not None or folder is not None:
+            document = _fitted(case, found, Path(log_file))
+            if write_file is not None:
+                write_text_atomically(write_file, file_text(document, fitted_lines(found)))
+            if folder is not None:
+                inputs = case.inputs(log=Path(log_file)).of_aircraft(document.data)
+                figure = options.figure
+                drawn = {"fit.png": lambda: figure_bytes(plot_fit(found, figure=figure), "fit.png")}
+                write_run_folder(Path(folder), inputs, record, {}, drawn)
+    if not found.fitted:
+        click.echo("solar-uav: the log tells none of the parameters; nothing is written", err=True)
+        sys.exit(EXIT_FAILED)
+
+
+def _fitted(case: Case, found: FlightFit, log_file: Path) -> Document:
+    """File of the fitted aircraft, with where its numbers come from."""
+    log = InputFile.of(log_file)
+    sources = {
+        "aircraft_sha256": case.craft.sha256,
+        "log": log.source,
+        "log_sha256": log.sha256,
+        "mission": case.where.document.source,
+    }
+    return fitted_document(case.craft.document, found, sources)
+
+
+def calibrate(options: Calibrate) -> None:
+    """Make a parametric aircraft of a measured one, write it, and tell its factors."""
+    refuse_to_overwrite("--write", options.write_file, (options.aircraft, options.technology))
+    built = open_aircraft(options.aircraft)
+    models = open_aircraft(options.technology, options.overrides)
+    sources = {"aircraft_sha256": built.sha256, "technology_sha256": models.sha256}
+    found = calibration.calibrate(built.document, models.document, sources)
+    if options.write_file is not None:
+        lines = [f"  {one.key}: {one.after:.5g}, from {one.source}" for one in found.factors]
+        write_text_atomically(options.write_file, file_text(found.document, lines))
+    if options.as_json:
+        print_json(found.to_dict())
+        return
+    show(found.summary())
+    if options.write_file is not None:
+        tell_line(f"written to {options.write_file}")

@@ -1,0 +1,84 @@
+"""What ``solar-uav map`` does."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from missions.weather.files import load_weather
+from studies.cli.checks import refuse_climb, require_parametric, require_path
+from studies.cli.commands.map import Map
+from studies.cli.files import Case, load
+from studies.cli.jobs import completed
+from studies.cli.outputs import call, deliver, figure_of
+from studies.maps import feasibility, results
+from studies.output.gridded import to_netcdf_bytes
+from studies.weather import battery_map as maps
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from studies.grid import GridStudy
+    from studies.output.gridded import OnGrid
+
+
+def map_(options: Map) -> None:
+    """Compute the cells of a map, write it, and tell it."""
+    case = load(options.case)
+    refuse_climb(case, "map")
+    require_path(case)
+    resized = options.objective is not None
+    if resized:
+        require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
+    if options.weather_file is not None:
+        _in_weather(case, options, options.weather_file)
+        return
+    study = _prepared(case, options)
+    record = results.designs_record if resized else results.seasons_record
+    table = results.designs_table if resized else results.seasons_table
+    with completed(study.job, options.work, options.out_file, "cells") as outcome:
+        data = study.gridded(outcome)
+        deliver(
+            case,
+            case.named(record(data)),
+            lambda: table(data),
+            files={
+                options.out_file: lambda _: to_netcdf_bytes(data),
+                options.plot_file: figure_of(lambda: _drawn_map(data, options)),
+            },
+            next_step=call("report", "--out", "report.html"),
+        )
+
+
+def _prepared(case: Case, options: Map) -> GridStudy:
+    """Cells ready to be computed."""
+    flown, cells = (case.aircraft, case.mission), (options.latitudes, options.days)
+    if options.objective is None:
+        return feasibility.prepare(*flown, *cells, case.solar, options.endurance)
+    from studies.maps import resized  # the optimiser takes a seventh of a second
+
+    return resized.prepare(*flown, options.objective, *cells, case.solar)
+
+
+def _drawn_map(data: OnGrid, options: Map) -> Figure:
+    from studies.maps.plots import plot_map, plot_resized_map  # matplotlib
+
+    draw = plot_map if options.objective is None else plot_resized_map
+    return draw(data, figure=options.figure)
+
+
+def _in_weather(case: Case, options: Map, weather_file: str) -> None:
+    """Map the days of a record that close, and tell it."""
+    data = maps.battery_map(
+        case.aircraft,
+        case.mission,
+        load_weather(weather_file),
+        options.batteries,
+        solar=case.solar,
+        mission_chosen=not case.mission_is_default,
+    )
+    files = {
+        options.out_file: lambda _: to_netcdf_bytes(data),
+        options.plot_file: figure_of(lambda: maps.plot_battery_map(data, figure=options.figure)),
+    }
+    record = case.named({"days_in_weather": maps.battery_map_record(data)})
+    deliver(case, record, lambda: maps.battery_map_table(data), files)

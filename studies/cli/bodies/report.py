@@ -1,0 +1,37 @@
+"""What ``solar-uav report`` does."""
+
+from __future__ import annotations
+
+from missions.weather.files import load_weather
+from studies.cli.checks import require_climber, require_path, uncertain_inputs_of
+from studies.cli.commands.report import Report
+from studies.cli.files import load
+from studies.cli.outputs import print_json
+from studies.cli.targets import check_report
+from studies.output.terminal import tell_line
+
+
+def report(options: Report) -> None:
+    """Write a report on an aircraft and a mission."""
+    check_report(options.out_file, with_pdf=options.with_pdf)
+    case = load(options.case)
+    require_path(case)
+    require_climber(case)
+    from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
+
+    record = None if options.weather_file is None else load_weather(options.weather_file)
+    subject = subject_of(
+        case,
+        sizing=sizing_of_folder(options.case.aircraft, case),
+        overrides=options.case.overrides,
+        with_uncertainty=options.uncertainty,
+        weather_record=record,
+    )
+    with uncertain_inputs_of(case):
+        _ = subject.uncertainty
+    written = write_report(subject, options.out_file, with_pdf=options.with_pdf)
+    if case.as_json:
+        print_json(subject.results())
+        return
+    for path in written:
+        tell_line(f"written to {path}")

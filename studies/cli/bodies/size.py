@@ -1,0 +1,106 @@
+"""What ``solar-uav size`` does."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import click
+
+from missions.weather.files import load_weather
+from sizing.margins.probability import check_reliability
+from sizing.margins.seasons import check_survival
+from sizing.results import sizing
+from sizing.results.sizing import SizingStudy
+from sizing.results.weather_sizing import size_in_weather
+from studies.cli import checks
+from studies.cli.commands.size import Size
+from studies.cli.files import Case, load
+from studies.cli.options import EXIT_FAILED
+from studies.cli.outputs import told
+from studies.cli.progress import progress_of
+from studies.cli.targets import check_report
+from studies.output.run_folder import write_run_folder
+from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
+
+
+def size(options: Size) -> None:
+    """Find the best design, write it, and tell it."""
+    if options.survive is not None:
+        try:
+            check_survival(options.goal, options.survive)
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+    case = load(options.case, required_excess_time_h=options.required_h)
+    _check(case, options)
+    check_report(options.report_file, option="--report")
+    study = _designed(case, options)
+    record = case.named(study.to_dict())
+    folder, report = (options.out_dir, options.report_file) if study.feasible else (None, None)
+    step = _next_step(study, folder)
+    with told(case, record, study, out_dir=folder, files=(report,), next_step=step):
+        if folder is not None:
+            inputs = sized_inputs(study, case.inputs(options.weather_file))
+            contents = sizing_tables(study), sizing_figures(study, options.figure)
+            write_run_folder(Path(folder), inputs, record, *contents)
+        if report is not None:
+            from studies.cli.reports import report_on_sizing  # with all that a page has
+
+            report_on_sizing(case, study, record, report, overrides=options.case.overrides)
+    if not study.feasible:
+        sys.exit(EXIT_FAILED)
+
+
+def _check(case: Case, options: Size) -> None:
+    """Refuse an aircraft or a mission that cannot be sized so."""
+    measured = "a measured aircraft cannot be sized; allowed: parametric"
+    checks.require_parametric(case, measured)
+    checks.refuse_climb(case, "size")
+    if not options.goal.of_range and options.weather_file is None:
+        checks.refuse_polar_night(case)
+    checks.require_path(case)
+    least = options.reliability
+    if least is not None:
+        with checks.uncertain_inputs_of(case):
+            check_reliability(case.aircraft, case.mission, options.goal, case.solar, least)
+
+
+def _designed(case: Case, options: Size) -> SizingStudy:
+    """Find the design."""
+    if options.weather_file is None or options.survive is None:
+        return sizing.size(
+            case.aircraft,
+            case.mission,
+            options.goal,
+            model=case.solar.model,
+            correction=case.solar.correction,
+            with_sensitivities=options.with_sensitivities,
+            with_cross_check=options.with_cross_check,
+            reliability=options.reliability,
+        )
+    weather = load_weather(options.weather_file)
+    with progress_of("steps of the search") as progress:
+        return size_in_weather(
+            case.aircraft,
+            case.mission,
+            weather,
+            options.goal,
+            survive=options.survive,
+            model=case.solar.model,
+            correction=case.solar.correction,
+            progress=progress,
+        )
+
+
+def _next_step(study: SizingStudy, written: str | None) -> str:
+    """What to do after a sizing."""
+    if written is not None:
+        folder = shlex.quote(written)
+        return f"solar-uav report {folder} --out report.html; solar-uav analyse {folder}"
+    if study.feasible:
+        return "the same with --out FOLDER keeps the design, for analyse, map and report"
+    eased = study.relaxations
+    if eased:
+        return f"the same with --set {eased[0].parameter}={eased[0].value:g}, or another of these"
+    return "ease what holds it back; docs/sizing.md, Infeasible, says how to read it"

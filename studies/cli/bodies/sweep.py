@@ -1,0 +1,124 @@
+"""What ``solar-uav sweep`` does."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from missions.files.errors import InputError
+from missions.files.writing import write_files_atomically
+from studies.cli.checks import refuse_climb, require_path
+from studies.cli.commands.sweep import Sweep
+from studies.cli.files import Case, load
+from studies.cli.jobs import completed
+from studies.cli.options import EXIT_FAILED, check_table
+from studies.cli.outputs import call, figure_bytes, told
+from studies.cli.telling import tell_error
+from studies.sweeps.axes import axis_names
+from studies.sweeps.files import FORMATS, table_format, to_bytes
+from studies.sweeps.points import BLANKS, SIZED_BLANKS
+from studies.sweeps.study import dataset, prepare
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from xarray import Dataset
+
+    from sizing.results.tables import Summary
+    from studies.grid import GridStudy
+
+
+def sweep(options: Sweep) -> None:
+    """Compute the points of a trade study, write them, and tell them."""
+    _check_shown(options)
+    out_file, plot_file = options.out_file, options.plot_file
+    file_format = None if out_file is None else table_format(out_file)
+    if out_file is not None:
+        check_table(out_file, file_format, FORMATS, "--out")
+    case = load(options.case)
+    refuse_climb(case, "sweep")
+    require_path(case)
+    prepared = _prepared(case, options)
+    with completed(prepared.job, options.work, out_file, "points") as outcome:
+        data = dataset(prepared, outcome)
+        contents: dict[str | os.PathLike[str], bytes] = {}
+        trouble = None
+        record, summary = _record_and_summary(data, options)
+        step = f"{call('explore')} (the same with sliders)"
+        with told(case, case.named(record), summary, files=contents, next_step=step):
+            if out_file is not None and file_format is not None:
+                contents[out_file] = to_bytes(data, file_format)
+            if plot_file is not None:
+                try:
+                    contents[plot_file] = figure_bytes(_chart(data, options), plot_file)
+                except ValueError as error:
+                    # The points are worth keeping even where there is nothing to draw.
+                    trouble = str(error)
+            write_files_atomically(contents)
+        if trouble is not None:
+            tell_error(f"solar-uav: no chart: {trouble}")
+    if trouble is not None:
+        sys.exit(EXIT_FAILED)
+
+
+def _prepared(case: Case, options: Sweep) -> GridStudy:
+    """Points ready to be computed; what is wrong with them is told by the option."""
+    try:
+        return prepare(
+            case.aircraft,
+            case.mission,
+            options.axes,
+            case.solar,
+            sample=options.sample,
+            samples=options.samples,
+            seed=options.seed,
+            resize=options.objective,
+            cover=options.cover,
+        )
+    except InputError as error:
+        named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
+        raise InputError(named) from None
+
+
+def _check_shown(options: Sweep) -> None:
+    """Refuse names that no result will have, before the work starts."""
+    blanks = BLANKS if options.objective is None else SIZED_BLANKS
+    varied = axis_names(options.axes)
+    numbers = [n for n, axis in zip(varied, options.axes, strict=True) if not axis.names]
+    numbers += [*(n for n, blank in blanks.items() if isinstance(blank, float))]
+    texts = [n for n in varied if n not in numbers]
+    _check_names("--pareto", options.pareto or (), numbers)
+    sorted_by = () if options.sort is None else (options.sort.removeprefix("-"),)
+    _check_names("--sort", sorted_by, ["status", *texts, *numbers])
+
+
+def _check_names(option: str, names: Sequence[str], allowed: list[str]) -> None:
+    for name in names:
+        if name not in allowed:
+            known = ", ".join(dict.fromkeys(allowed))
+            raise click.BadParameter(f"{name!r} is not one of {known}", param_hint=option)
+
+
+def _record_and_summary(
+    data: Dataset, options: Sweep
+) -> tuple[dict[str, Any], Callable[[], Summary]]:
+    """What JSON says, and what makes what is printed."""
+    from studies.sweeps import results  # pandas and xarray
+
+    front = {} if options.pareto is None else results.front_record(data, *options.pareto)
+    return results.points_record(data) | front, lambda: results.points_summary(
+        data, sort=options.sort, top=options.top, front=options.pareto
+    )
+
+
+def _chart(data: Dataset, options: Sweep) -> Figure:
+    """Chart of the points, or of their front."""
+    from studies.sweeps.plots import plot_pareto, plot_sweep  # matplotlib
+
+    if options.pareto is None:
+        return plot_sweep(data, figure=options.figure)
+    return plot_pareto(data, *options.pareto, figure=options.figure)

@@ -1,0 +1,32 @@
+"""What ``solar-uav uncertainty`` does."""
+
+from __future__ import annotations
+
+from sizing.results.uncertainty import analyse_uncertainty
+from studies.cli.checks import refuse_climb, require_path, uncertain_inputs_of
+from studies.cli.commands.uncertainty import Uncertainty
+from studies.cli.files import load
+from studies.cli.outputs import deliver, figure_of, table_of
+from studies.uncertainty.plots import plot_uncertainty
+
+
+def uncertainty(options: Uncertainty) -> None:
+    """Draw uncertain inputs, and tell what becomes of the flight."""
+    case = load(options.case)
+    refuse_climb(case, "uncertainty")
+    require_path(case)
+    with uncertain_inputs_of(case):
+        result = analyse_uncertainty(
+            case.aircraft,
+            case.mission,
+            model=case.solar.model,
+            correction=case.solar.correction,
+            samples=options.samples,
+            seed=options.seed,
+            model_error=not options.no_model_error,
+        )
+    files = {
+        options.table_file: table_of(result.to_frame, "draws"),
+        options.plot_file: figure_of(lambda: plot_uncertainty(result, figure=options.figure)),
+    }
+    deliver(case, case.named(result.to_dict()), result, files)

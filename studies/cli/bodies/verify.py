@@ -1,0 +1,59 @@
+"""What ``solar-uav verify`` does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from studies.cli.commands.verify import Verify
+from studies.cli.files import load
+from studies.cli.logs import read_log, refuse_swapped_log
+from studies.cli.outputs import figure_bytes, told
+from studies.cli.targets import check_report, refuse_to_overwrite
+from studies.flight_logs import verification
+from studies.flight_logs.plots import figures
+from studies.output.run_folder import write_run_folder
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# File of a folder of results with the samples.
+_SAMPLES = "samples.csv"
+
+
+def verify(options: Verify) -> None:
+    """Compare the models with a flight, write what was found, and tell it."""
+    log_file, folder, report = options.log.log_file, options.out_dir, options.report_file
+    if folder is not None:
+        refuse_to_overwrite("--out", str(Path(folder) / _SAMPLES), (log_file,))
+    check_report(report, option="--report")
+    refuse_swapped_log(options.case.aircraft, log_file, "verify")
+    case = load(options.case)
+    result = verification.verify(
+        case.aircraft,
+        read_log(options.log),
+        case.mission,
+        windows=options.windows,
+        filter_s=options.filter_s,
+        correct=not options.as_logged,
+    )
+    record = case.named(result.to_dict())
+    with told(case, record, result, out_dir=folder, files=(report,)):
+        if folder is not None:
+            contents = {_SAMPLES: result.to_csv().encode()}
+            drawn = {
+                f"{name}.png": partial(_drawn, draw, f"{name}.png")
+                for name, draw in figures(result, figure=options.figure)
+            }
+            inputs = case.inputs(log=Path(log_file))
+            write_run_folder(Path(folder), inputs, record, contents, drawn)
+        if report is not None:
+            from studies.cli.reports import report_on_log  # with all that a page has
+
+            report_on_log(case, result, log_file, report, overrides=options.case.overrides)
+
+
+def _drawn(draw: Callable[[], Figure], name: str) -> bytes:
+    return figure_bytes(draw(), name)
