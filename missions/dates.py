@@ -12,7 +12,7 @@ _MONTHS = (
 )
 MONTH_NAMES = tuple(name[:3] for name in _MONTHS)
 _FORM = re.compile(r"(?:[0-9]{4}-)?([0-9]{1,2})-([0-9]{1,2})")
-_WORDS = re.compile(r"([0-9]{1,2})\.? *([a-z]{3,9})|([a-z]{3,9}) *([0-9]{1,2})", re.IGNORECASE)
+_WORDS = re.compile(r"([0-9]{1,2})\.?[ -]*([a-z]{3,9})|([a-z]{3,9}) *([0-9]{1,2})", re.IGNORECASE)
 
 
 def day_of_year(date: str) -> int:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     BeforeValidator,
@@ -28,6 +29,12 @@ from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
 _CLIMB_POWER_RATIO = 5.0
+_TOTAL_MASS = (
+    "a known total mass is --mass of analyse; parts are battery.mass_kg, "
+    "airframe.avionics_mass_kg, airframe.other_mass_kg and what the models compute"
+)
+_NO_TOTAL_MASS = dict.fromkeys(("mass_kg", "total_mass_kg", "mass"), _TOTAL_MASS)
+_CHORD = "the aspect ratio gives it: wingspan over mean chord, or wingspan squared over wing area"
 # A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
 _FULL_WING = 1e-6
 
@@ -151,6 +158,10 @@ Aerodynamics = Annotated[
 
 class ParametricAirframe(Record):
     """An aircraft to be sized: masses and power follow from geometry and technology."""
+
+    explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS | dict.fromkeys(
+        ("chord_m", "mean_chord_m", "wing_area_m2"), _CHORD
+    )
 
     kind: Literal["parametric"]
     wingspan_m: PositiveReal
@@ -388,6 +399,8 @@ class DesignSpace(Record):
 class Aircraft(FileRecord):
     """A solar aircraft as its file describes it."""
 
+    explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS
+
     name: Name
     description: str = ""
     airframe: Airframe
@@ -462,7 +475,8 @@ class Aircraft(FileRecord):
         if self.modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
             raise PydanticCustomError(
                 "module_area",
-                "must not exceed the wing area of {wing_area} m2 (got {area})",
+                "must not exceed the wing area of {wing_area} m2, wingspan squared over "
+                "aspect_ratio (got {area})",
                 {
                     "key": "modules.area_m2",
                     "wing_area": f"{wing_area_m2:.3g}",

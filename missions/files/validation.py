@@ -7,7 +7,8 @@ the user ends as an `InputError`, whose problems name file, line and column.
 
 A record whose keys had other names in earlier versions lists them, old to new, in class variables:
 those of ``deprecated_keys`` are read, with a warning; those of ``renamed_keys``, which were given
-up, are refused with the new name.
+up, are refused with the new name. Keys that people look for and that there are not have a sentence
+in ``explained_keys``.
 """
 
 from __future__ import annotations
@@ -249,7 +250,9 @@ def _keys_at(
     """Return the keys that the mapping found at a location may have, and new names of old ones."""
     models = _models_at(model, loc)
     best = max(models, key=lambda one: len(_hints(one).keys() & found.keys()))
-    names = (getattr(best, known, {}) for known in ("deprecated_keys", "renamed_keys"))
+    names = (
+        getattr(best, known, {}) for known in ("deprecated_keys", "renamed_keys", "explained_keys")
+    )
     return list(_hints(best)), {old: new for some in names for old, new in some.items()}
 
 
@@ -333,10 +336,11 @@ _UNIT = re.compile(
 def unknown_key(key: str, allowed: Sequence[str], renamed: Mapping[str, str] | None = None) -> str:
     """Say that a key does not exist, and which one may be meant.
 
-    ``renamed``: new names of keys that had another one in earlier versions.
+    ``renamed``: new names of keys that had another one in earlier versions, or sentences.
     """
     if renamed and key in renamed:
-        return f"this key is called '{renamed[key]}' now"
+        meant = renamed[key]
+        return f"unknown key; {meant}" if " " in meant else f"this key is called '{meant}' now"
     wanted = key.lower()
     # The same quantity in another unit comes first.
     same = [name for name in allowed if _quantity(name) == _quantity(wanted)]

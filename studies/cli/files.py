@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import click
 from click.core import ParameterSource
 
+from missions.dates import date_code
 from missions.files.errors import OVERRIDE, InputError, Problem, file_error, printable
 from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
@@ -26,8 +27,10 @@ from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft
+from sizing.design import ImpossibleDesignError, with_total_mass
 from sizing.sunlight import SolarModel
-from studies.cli.options import CaseOptions
+from studies.cli.options import CaseOptions, PlaceOptions
+from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
 T = TypeVar("T")
@@ -98,6 +101,28 @@ class Case:
         mission = LoadedMission(validate(document, Mission), document, self.where.sha256)
         return dataclasses.replace(self, where=mission)
 
+    def at(self, place: PlaceOptions) -> Case:
+        """Case at another place or on another day; the mission's launch is one at its own."""
+        moved: dict[str, Any] = {}
+        if place.latitude is not None:
+            moved["latitude_deg"] = place.latitude
+        if place.day is not None:
+            moved["dates"] = {"on": date_code(place.day)}
+        return self.with_mission(**moved, launch=None) if moved else self
+
+    def with_total_mass(self, total_mass_kg: float) -> Case:
+        """Case of an aircraft of a known total mass; the rest is told on standard error."""
+        try:
+            aircraft = with_total_mass(self.aircraft, self.mission, total_mass_kg)
+        except ImpossibleDesignError as error:
+            raise click.BadParameter(str(error), param_hint="--mass") from None
+        frame = aircraft.airframe
+        key = "mass_without_battery_kg" if frame.kind == "measured" else "other_mass_kg"
+        rest = f"{getattr(frame, key):.4g} instead of {getattr(self.aircraft.airframe, key):.4g}"
+        tell_error(f"solar-uav: --mass {total_mass_kg:g}: airframe.{key} is {rest}")
+        craft = dataclasses.replace(self.craft, aircraft=aircraft)
+        return dataclasses.replace(self, craft=craft)
+
     def inputs(self, weather: str | None = None, **others: Path) -> RunInputs:
         """Everything that a folder of results keeps of what went in.
 
@@ -156,7 +181,12 @@ def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMiss
     return LoadedMission(validate(document, Mission), document, _checksum("mission", name_or_path))
 
 
-def load(options: CaseOptions, *, required_excess_time_h: float | None = None) -> Case:
+def load(
+    options: CaseOptions,
+    place: PlaceOptions | None = None,
+    *,
+    required_excess_time_h: float | None = None,
+) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
     A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
@@ -186,6 +216,10 @@ def load(options: CaseOptions, *, required_excess_time_h: float | None = None) -
         raise _joined_errors(errors)
     solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
     case = Case(craft, where, is_default, solar, options.as_json)
+    beside = Path(aircraft).with_name(f"{Path(aircraft).stem}-mission.yaml")
+    if is_default and os.path.isfile(beside):  # noqa: PTH113 - takes any text for a path
+        tell_error(f"solar-uav: the default mission is flown; beside it lies -m {beside}")
+    case = case if place is None else case.at(place)
     if required_excess_time_h is None:
         return case
     return case.with_mission(required_excess_time_h=required_excess_time_h)

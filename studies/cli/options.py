@@ -248,6 +248,55 @@ def case_options(
     )
 
 
+@dataclass(frozen=True)
+class PlaceOptions:
+    """Where and when instead of the mission's own; days of the year."""
+
+    latitude: float | None = None
+    day_of_year: int | None = None
+    date: int | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what does not go together."""
+        if self.day_of_year is not None and self.date is not None:
+            raise click.UsageError("give --day-of-year or --date, not both")
+
+    @property
+    def day(self) -> int | None:
+        """Day of the year, however it is given."""
+        return self.date if self.day_of_year is None else self.day_of_year
+
+    def refuse_with_weather(self) -> None:
+        """Refuse a place or a day beside that of a weather record."""
+        if self.latitude is not None:
+            raise click.UsageError(
+                "a weather record has its own place: give --latitude or --weather"
+            )
+        if self.day is not None:
+            dated = "--date" if self.date is not None else "--day-of-year"
+            raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
+
+
+def place_options() -> Any:
+    """Options ``--latitude``, ``--day-of-year`` and ``--date``."""
+    return group(
+        PlaceOptions,
+        latitude=option(
+            "--latitude",
+            type=Parsed("deg", "missions.places:latitude_deg"),
+            help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
+        ),
+        day_of_year=option(
+            "--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's."
+        ),
+        date=option(
+            "--date",
+            type=Parsed("mm-dd", "missions.dates:day_of_year"),
+            help="Date instead of the mission's, e.g. 10-15 or 15 Oct.",
+        ),
+    )
+
+
 def required_time_option() -> Any:
     """Option ``--required-excess-time``."""
     return option(

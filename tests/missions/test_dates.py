@@ -40,7 +40,8 @@ def test_dates_may_be_written_without_leading_zeros(text: str, day: int) -> None
 
 
 @pytest.mark.parametrize(
-    "text", ["2026-06-21", "21 Jun", "21 june", "21. June", "Jun 21", "21Jun", date_label(172)]
+    "text",
+    ["2026-06-21", "21 Jun", "21 june", "21. June", "Jun 21", "21-Jun", "21Jun", date_label(172)],
 )
 def test_dates_may_be_written_as_people_and_the_program_do(text: str) -> None:
     assert day_of_year(text) == 172

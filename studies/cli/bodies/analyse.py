@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
-from missions.dates import date_code
 from missions.weather.files import load_weather
 from sizing.results import analysis
 from sizing.results.weather import analyse_weather
@@ -23,7 +20,11 @@ def analyse(options: Analyse) -> None:
     """Fly the mission, and tell what became of it."""
     for option, path in (("--table", options.table_file), ("--table-years", options.table_years)):
         refuse_to_overwrite(option, path, (options.weather_file,))
-    case = _moved(load(options.case), options)
+    case = load(options.case, options.place)
+    if options.mass is not None:
+        case = case.with_total_mass(options.mass)
+    if options.days is not None and case.mission.climb is not None:
+        raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
     require_path(case)
     if options.weather_file is not None:
         _in_weather(case, options, options.weather_file)
@@ -50,21 +51,6 @@ def analyse(options: Analyse) -> None:
     perpetual = bool(result.performance.cycle.perpetual.all())
     step = _next_step(case, perpetual=perpetual)
     deliver(case, case.named(result.to_dict()), result, files, next_step=step)
-
-
-def _moved(case: Case, options: Analyse) -> Case:
-    """Case at the place and on the day that the options say."""
-    place = options.latitude
-    moved: dict[str, Any] = {} if place is None else {"latitude_deg": place}
-    day = options.day_of_year if options.day_of_year is not None else options.date
-    if day is not None:
-        moved["dates"] = {"on": date_code(day)}
-    if moved:
-        # The mission's launch is one at its own place and day.
-        case = case.with_mission(**moved, launch=None)
-    if options.days is not None and case.mission.climb is not None:
-        raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
-    return case
 
 
 def _next_step(case: Case, *, perpetual: bool) -> str:

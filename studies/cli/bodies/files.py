@@ -26,7 +26,8 @@ def init(options: Init) -> None:
     aircraft, mission = (path.name for path in write_starters(options.name, Path.cwd()))
     click.echo(f"wrote {aircraft}\nwrote {mission}")
     click.echo(f"next: edit both, then solar-uav validate {aircraft} {mission}")
-    click.echo(f"then: solar-uav size {aircraft} --mission {mission}")
+    for verb in ("analyse", "size"):
+        click.echo(f"then: solar-uav {verb} {aircraft} --mission {mission}")
 
 
 def validate(options: Validate) -> None:

@@ -32,7 +32,7 @@ def size(options: Size) -> None:
             check_survival(options.goal, options.survive)
         except ValueError as error:
             raise click.UsageError(str(error)) from error
-    case = load(options.case, required_excess_time_h=options.required_h)
+    case = load(options.case, options.place, required_excess_time_h=options.required_h)
     _check(case, options)
     check_report(options.report_file, option="--report")
     study = _designed(case, options)

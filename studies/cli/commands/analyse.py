@@ -9,9 +9,11 @@ import click
 from studies.cli.command import Command, option
 from studies.cli.options import (
     CaseOptions,
-    Parsed,
+    PlaceOptions,
+    RealRange,
     case_options,
     figure_options,
+    place_options,
     plot_option,
     table_option,
     weather_option,
@@ -24,18 +26,13 @@ class Analyse:
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
 
     case: CaseOptions = case_options()
-    latitude: float | None = option(
-        "--latitude",
-        type=Parsed("deg", "missions.places:latitude_deg"),
-        help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
-    )
-    day_of_year: int | None = option(
-        "--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's."
-    )
-    date: int | None = option(
-        "--date",
-        type=Parsed("mm-dd", "missions.dates:day_of_year"),
-        help="Date instead of the mission's, e.g. 10-15 or 15 Oct.",
+    place: PlaceOptions = place_options()
+    mass: float | None = option(
+        "--mass",
+        type=RealRange(0.0, 1e5, unit="kilograms", above=True),
+        metavar="KG",
+        help="Total mass with payload, where it is known: what the parts do not account for is "
+        "other mass.",
     )
     days: int | None = option(
         "--days",
@@ -54,8 +51,6 @@ class Analyse:
 
     def __post_init__(self) -> None:
         """Refuse what does not go together."""
-        if self.day_of_year is not None and self.date is not None:
-            raise click.UsageError("give --day-of-year or --date, not both")
         if self.weather_file is None:
             if self.table_years is not None:
                 raise click.UsageError(
@@ -64,13 +59,7 @@ class Analyse:
             return
         if self.days is not None:
             raise click.UsageError("give --days or --weather, not both")
-        if self.latitude is not None:
-            raise click.UsageError(
-                "a weather record has its own place: give --latitude or --weather"
-            )
-        if self.day_of_year is not None or self.date is not None:
-            dated = "--date" if self.date is not None else "--day-of-year"
-            raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
+        self.place.refuse_with_weather()
 
 
 analyse = Command(

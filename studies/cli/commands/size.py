@@ -10,10 +10,12 @@ from sizing.optimisation.objectives import OBJECTIVE_NAMES, Objective
 from studies.cli.command import Command, option
 from studies.cli.options import (
     CaseOptions,
+    PlaceOptions,
     RealRange,
     case_options,
     figure_options,
     out_option,
+    place_options,
     report_option,
     required_time_option,
     weather_option,
@@ -41,6 +43,7 @@ class Size:
         "for the most days, or degrees of latitude, in which one design flies perpetually.",
     )
     required_h: float | None = required_time_option()
+    place: PlaceOptions = place_options()
     out_dir: str | None = out_option("figures")
     report_file: str | None = report_option()
     with_sensitivities: bool = option(
@@ -88,6 +91,7 @@ class Size:
             given, other = names if self.survive is None else names[::-1]
             raise click.UsageError(f"{given} needs {other} as well")
         if self.survive is not None:
+            self.place.refuse_with_weather()
             self._refuse_clear_days()
 
     @property

@@ -79,9 +79,10 @@ def test_names_that_are_no_file_names(run: Run, tmp_path: Path, name: str) -> No
 def test_starters_of_a_file_name(run: Run, tmp_path: Path, name: str) -> None:
     outcome = run("init", name)
     assert outcome.code == 0
-    assert outcome.out.splitlines()[-1] == (
-        "then: solar-uav size heron.yaml --mission heron-mission.yaml"
-    )
+    assert outcome.out.splitlines()[-2:] == [
+        f"then: solar-uav {verb} heron.yaml --mission heron-mission.yaml"
+        for verb in ("analyse", "size")
+    ]
     assert files(tmp_path) == {"heron.yaml", "heron-mission.yaml"}
     assert run("validate", *files(tmp_path)).code == 0
 
@@ -214,6 +215,52 @@ def test_places_and_dates_as_they_are_printed(run: Run) -> None:
     grid = ("--days", "100:200:100", "--json")
     south = run("map", AS2, "--latitudes", "-40:50:45", *grid).out
     assert run("map", AS2, "--latitudes", "40S:50N:45", *grid).out == south
+
+
+def test_a_known_total_mass_is_met(run: Run) -> None:
+    outcome = run("analyse", DESIGN, "--mass", "8", "--json")
+    masses = outcome.json()["masses_kg"]
+    assert sum(masses.values()) == pytest.approx(8.0, abs=1e-6)
+    other = f"airframe.other_mass_kg is {masses['other']:.4g} instead of 0.322"
+    assert outcome.err == f"solar-uav: --mass 8: {other}\n"
+    assert "kilograms" in run("analyse", DESIGN, "--mass", "nan").err
+    light = run("analyse", DESIGN, "--mass", "3")
+    assert light.code == 2
+    assert "--mass: a total mass of 3 kg is less than the" in light.err
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("mass_kg", "a known total mass is --mass of analyse"),
+        ("airframe.total_mass_kg", "a known total mass is --mass of analyse"),
+        ("airframe.chord_m", "the aspect ratio gives it: wingspan over mean chord"),
+    ],
+)
+def test_keys_that_people_look_for_are_answered(run: Run, key: str, said: str) -> None:
+    outcome = run("analyse", DESIGN, "--set", f"{key}=3.5")
+    assert outcome.code == 2
+    assert f"--set {key}: unknown key; {said}" in outcome.err
+
+
+def test_size_takes_place_and_day_as_analyse_does(run: Run) -> None:
+    by_option = run(
+        "size", DESIGN, "-m", "rafz-july", "--latitude", "40N", "--date", "1 Jun", "--json"
+    )
+    keys = ("--set", "mission.latitude_deg=40", "--set", "mission.dates.on=06-01")
+    by_key = run("size", DESIGN, "-m", "rafz-july", *keys, "--json")
+    assert by_option.json()["simulated"] == by_key.json()["simulated"]
+    twice = ("--date", "1 Jun", "--day-of-year", "3")
+    assert "give --day-of-year or --date" in run("size", DESIGN, "-m", "rafz-july", *twice).err
+    weather = ("--weather", "colorado-2023", "--survive", "0.5", "--latitude", "40")
+    assert "has its own place" in run("size", DESIGN, "-m", "rafz-july", *weather).err
+
+
+def test_a_mission_beside_the_aircraft_is_named(run: Run) -> None:
+    run("init", "heron")
+    told = "solar-uav: the default mission is flown; beside it lies -m heron-mission.yaml\n"
+    assert run("analyse", "heron.yaml").err == told
+    assert run("analyse", "heron.yaml", "-m", "heron-mission.yaml").err == ""
 
 
 def test_a_file_of_nearly_that_name_is_proposed(run: Run, tmp_path: Path) -> None:
