@@ -19,6 +19,8 @@ import numpy as np
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
 from sizing.limits import meets_requirements
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import merit_of
 from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, ProgramSolver, Solution
 from sizing.optimisation.variables import WORST_EXCESS
 from sizing.performance import Performance
@@ -251,10 +253,11 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
 
 
 def simulated(
-    solver: ProgramSolver, perf: Performance, merit: float, required_h: float
+    solver: ProgramSolver, objective: Objective, solution: Solution, required_h: float
 ) -> Simulated:
-    """What the simulator finds for one design."""
-    worst = perf.worst_scenario()
+    """What the simulator finds for one solution."""
+    perf = solver.performance(solution.design)
+    worst, merit = perf.worst_scenario(), float(merit_of(objective, perf))
     sound = bool(meets_requirements(solver.aircraft, solver.mission, perf.design))
     excess_h = solver.least_excess_h(perf, required_h)
     return Simulated(excess_h, worst, merit, sound, perf)
