@@ -18,10 +18,7 @@ import numpy as np
 
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
-from sizing.limits import meets_requirements
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import merit_of
-from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, Solution
 from sizing.optimisation.variables import WORST_EXCESS
 from sizing.performance import Performance
 
@@ -250,14 +247,3 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
     by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
     dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
     return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
-
-
-def simulated(
-    solver: ProgramSolver, objective: Objective, solution: Solution, required_h: float
-) -> Simulated:
-    """What the simulator finds for one solution."""
-    perf = solver.performance(solution.design)
-    worst, merit = perf.worst_scenario(), float(merit_of(objective, perf))
-    sound = bool(meets_requirements(solver.aircraft, solver.mission, perf.design))
-    excess_h = solver.least_excess_h(perf, required_h)
-    return Simulated(excess_h, worst, merit, sound, perf)

@@ -15,6 +15,7 @@ from operator import attrgetter
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import DesignVariables, variables_of
+from sizing.limits import meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import (
     least_mission,
@@ -23,15 +24,7 @@ from sizing.optimisation.infeasibility import (
     short_of_largest_excess,
     violations,
 )
-from sizing.optimisation.loop import (
-    PENALTY,
-    Accepted,
-    Search,
-    Simulated,
-    run,
-    simulated,
-    telling_scenarios,
-)
+from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
@@ -40,6 +33,7 @@ from sizing.optimisation.result import (
     SizingStatus,
     active_constraints,
     limiting_rows,
+    merit_of,
 )
 from sizing.optimisation.solver import (
     ProblemInstance,
@@ -226,8 +220,6 @@ class _Sizing:
         places = range(place + 1, len(lit_sets))
         return next((i for i in places if not limiting.isdisjoint(lit_sets[i])), None)
 
-    # --- the program -------------------------------------------------------------------------
-
     def _instance(self) -> ProblemInstance:
         instance = ProblemInstance.of(self.objective, self.required_h)
         everywhere = len(self.lit) == len(self.day.scenarios)
@@ -278,10 +270,13 @@ class _Sizing:
             return None
         return self._solve([solution.design if least is None else least.design])
 
-    # --- the simulator -----------------------------------------------------------------------
-
     def _simulated(self, solution: Solution) -> Simulated:
-        return simulated(self.solver, self.objective, solution, self.required_h)
+        """What the simulator finds for one solution."""
+        perf = self.solver.performance(solution.design)
+        sound = bool(meets_requirements(self.aircraft, self.solver.mission, perf.design))
+        excess_h = self.solver.least_excess_h(perf, self.required_h)
+        merit = float(merit_of(self.objective, perf))
+        return Simulated(excess_h, perf.worst_scenario(), merit, sound, perf)
 
     def _settled(self, solution: Solution) -> SizingResult:
         """Best design that the simulator accepts, from a first solution on."""
