@@ -33,7 +33,7 @@ def least_income(
         return np.asarray(found.reshape(income.shape) >= needed)
 
     rounds = math.ceil(_HALVINGS / math.log2(at_once + 1))
-    return _least(enough, len(storage), ends, at_once=at_once, rounds=rounds)
+    return _least_enough(enough, len(storage), ends, at_once=at_once, rounds=rounds)
 
 
 def least_step(count: Count, ends: tuple[float, float], needed: int) -> float:
@@ -47,10 +47,10 @@ def least_step(count: Count, ends: tuple[float, float], needed: int) -> float:
         alike = steps.reshape(-1)
         return np.asarray(count(alike, alike).reshape(steps.shape) >= needed)
 
-    return float(_least(enough, 1, ends, at_once=7, rounds=4)[0])
+    return float(_least_enough(enough, 1, ends, at_once=7, rounds=4)[0])
 
 
-def _least(
+def _least_enough(
     enough: Callable[[FloatArray, IntArray], BoolArray],
     columns: int,
     ends: tuple[float, float],

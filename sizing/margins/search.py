@@ -17,7 +17,7 @@ from sizing.limits import meets_requirements
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, objective_value
+from sizing.optimisation.result import SizingResult, merit_of
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.solver import SolverReport
 from sizing.parameters import MISSION_PREFIX, with_parameter
@@ -149,8 +149,7 @@ class MarginSearch(ABC):
         perf = performance_of_designs(
             *(self.aircraft, self.mission, result.design.variables, self.solar), day=self.day
         )
-        value = float(objective_value(self.objective, perf))
-        merit = value if self.objective.maximised else -value
+        merit = float(merit_of(self.objective, perf))
         sound = bool(meets_requirements(self.aircraft, self.mission, perf.design))
         one = Trial(result, factors, perf, merit, self.reached(perf.design), sound)
         self.tried.append(one)

@@ -168,9 +168,9 @@ class SeasonSearch(MarginSearch):
         """Go to the best place along a stretch of the edge."""
         for step in min(width / 2.0, _SLOPE_STEP) * np.eye(2):
             self.trial(here.factors + step, start=here.variables)
-        near = [one for one in self.found if np.all(np.abs(_place(one) - _place(here)) < 1.0)]
+        near = [one for one in self.found if np.all(np.abs(_on_plane(one) - _on_plane(here)) < 1.0)]
         cost = fitted(
-            np.array([_place(one) for one in near]),
+            np.array([_on_plane(one) for one in near]),
             np.array([self._cost(one) for one in near]),
             next(i for i, one in enumerate(near) if one is here),
         )
@@ -179,7 +179,7 @@ class SeasonSearch(MarginSearch):
         edge = np.stack([incomes, storages], axis=-1)[np.isfinite(incomes)]
         if not len(edge):
             return
-        step = edge[np.argmin(cost(_place(here) + edge))]
+        step = edge[np.argmin(cost(_on_plane(here) + edge))]
         for _ in range(_BACK):
             one = self.trial(here.factors - step, start=here.variables)
             if one is not None:
@@ -195,7 +195,7 @@ class SeasonSearch(MarginSearch):
             if one.reached >= needed and step > -_TUNED:
                 return
             other = self.trial(one.factors - step, start=one.variables)
-            if other is None or np.allclose(_place(other), _place(one), atol=1e-6):
+            if other is None or np.allclose(_on_plane(other), _on_plane(one), atol=1e-6):
                 return
             one = other
 
@@ -217,6 +217,6 @@ class SeasonSearch(MarginSearch):
                     return
 
 
-def _place(one: Trial) -> FloatArray:
+def _on_plane(one: Trial) -> FloatArray:
     """Logarithms of a design's income and storage, shape ``(2,)``."""
     return np.asarray(Powers.of(one.design).place[:, 0])

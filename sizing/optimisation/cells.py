@@ -35,6 +35,7 @@ from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
     SizingStatus,
+    merit_of,
     objective_value,
 )
 from sizing.optimisation.search import checked_problems
@@ -274,10 +275,6 @@ class _Cells:
         )
         return _by_cell(perf, self.each)
 
-    def _merit(self, perf: Performance) -> FloatArray:
-        value = objective_value(self.objective, perf)
-        return value if self.objective.maximised else -value
-
     def _keeps_requirements(self, perf: Performance) -> NDArray[np.bool_]:
         return meets_requirements(self.solver.aircraft, self.solver.mission, perf.design)
 
@@ -289,7 +286,7 @@ class _Cells:
         columns = (
             excess,
             cells * self.each + worst,
-            self._merit(perf),
+            merit_of(self.objective, perf),
             self._keeps_requirements(perf),
         )
         return [Simulated(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
@@ -313,8 +310,10 @@ class _Cells:
         found = self._performance(DesignVariables(**moved), np.repeat(cells, len(spread)))
         excess = found.cycle.excess_time_h.min(axis=-1)
         good = (excess > 0.0) & (excess >= np.repeat(self.required_h[cells], len(spread)))
-        merit = np.where(good & self._keeps_requirements(found), self._merit(found), -np.inf)
-        best, own = merit.reshape(len(cells), -1).max(axis=1), self._merit(perf)
+        merit = np.where(
+            good & self._keeps_requirements(found), merit_of(self.objective, found), -np.inf
+        )
+        best, own = merit.reshape(len(cells), -1).max(axis=1), merit_of(self.objective, perf)
         in_hours = ABSOLUTE_TOLERANCE_H if self.objective is Objective.max_excess_time else 0.0
         # Sums rather than differences: the excess time may be infinite on both sides.
         return np.asarray(best <= own + np.maximum(RELATIVE_TOLERANCE * np.abs(own), in_hours))

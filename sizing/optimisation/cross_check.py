@@ -18,6 +18,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.limits import ROW_TOLERANCE, meets_requirements
+from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
@@ -26,7 +27,8 @@ from sizing.optimisation.result import (
     SizingResult,
     objective_value,
 )
-from sizing.optimisation.search import size_aircraft, size_branches
+from sizing.optimisation.search import size_aircraft, size_branch
+from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
@@ -36,6 +38,7 @@ _GRID_STEP_H = 0.25
 _GRID_POINTS = {3: 13, 4: 7, 5: 5, 6: 4}
 _FINALISTS = 8
 _NEIGHBOURS = 400
+_BRANCHES = 6  # that are tried at most, besides that by battery alone
 _SPREADS = (0.03, 0.004)
 _STARTS = ((0.2, 0.2, 0.3), (0.8, 0.6, 0.6), (0.5, 0.8, 0.8))
 
@@ -187,17 +190,12 @@ class _Judge:
 
     def best_of_branches(self) -> float:
         """Best of sizings with other scenarios always lit, under a midnight sun."""
-        return self._best_of_sized(
-            size_branches(
-                self.aircraft,
-                self.mission,
-                self.objective,
-                self.solar,
-                required_excess_time_h=self.required_h,
-                day=self.day,
-                start=self.optimum,
-            )
+        solver = ProgramSolver(
+            *(SizingProblems(self.aircraft), self.mission, self.solar, self.day), by_model=True
         )
+        asked = (self.objective, self.required_h, self.optimum)
+        found = (size_branch(solver, *asked, lit).simulated for lit in _some_branches(self.day))
+        return self._best_of_sized([one for one in found if one is not None])
 
     def _best_of_sized(self, found: Sequence[Performance]) -> float:
         """Best of a few optima."""
@@ -212,6 +210,13 @@ class _Judge:
     def _best(self, values: FloatArray) -> float:
         """Best value; NaN where all designs miss a requirement."""
         return float(values[np.argmax(self.merit(values))]) if values.size else float("nan")
+
+
+def _some_branches(day: SolarDay) -> list[list[int]]:
+    """Sets of scenarios that may be always lit, none first; empty where each has a night."""
+    sets = growing_lit_sets(lowest_power(day))
+    some = sorted({round(i) for i in np.linspace(0, len(sets) - 1, _BRANCHES)}) if sets else []
+    return [*([[]] if sets else []), *(list(sets[i]) for i in some)]
 
 
 def _free_axes(

@@ -18,8 +18,7 @@ import numpy as np
 
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
-from sizing.limits import meets_requirements
-from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, Solution
 from sizing.optimisation.variables import WORST_EXCESS
 from sizing.performance import Performance
 
@@ -248,13 +247,3 @@ def telling_scenarios(perf: Performance, count: int) -> list[int]:
     by_excess = np.argsort(cycle.excess_time_h, kind="stable").tolist()
     dark = [i for i in by_excess if cycle.status[i] != Status.always_lit] or by_excess
     return list(dict.fromkeys([dark[0], short_of_sun, *dark, *by_excess]))[:count]
-
-
-def simulated(
-    solver: ProgramSolver, perf: Performance, merit: float, required_h: float
-) -> Simulated:
-    """What the simulator finds for one design."""
-    worst = perf.worst_scenario()
-    sound = bool(meets_requirements(solver.aircraft, solver.mission, perf.design))
-    excess_h = solver.least_excess_h(perf, required_h)
-    return Simulated(excess_h, worst, merit, sound, perf)

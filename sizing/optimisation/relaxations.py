@@ -143,7 +143,7 @@ class _Relaxations:
 
     def all(self) -> Iterable[Relaxation]:
         """Every relaxation that works."""
-        found = [self._least(move) for move in (*self._of_values(), *self._of_ends())]
+        found = [self._moved_relaxation(move) for move in (*self._of_values(), *self._of_ends())]
         found += [self._latitude(), self._required_excess()]
         return [one for one in found if one is not None]
 
@@ -189,7 +189,7 @@ class _Relaxations:
             ends = (1.0, bounds.maximum) if upwards else (bounds.minimum, 1.0)
             yield _Move(key, name, present, ends, upwards, scale=present)
 
-    def _least(self, move: _Move) -> Relaxation | None:
+    def _moved_relaxation(self, move: _Move) -> Relaxation | None:
         """Relaxation that moves a variable no further than it must, confirmed by the simulator."""
         moved = self._moved_least(move.name, move.ends, move.furthest, upwards=move.upwards)
         if moved is None:

@@ -129,6 +129,12 @@ def objective_value(objective: Objective, perf: Performance) -> FloatArray:
     return np.array(np.broadcast_to(np.asarray(value, float), worst.shape))
 
 
+def merit_of(objective: Objective, perf: Performance) -> FloatArray:
+    """Objective of simulated designs as :func:`objective_value` has it, the larger the better."""
+    value = objective_value(objective, perf)
+    return value if objective.maximised else -value
+
+
 def limiting_rows(solution: Solution) -> list[Constraint]:
     """Requirements of the program that hold a solution back."""
     least = _least_multiplier(solution)

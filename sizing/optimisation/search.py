@@ -12,11 +12,10 @@ from dataclasses import replace
 from functools import cached_property, lru_cache
 from operator import attrgetter
 
-import numpy as np
-
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import DesignVariables, variables_of
+from sizing.limits import meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import (
     least_mission,
@@ -25,15 +24,7 @@ from sizing.optimisation.infeasibility import (
     short_of_largest_excess,
     violations,
 )
-from sizing.optimisation.loop import (
-    PENALTY,
-    Accepted,
-    Search,
-    Simulated,
-    run,
-    simulated,
-    telling_scenarios,
-)
+from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
@@ -42,7 +33,7 @@ from sizing.optimisation.result import (
     SizingStatus,
     active_constraints,
     limiting_rows,
-    objective_value,
+    merit_of,
 )
 from sizing.optimisation.solver import (
     ProblemInstance,
@@ -60,7 +51,6 @@ _RESTARTS = 3
 _LESS_MARGIN = 1.0 / 30.0
 # Part of its mass that no design of a coarse grid lifts: those between its points gain less.
 _HOPELESS = 1.0
-_BRANCHES = 6  # that a cross-check tries at most, besides that by battery alone
 
 
 def size_aircraft(
@@ -79,14 +69,13 @@ def size_aircraft(
     """Find the best design of a parametric aircraft for a mission.
 
     ``aircraft``: technology, bounds of the design variables, and a first guess (its own design
-    point). ``objective``: ``max_excess_time`` of the worst scenario, or another one with a required
-    excess time in every scenario. For the objectives that are a range of days or latitudes see
-    :func:`sizing.optimisation.coverage.widest_range`. ``required_excess_time_h``: overrides the
-    mission's own [h]. For ``max_excess_time`` it is a bound from below. ``day``: specific power of
-    the scenarios where it is known already. ``problems``: programs of this very aircraft, from an
-    earlier sizing: nothing is built again. ``start``: first guess, for instance the optimum of a
-    similar mission. ``explain``: whether to find out why a search fails. If not, it ends as
-    ``not_converged``: faster, for searches in which failures are many and their reasons idle.
+    point). ``objective``: of one design; for a range of days or latitudes see
+    :func:`sizing.optimisation.coverage.widest_range`. ``required_excess_time_h``: of every
+    scenario, instead of the mission's own [h]. ``day``: specific power of the scenarios where it is
+    known already. ``problems``: programs of this very aircraft, from an earlier sizing: nothing is
+    built again. ``start``: first guess, for instance the optimum of a similar mission. ``explain``:
+    whether to find out why a search fails. If not, it ends as ``not_converged``: faster, for
+    searches in which failures are many and their reasons idle.
     """
     problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h
@@ -96,28 +85,15 @@ def size_aircraft(
     return _sized(solver, objective, required, start, explain=explain)
 
 
-def size_branches(
-    aircraft: Aircraft,
-    mission: Mission,
+def size_branch(
+    solver: ProgramSolver,
     objective: Objective,
-    solar: SolarModel = UNCORRECTED_CAM,
-    *,
-    required_excess_time_h: float,
-    day: SolarDay,
+    required_h: float,
     start: DesignVariables,
-) -> list[Performance]:
-    """Simulate the best design of every branch under a midnight sun: no shortcuts, one by one.
-
-    Returns of the branches that have a design; empty where every scenario has a night.
-    """
-    solver = ProgramSolver(SizingProblems(aircraft), mission, solar, day, by_model=True)
-    sets = growing_lit_sets(lowest_power(day))
-    some = sorted({round(i) for i in np.linspace(0, len(sets) - 1, _BRANCHES)}) if sets else []
-    found = [
-        _Sizing(solver, objective, required_excess_time_h, start, explain=False, lit=lit).run()
-        for lit in [*([[]] if sets else []), *(sets[i] for i in some)]
-    ]
-    return [one.simulated for one in found if one.simulated is not None]
+    lit: Sequence[int],
+) -> SizingResult:
+    """Best design of the branch in which some scenarios are always lit."""
+    return _Sizing(solver, objective, required_h, start, explain=False, lit=lit).run()
 
 
 def checked_problems(
@@ -214,13 +190,12 @@ class _Sizing:
         solution = self._solve([self.start], self.search.instance.penalised(PENALTY))
         if solution is None:
             solution = self._solve([self.start])
-            return self._failure(self.first) if solution is None else self._settled(solution)
-        if solution.missed():
-            self.missed = missed = solution
+        elif solution.missed():
+            self.missed = solution
             if self.explain:
-                return self._explained(lambda: [missed.design])
+                return self.explained()
             solution = self._met_after_all(solution)
-        return self._given_up(self.first) if solution is None else self._settled(solution)
+        return self._failure(self.first) if solution is None else self._settled(solution)
 
     @cached_property
     def first(self) -> Performance:
@@ -228,7 +203,7 @@ class _Sizing:
         return _flown(self.solver, self.start)
 
     def explained(self) -> SizingResult:
-        """Why a run without explanation has found no design; or the design, after all."""
+        """Why a run has found no design; or the design, after all."""
         self.explain = True
         if self.missed is None:
             return self._failure(self.first)
@@ -250,8 +225,6 @@ class _Sizing:
         } - set(self.lit)
         places = range(place + 1, len(lit_sets))
         return next((i for i in places if not limiting.isdisjoint(lit_sets[i])), None)
-
-    # --- the program -------------------------------------------------------------------------
 
     def _instance(self) -> ProblemInstance:
         instance = ProblemInstance.of(self.objective, self.required_h)
@@ -297,33 +270,29 @@ class _Sizing:
 
     def _met_after_all(self, solution: Solution) -> Solution | None:
         """Solution where the penalty was too low to keep a requirement from being missed."""
-        least = self._solve(
-            [solution.design], self.search.instance.least_missed(), previous=solution
-        )
+        instance = self.search.instance.least_missed()
+        least = self._solve([solution.design], instance, previous=solution)
         if least is not None and least.missed():
             return None
         return self._solve([solution.design if least is None else least.design])
 
-    # --- the simulator -----------------------------------------------------------------------
-
     def _simulated(self, solution: Solution) -> Simulated:
+        """What the simulator finds for one solution."""
         perf = self.solver.performance(solution.design)
-        value = float(objective_value(self.objective, perf))
-        merit = value if self.objective.maximised else -value
-        return simulated(self.solver, perf, merit, self.required_h)
+        sound = bool(meets_requirements(self.aircraft, self.solver.mission, perf.design))
+        excess_h = self.solver.least_excess_h(perf, self.required_h)
+        merit = float(merit_of(self.objective, perf))
+        return Simulated(excess_h, perf.worst_scenario(), merit, sound, perf)
 
     def _settled(self, solution: Solution) -> SizingResult:
         """Best design that the simulator accepts, from a first solution on."""
         self.search.previous, self.search.solution = None, solution
         self._run()
-        best = self.search.best
-        if (
-            best is not None
-            and best.solution.cost(0.0, best.solution.instance.margin) > _MARGIN_COST
-        ):
-            less = best.solution.instance.margin * _LESS_MARGIN
-            self.search.instance = replace(best.solution.instance, margin=less)
-            self.search.previous, self.search.solution = best.solution, None
+        best = None if self.search.best is None else self.search.best.solution
+        if best is not None and best.cost(0.0, best.instance.margin) > _MARGIN_COST:
+            margin = best.instance.margin * _LESS_MARGIN
+            self.search.instance = replace(best.instance, margin=margin)
+            self.search.previous, self.search.solution = best, None
             self._run()
         if self.search.best is None and self._nothing_between():
             self.search.best = self.largest
@@ -345,12 +314,8 @@ class _Sizing:
         if self.search.enclosed():
             return True
         own, short = self.largest.solution.design.chosen(), self.search.rejected.chosen()
-        return all(
-            math.isclose(
-                own[name], short[name], rel_tol=RELATIVE_TOLERANCE, abs_tol=_NEXT_TO_NOTHING
-            )
-            for name in own
-        )
+        ends = {"rel_tol": RELATIVE_TOLERANCE, "abs_tol": _NEXT_TO_NOTHING}
+        return all(math.isclose(own[name], short[name], **ends) for name in own)
 
     # --- verdicts ----------------------------------------------------------------------------
 
@@ -389,11 +354,8 @@ class _Sizing:
         self.lit = sorted(largest.optimum.instance.lit)
         self.search.instance = self._instance()
         # Its own time step judges it: no finer one takes back what the largest excess time allows.
-        assert largest.objective_value is not None
         found = self._simulated(largest.optimum)
-        self.largest = Accepted(
-            largest.optimum, found._replace(excess_time_h=largest.objective_value)
-        )
+        self.largest = Accepted(largest.optimum, found._replace(excess_time_h=largest.merit))
         self.search.begin_below(self.largest)
         nearest = largest.simulated.design.variables.mapped(float)
         return self._restarted([nearest, *starts()], largest.simulated)
@@ -401,11 +363,10 @@ class _Sizing:
     def _largest_excess(self, solver: ProgramSolver) -> SizingResult:
         """Sizing for the largest excess time; too short a one is held against a grid of designs."""
         largest = _sized(solver, Objective.max_excess_time, 0.0, explain=True)
-        reached_h = largest.objective_value
-        if reached_h is None or reached_h >= self.required_h:
+        if not largest.feasible or largest.merit >= self.required_h:
             return largest
         for one in promising_designs(solver)[:1]:
-            if one.missed == 0.0 and one.excess_time_h > reached_h:
+            if one.missed == 0.0 and one.excess_time_h > largest.merit:
                 again = _sized(solver, Objective.max_excess_time, 0.0, one.design, explain=False)
                 return max(largest, again, key=attrgetter("merit"))
         return largest

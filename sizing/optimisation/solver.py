@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, closed_design
 from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
@@ -126,10 +125,8 @@ class Solution:
 
     def value(self, name: str) -> float:
         """Value of a variable, in its unit."""
-        ((x, variable),) = (
-            (x, v) for x, v in zip(self.x, self.variables, strict=True) if v.name == name
-        )
-        return float(variable.from_program(x))
+        place = [v.name for v in self.variables].index(name)
+        return float(self.variables[place].from_program(self.x[place]))
 
     def missed(self) -> dict[str, float]:
         """Requirements that are missed by more than the solver's tolerance, and by how much."""
@@ -225,17 +222,13 @@ class ProgramSolver:
         *,
         by_model: bool = False,
     ) -> None:
-        self.problems, self.mission, self.solar, self.day = problems, mission, solar, day
+        self.aircraft, self.problems = problems.aircraft, problems
+        self.mission, self.solar, self.day = mission, solar, day
         self.by_model = by_model
         self._fine_days: dict[int, SolarDay] = {}
         self.conditions = FlightConditions.of(mission, problems.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self.work = SolverReport()
-
-    @property
-    def aircraft(self) -> Aircraft:
-        """Aircraft that is sized."""
-        return self.problems.aircraft
 
     def solve(
         self,
@@ -378,11 +371,8 @@ class ProgramSolver:
     ) -> dict[str, tuple[float, float]]:
         """Least and largest value of each variable, in its unit; the same where it is held."""
         most_h = problem.variables[problem.index[WORST_EXCESS]].maximum
-        fixed = {
-            name: (value, value)
-            for name, value in (self._held_values(problem) | dict(instance.held)).items()
-            if name not in instance.freed
-        }
+        held = self._held_values(problem) | dict(instance.held)
+        fixed = {name: (at, at) for name, at in held.items() if name not in instance.freed}
         fixed[WORST_EXCESS] = (instance.goal_h, most_h if instance.best_excess else instance.goal_h)
         if instance.penalty is None:
             fixed |= {v.name: (0.0, 0.0) for v in problem.of_role(Role.slack)}
@@ -391,9 +381,7 @@ class ProgramSolver:
 
     def _held_values(self, problem: SizingProblem) -> dict[str, float]:
         """Variables that stay as aircraft and mission have them unless they are freed."""
-        relative = dict.fromkeys(
-            (v.name for v in problem.of_role(Role.technology, Role.limit)), 1.0
-        )
+        relative = {v.name: 1.0 for v in problem.of_role(Role.technology, Role.limit)}
         payload, wind = self.mission.payload, self.mission.wind_m_per_s
         carried = {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
         return relative | carried | {WIND: wind}
@@ -449,9 +437,8 @@ def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]
     """Cost of an instance, with what a missed requirement costs."""
     if instance.penalty is None:
         return dict(instance.cost)
-    weights = {
-        c.slack: _SLACK_WEIGHTS.get(c.name, _OTHER_SLACK_WEIGHT) for c in problem.constraints
-    }
+    own, rows = _SLACK_WEIGHTS, problem.constraints
+    weights = {row.slack: own.get(row.name, _OTHER_SLACK_WEIGHT) for row in rows}
     if math.isinf(instance.penalty):
         return weights
     # The rows of the energy count in fractions of the battery, those of the excess time in tenths

@@ -61,7 +61,7 @@ def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
         value = _number_or_numbers(aircraft, key) if one.kind == "technology" else None
         if value is not None:
             yield Check(
-                experience(key, one.label, one.unit, one.minimum, one.maximum),
+                experience(one),
                 value,
                 np.asarray(one.minimum),
                 np.asarray(one.maximum),

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sizing.limits import ROW_TOLERANCE
+from sizing.parameters import Parameter
 from solar.types import BoolArray, FloatArray
 
 _MOST_DIGITS = 8
@@ -148,13 +149,14 @@ def _from_row(row: Mapping[str, str]) -> Range:
     )
 
 
-def experience(key: str, label: str, unit: str, minimum: float, maximum: float) -> Range:
+def experience(of: Parameter) -> Range:
     """Range of a technology parameter in which there is experience.
 
-    Returns no model ends there, but who goes beyond should mean it.
+    No model ends there, but who goes beyond should mean it.
     """
     source = "sensible range of the catalogue of parameters: built or in sight; assumption"
-    return Range(key, EXPERIENCE, label, unit, EXPERIENCE, minimum, maximum, source)
+    ends = (of.minimum, of.maximum)
+    return Range(of.key, EXPERIENCE, of.label, of.unit, EXPERIENCE, *ends, source)
 
 
 class Check(NamedTuple):

@@ -78,14 +78,20 @@ def told(
     return _in_order(found)
 
 
-def worst_of(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
-    """Each quantity of a model once, with its worst value, of all that is told of one design."""
-    worst: dict[tuple[str, str], Extrapolation] = {}
+def worst_of(
+    found: Iterable[Extrapolation], *, of: int = 0, what: str = ""
+) -> tuple[Extrapolation, ...]:
+    """Each quantity of a model once, with its worst value.
+
+    ``of``, ``what``: of how many of what it is told, if it is not of one design.
+    """
+    groups: dict[tuple[str, str], list[Extrapolation]] = {}
     for one in found:
-        known = worst.setdefault((one.quantity, one.model), one)
-        if one.distance > known.distance:
-            worst[one.quantity, one.model] = one
-    return _in_order(worst.values())
+        groups.setdefault((one.quantity, one.model), []).append(one)
+    worst = ((max(group, key=lambda one: one.distance), len(group)) for group in groups.values())
+    return _in_order(
+        replace(one, count=count, of=of, what=what) if of else one for one, count in worst
+    )
 
 
 def _in_order(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
@@ -95,19 +101,8 @@ def _in_order(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
 
 
 def together(several: Sequence[Sequence[Extrapolation]], what: str) -> tuple[Extrapolation, ...]:
-    """What many results tell, each quantity once with its worst value and how many tell it.
-
-    Returns in the order of the catalogue.
-    """
-    groups: dict[tuple[str, str], list[Extrapolation]] = {}
-    for one in (one for result in several for one in result):
-        groups.setdefault((one.quantity, one.model), []).append(one)
-    return _in_order(
-        replace(
-            max(group, key=lambda one: one.distance), count=len(group), of=len(several), what=what
-        )
-        for group in groups.values()
-    )
+    """What many results tell, each quantity once with its worst value and how many tell it."""
+    return worst_of((one for result in several for one in result), of=len(several), what=what)
 
 
 # ---- Cells, as a column of text
@@ -164,5 +159,4 @@ def _range_of(quantity: str, model: str) -> Range:
     """Range of a model, or of the experience with a technology parameter."""
     if model != EXPERIENCE:
         return ranges()[quantity, model]
-    one = parameter(quantity)
-    return experience(one.key, one.label, one.unit, one.minimum, one.maximum)
+    return experience(parameter(quantity))

@@ -18,15 +18,17 @@ from sizing.optimisation.cells import size_cells
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.energy_constraints import growing_lit_sets
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     SizingResult,
     SizingStatus,
     objective_value,
     plain_design,
 )
-from sizing.optimisation.search import size_aircraft, size_branches
+from sizing.optimisation.search import size_aircraft, size_branch
+from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import performance_of_designs
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # A structure as heavy as AtlantikSolar's at its size, by a formula that known designs can rely on.
 STRUCTURE = "airframe.structure={model: power_law, coefficient_kg: 0.0131, span_exponent: 3.1, "
@@ -182,14 +184,11 @@ def test_cross_check_asks_the_branches_that_the_sizing_left_out() -> None:
     known = KNOWN["thermals at noon, one day"]
     result = known.sized()
     # The best design that needs its battery, as if no other way had been tried.
-    by_battery = size_branches(
-        known.plane,
-        known.mission,
-        MIN_MASS,
-        required_excess_time_h=12.0,
-        day=solar_day(known.plane, known.mission),
-        start=variables_of(known.plane),
-    )[0]
+    day = solar_day(known.plane, known.mission)
+    given = (SizingProblems(known.plane), known.mission, UNCORRECTED_CAM, day)
+    solver = ProgramSolver(*given, by_model=True)
+    by_battery = size_branch(solver, MIN_MASS, 12.0, variables_of(known.plane), []).simulated
+    assert by_battery is not None
     assert np.isfinite(by_battery.cycle.excess_time_h).all()
     value = float(objective_value(MIN_MASS, by_battery))
     design = plain_design(by_battery.design)
