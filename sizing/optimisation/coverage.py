@@ -8,7 +8,8 @@ but hardly: the order is taken anew from the best design until the range grows n
 runs one longer are tried that begin within a few members of it. Near the equator the year has two
 easy seasons: where there may be several, a range is grown around the easiest member of each.
 A run that grows no more is moved along to where its worst excess time is largest, which may leave
-room for more.
+room for more. On the way any design with the required excess time will do; at last the best one for
+the whole range is told.
 """
 
 from __future__ import annotations
@@ -331,7 +332,7 @@ class _Growth:
         return replace(found, objective_value=excess_h, optimum=None)
 
     def _covering(self, members: list[int]) -> SizingResult | None:
-        """Best design for a run of members; None where it is not enough.
+        """Design for a run of members; None where it is not enough.
 
         A run has no design if some of its members have none in common. Once the solver has failed
         without a reason the ends of a run, which are the hardest, are sized on their own first.
