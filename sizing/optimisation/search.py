@@ -442,7 +442,7 @@ def _promising(solver: ProgramSolver) -> list[Promising]:
 
 
 @lru_cache(maxsize=1)
-def _flown(solver: ProgramSolver, variables: DesignVariables, *, coarse: bool) -> Performance:
+def _start_flown(solver: ProgramSolver, variables: DesignVariables, *, coarse: bool) -> Performance:
     """Simulated design, kept: the branches of a problem start from the same."""
     return solver.performance(variables, coarse=coarse)
 
@@ -505,7 +505,7 @@ class _Sizing:
     @cached_property
     def first(self) -> Performance:
         """What the simulator finds for the design that the search starts from."""
-        return _flown(self.solver, self.start, coarse=self.rough)
+        return _start_flown(self.solver, self.start, coarse=self.rough)
 
     def explained(self) -> SizingResult:
         """Why a run without explanation has found no design; or the design, after all."""
