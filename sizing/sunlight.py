@@ -95,6 +95,11 @@ class SolarDay:
         """Same day with all power multiplied by a factor."""
         return replace(self, specific_power_w_per_m2=self.specific_power_w_per_m2 * factor)
 
+    def coarsened(self, steps: int) -> SolarDay:
+        """Same day with some steps in one."""
+        power = self.specific_power_w_per_m2[..., ::steps]
+        return replace(self, time_h=self.time_h[::steps], specific_power_w_per_m2=power)
+
     def at(self, indices: ArrayLike) -> SolarDay:
         """Same day in some of its scenarios."""
         some = np.asarray(indices, int)

@@ -8,7 +8,8 @@ but hardly: the order is taken anew from the best design until the range grows n
 runs one longer are tried that begin within a few members of it. Near the equator the year has two
 easy seasons: where there may be several, a range is grown around the easiest member of each.
 A run that grows no more is moved along to where its worst excess time is largest, which may leave
-room for more.
+room for more. On the way any design with the required excess time will do; at last the best one for
+the whole range is told.
 """
 
 from __future__ import annotations
@@ -27,17 +28,18 @@ from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus, limiting_rows
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance_of_designs
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
 IntArray = NDArray[np.intp]
 
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
-_ORDERS = 6
+_SLID = 3  # times that a run is moved along at most
 _OTHER_CENTRES = (1, 2, 4, 8, 16, 32)
 _SHIFTS = (0, -1, 1, -2, 2, -3)
 _SLIDES = (8, 4, 2, 1)
+_MOST_H = 1e6  # more than any but an unlimited excess time
 _GAIN_H = 1e-4  # less is what the search leaves open
 _SAMPLES = 30  # members that are sized on their own in search of other easy seasons
 _VALLEY_H = 0.002  # lower by less than that it parts no peaks: what time steps do
@@ -113,6 +115,7 @@ class _Growth:
         self.start = variables_of(aircraft)
         self.within: set[int] = set()  # members of runs that have a design
         self.apart: list[frozenset[int]] = []  # members that have no design in common
+        self.flown: tuple[DesignVariables, FloatArray] | None = None  # excess time at every member
         self.failed: set[frozenset[int]] = set()  # runs of which the solver said nothing
 
     def _scenarios(self) -> Scenarios:
@@ -150,20 +153,22 @@ class _Growth:
 
     def _grown(self, best: SizingResult, centre: int) -> tuple[SizingResult, list[int]]:
         """Longest run around a member, from the design for that member alone."""
-        held = [centre]
-        for _ in range(_ORDERS):
+        held, slides = [centre], 0
+        while len(held) < len(self.members):
             nested = self._nested(best, held)
             count, found = self._largest(nested, len(held))
             if found is not None:
                 best, held = found, sorted(nested[:count])
-            if len(held) == len(self.members):
+                continue
+            before = held
+            if slides < _SLID:
+                slides += 1
+                best, held = self._slid(best, held)
+            if held == before:
+                best, held = self._longer(best, held)
+            if held == before:
                 break
-            if found is None:
-                found, beside = self._slid(best, held)
-                if beside == held:
-                    break
-                best, held = found, beside
-        return self._longer(best, held)
+        return best, held
 
     def _slid(self, best: SizingResult, held: list[int]) -> tuple[SizingResult, list[int]]:
         """Move a run along, by ever smaller steps, as long as its worst excess time grows."""
@@ -171,6 +176,8 @@ class _Growth:
             for way in (-step, step):
                 moved = False
                 while run := self._neighbouring_run(held, way, way):
+                    if set(self._limiting(held, best)) <= set(run):
+                        break  # what holds the one back holds the other back as well
                     found = self._covering(run)
                     if found is None or _reached_h(found) <= _reached_h(best) + _GAIN_H:
                         break
@@ -228,27 +235,30 @@ class _Growth:
         return [inside, np.arange(last, first + count + 1) % count]
 
     def _longer(self, best: SizingResult, held: list[int]) -> tuple[SizingResult, list[int]]:
-        """Grow a run by single members, at either end or a little beside it, while that goes."""
-        while len(held) < len(self.members):
-            for shift in _SHIFTS:
-                run = self._neighbouring_run(held, shift, shift + 1)
-                found = self._covering(run) if run else None
-                if found is not None:
-                    best, held = found, sorted(run)
-                    break
-            else:
-                break
+        """Grow a run by one member, at either end or a little beside it, if that goes.
+
+        What its design covers beyond that needs no sizing.
+        """
+        for shift in _SHIFTS:
+            run = self._neighbouring_run(held, shift, shift + 1)
+            found = self._covering(run) if run else None
+            if found is not None:
+                nested = self._nested(found, run)
+                count = max(self._covered(found, nested), len(run))
+                return self._over(found, nested[:count]), sorted(nested[:count])
         return best, held
 
     def _excess_h(self, variables: DesignVariables) -> FloatArray:
         """Worst excess time of a design at every member."""
-        perf = performance_of_designs(
-            self.aircraft, self.mission, variables, self.solar, day=self.day
-        )
-        each = perf.cycle.excess_time_h.reshape(len(self.members), -1).min(axis=-1)
-        enough = (each > 0.0) & (each >= self.required_h)
-        self.within.update(int(i) for i in np.flatnonzero(enough))
-        return np.asarray(each)
+        if self.flown is None or self.flown[0] != variables:
+            perf = performance_of_designs(
+                self.aircraft, self.mission, variables, self.solar, day=self.day
+            )
+            each = perf.cycle.excess_time_h.reshape(len(self.members), -1).min(axis=-1)
+            enough = (each > 0.0) & (each >= self.required_h)
+            self.within.update(int(i) for i in np.flatnonzero(enough))
+            self.flown = variables, np.asarray(each)
+        return self.flown[1]
 
     def _easiest(self, variables: DesignVariables) -> list[int]:
         """Members, that of the most excess time first; of those without a night, by their sun."""
@@ -294,7 +304,7 @@ class _Growth:
 
         A design for some of them may cover more, which needs no sizing.
         """
-        low, high, best, sized = held, len(nested) + 1, None, held
+        low, high, best = held, len(nested) + 1, None
         step = 1 if held > 1 else len(nested)
         while high - low > 1:
             # A run that has grown before will hardly grow by much.
@@ -304,12 +314,9 @@ class _Growth:
             if found is None:
                 high = middle
                 continue
-            best, sized = found, middle
             low = max(middle, min(self._covered(found, nested), high - 1))
-        if low > sized:
-            found = self._covering(nested[:low])
-            best, sized = (best, sized) if found is None else (found, low)
-        return sized, best
+            best = found if low == middle else self._over(found, nested[:low])
+        return low, best
 
     def _covered(self, found: SizingResult, nested: list[int]) -> int:
         """How many members, from the first on, a design covers."""
@@ -318,8 +325,14 @@ class _Growth:
         enough = (excess_h > 0.0) & (excess_h >= self.required_h)
         return int(np.argmin([*enough, False]))
 
+    def _over(self, found: SizingResult, members: list[int]) -> SizingResult:
+        """A design in a run that it covers, though it was sized for a part of it."""
+        assert found.design is not None
+        excess_h = float(self._excess_h(found.design.variables)[members].min())
+        return replace(found, objective_value=excess_h, optimum=None)
+
     def _covering(self, members: list[int]) -> SizingResult | None:
-        """Best design for a run of members; None where it is not enough.
+        """Design for a run of members; None where it is not enough.
 
         A run has no design if some of its members have none in common. Once the solver has failed
         without a reason the ends of a run, which are the hardest, are sized on their own first.
@@ -328,7 +341,7 @@ class _Growth:
             self._try_ends(members)
         if self._ruled_out(members):
             return None
-        found = self._sized(members)
+        found = self._sized(members, enough_h=self.required_h)
         self._learn(members, found)
         if self._enough(found):
             return found
@@ -342,7 +355,7 @@ class _Growth:
             alone = [end % len(self.members)]
             known = not self.within.isdisjoint(alone) or self._ruled_out(alone)
             if not known and not self._apart(members):
-                self._learn(alone, self._sized(alone, explain=True))
+                self._learn(alone, self._sized(alone, explain=True, enough_h=self.required_h))
 
     def _ruled_out(self, members: list[int]) -> bool:
         return frozenset(members) in self.failed or self._apart(members)
@@ -373,27 +386,42 @@ class _Growth:
         }
         return [members[place] for place in sorted(places)] or members
 
-    def _sized(self, members: list[int], *, explain: bool = False) -> SizingResult:
-        places = np.asarray(members)[:, np.newaxis] * self.each + np.arange(self.each)
+    def _sized(
+        self, members: list[int], *, explain: bool = False, enough_h: float = np.inf
+    ) -> SizingResult:
         found = size_aircraft(
             self.aircraft,
             self.mission,
             Objective.max_excess_time,
             self.solar,
             required_excess_time_h=0.0,
-            day=self.day.at(places.ravel()),
+            day=self._day_of(members),
             problems=self.problems,
             start=self.start,
             explain=explain,
+            enough_h=enough_h,
         )
         if found.design is not None:
             self.start = found.design.variables
         return found
 
+    def _day_of(self, members: list[int]) -> SolarDay:
+        places = np.asarray(members)[:, np.newaxis] * self.each + np.arange(self.each)
+        return self.day.at(places.ravel())
+
     def _enough(self, found: SizingResult) -> bool:
         return found.objective_value is not None and _reached_h(found) >= self.required_h
 
     def _result(self, best: SizingResult, held: list[int]) -> WidestRange:
+        assert best.design is not None
+        self.start = variables = best.design.variables
+        best = max(self._sized(held, enough_h=_MOST_H), best, key=_reached_h)
+        if best.optimum is None:
+            day = self._day_of(held)
+            flown = performance_of_designs(
+                self.aircraft, self.mission, variables, self.solar, day=day
+            )
+            best = replace(best, simulated=flown)
         first, last = self._ends(held)
         order = np.arange(first, last + 1) % len(self.members)
         members = self.members[order]

@@ -53,11 +53,12 @@ from sizing.optimisation.variables import (
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from solar.types import FloatArray
 
-Effort = Literal["quick", "steady", "next", "direct"]
+Effort = Literal["quick", "still", "steady", "next", "direct"]
 
 # Hessian, strategy of the barrier and most iterations of the interior-point method.
 _IPOPT_EFFORTS: dict[Effort, tuple[str, str, int]] = {
     "quick": ("limited-memory", "monotone", 120),
+    "still": ("limited-memory", "monotone", 120),
     "steady": ("exact", "monotone", 300),
 }
 
@@ -80,6 +81,17 @@ _IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
     "ipopt.acceptable_iter": 8,
     # One factorisation of the low-rank Hessian bordered, instead of many solves with its inverse.
     "ipopt.limited_memory_aug_solver": "extended",
+}
+
+# Where a requirement may be missed, at a cost, that cost is known once it stands still: at a kink
+# steps would go to and fro up to their limit.
+_STILL_OPTIONS: dict[str, Any] = {
+    "ipopt.acceptable_tol": 1e10,
+    "ipopt.acceptable_iter": 15,
+    "ipopt.acceptable_obj_change_tol": 3e-5,
+    "ipopt.acceptable_constr_viol_tol": 1e-3,
+    "ipopt.acceptable_compl_inf_tol": 1e-3,
+    "ipopt.acceptable_dual_inf_tol": 1e20,
 }
 
 # Sequential quadratic programming, for the next one of a row of similar problems.
@@ -151,10 +163,10 @@ class Program:
 
         The sizing itself makes do with a ``quick`` quasi-Newton Hessian: for a handful of variables
         it needs few more iterations than exact second derivatives of the charge recursion, and each
-        costs a third. With slacks, which reach far, exact ones are now and then better:
-        ``steady``. ``next`` is sequential quadratic programming, which starts well from the
-        solution of a similar problem, as interior points do not; ``direct`` is the same for a start
-        that is no solution, and gives up early.
+        costs a third. ``still`` is the same, ending where the cost stands still. With slacks, which
+        reach far, exact ones are now and then better: ``steady``. ``next`` is sequential quadratic
+        programming, which starts well from the solution of a similar problem, as interior points do
+        not; ``direct`` is the same for a start that is no solution, and gives up early.
         """
         if effort not in self._solvers:
             if effort in _SQP_EFFORTS:
@@ -167,6 +179,7 @@ class Program:
                     "ipopt.mu_strategy": barrier,
                     "ipopt.max_iter": iterations,
                 }
+                options |= _STILL_OPTIONS if effort == "still" else {}
                 solver = ca.nlpsol("sizing", "ipopt", self.symbols, options)
             self._solvers[effort] = solver
         return self._solvers[effort]

@@ -46,6 +46,7 @@ from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarMode
 # Scenarios that a program starts with; others join when the simulator finds them worse.
 _FIRST_BLOCKS = 3
 _MARGIN_COST = 0.003  # of the objective, relative
+_PLAIN = 30.0  # cost of what is missed that no gain of any objective repays
 _NEXT_TO_NOTHING = 1e-3  # of a payload [kg, W]
 _RESTARTS = 3
 _LESS_MARGIN = 1.0 / 30.0
@@ -65,6 +66,7 @@ def size_aircraft(
     problems: SizingProblems | None = None,
     start: DesignVariables | None = None,
     explain: bool = True,
+    enough_h: float = math.inf,
 ) -> SizingResult:
     """Find the best design of a parametric aircraft for a mission.
 
@@ -75,14 +77,15 @@ def size_aircraft(
     known already. ``problems``: programs of this very aircraft, from an earlier sizing: nothing is
     built again. ``start``: first guess, for instance the optimum of a similar mission. ``explain``:
     whether to find out why a search fails. If not, it ends as ``not_converged``: faster, for
-    searches in which failures are many and their reasons idle.
+    searches in which failures are many and their reasons idle. ``enough_h``: excess time that will
+    do [h]: the search takes shortcuts, and ends at the first design that has it.
     """
     problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
     lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     solver = ProgramSolver(problems, mission, solar, lit, by_model=day is None)
-    return _sized(solver, objective, required, start, explain=explain)
+    return _sized(solver, objective, required, start, explain=explain, enough_h=enough_h)
 
 
 def size_branch(
@@ -116,6 +119,7 @@ def _sized(
     start: DesignVariables | None = None,
     *,
     explain: bool,
+    enough_h: float = math.inf,
 ) -> SizingResult:
     """Best design over the branches of the problem, or why there is none.
 
@@ -129,18 +133,22 @@ def _sized(
     best_excess = objective is Objective.max_excess_time
     lit_sets = growing_lit_sets(lowest_power(solver.day)) if required_h > 0.0 or best_excess else []
     if not lit_sets:
-        return _Sizing(*given, explain=explain).run()
+        return _Sizing(*given, explain=explain, enough_h=enough_h).run()
+
+    def branch(lit: list[int]) -> _Sizing:
+        return _Sizing(*given, explain=False, enough_h=enough_h, lit=lit)
+
     found: list[SizingResult] = []
     if len(lit_sets[-1]) == count:
-        found.append(_Sizing(*given, explain=False, lit=lit_sets.pop()).run())
+        found.append(branch(lit_sets.pop()).run())
         # No excess time is longer than an unlimited one.
         if best_excess and found[0].feasible:
             return found[0]
-    by_battery = one = _Sizing(*given, explain=False)
+    by_battery = one = branch([])
     found.append(without_lit := one.run())
     place = one.next_of(lit_sets, -1)
-    while place is not None and place < len(lit_sets):
-        one = _Sizing(*given, explain=False, lit=lit_sets[place])
+    while place is not None and place < len(lit_sets) and found[-1].merit < enough_h:
+        one = branch(lit_sets[place])
         found.append(one.run())
         place = one.next_of(lit_sets, place)
     best = max(found, key=attrgetter("merit"))
@@ -150,9 +158,9 @@ def _sized(
 
 
 @lru_cache(maxsize=1)
-def _flown(solver: ProgramSolver, variables: DesignVariables) -> Performance:
+def _start_flown(solver: ProgramSolver, variables: DesignVariables, *, coarse: bool) -> Performance:
     """Simulated design, kept: the branches of a problem start from the same."""
-    return solver.performance(variables)
+    return solver.performance(variables, coarse=coarse)
 
 
 class _Sizing:
@@ -166,9 +174,10 @@ class _Sizing:
         start: DesignVariables | None = None,
         *,
         explain: bool = True,
+        enough_h: float = math.inf,
         lit: Sequence[int] = (),
     ) -> None:
-        self.explain, self.lit = explain, list(lit)
+        self.explain, self.enough_h, self.lit = explain, enough_h, list(lit)
         self.solver, self.aircraft, self.day = solver, solver.aircraft, solver.day
         self.objective, self.required_h = objective, required_h
         self.start = variables_of(self.aircraft) if start is None else start
@@ -188,19 +197,30 @@ class _Sizing:
         )
         # With a penalty the program says soonest that nothing meets all requirements.
         solution = self._solve([self.start], self.search.instance.penalised(PENALTY))
+        nearly = self.solver.nearly
+        if nearly is not None and self.rough:
+            solution = self._all_but_met(nearly)
+            if solution is None:
+                return self._failure(self.first)
         if solution is None:
             solution = self._solve([self.start])
         elif solution.missed():
             self.missed = solution
             if self.explain:
                 return self.explained()
-            solution = self._met_after_all(solution)
+            plain = solution.cost_of_missing() > _PLAIN
+            solution = None if plain else self._met_after_all(solution)
         return self._failure(self.first) if solution is None else self._settled(solution)
+
+    @property
+    def rough(self) -> bool:
+        """Whether a design will do that is good enough: one at a kink need not be the best."""
+        return math.isfinite(self.enough_h)
 
     @cached_property
     def first(self) -> Performance:
         """What the simulator finds for the design that the search starts from."""
-        return _flown(self.solver, self.start)
+        return _start_flown(self.solver, self.start, coarse=self.rough)
 
     def explained(self) -> SizingResult:
         """Why a run has found no design; or the design, after all."""
@@ -266,7 +286,10 @@ class _Sizing:
         starts = [search.previous.design]
         starts += [] if self.largest is None else [self.largest.solution.design]
         found = self._solve(starts)
-        return self._solve(starts, effort="steady") if found is None else found
+        if found is not None or not self.rough:
+            return found or self._solve(starts, effort="steady")
+        soft = self._solve(starts, search.instance.penalised(PENALTY)) or self.solver.nearly
+        return None if soft is None or soft.missed() else soft
 
     def _met_after_all(self, solution: Solution) -> Solution | None:
         """Solution where the penalty was too low to keep a requirement from being missed."""
@@ -275,6 +298,18 @@ class _Sizing:
         if least is not None and least.missed():
             return None
         return self._solve([solution.design if least is None else least.design])
+
+    def _all_but_met(self, nearly: Solution) -> Solution | None:
+        """Solution next to one at a kink, if that misses no more than the margin asks for."""
+        self.last, missed = nearly, nearly.missed()
+        if not missed:
+            instance, scenarios = self.search.instance, self.search.filled()
+            return self.solver.solve(instance, scenarios, [nearly.design], efforts=()) or nearly
+        margin = self.search.instance.margin
+        if max(missed.values()) > margin:
+            return None
+        self.search.instance = replace(self.search.instance, margin=_LESS_MARGIN * margin)
+        return self._solve([nearly.design])
 
     def _simulated(self, solution: Solution) -> Simulated:
         """What the simulator finds for one solution."""
@@ -297,7 +332,8 @@ class _Sizing:
         if self.search.best is None and self._nothing_between():
             self.search.best = self.largest
         if self.search.best is None:
-            return self._failure(self.solver.performance(solution.design))
+            nearest = self.first if self.rough else self.solver.performance(solution.design)
+            return self._failure(nearest)
         return self._optimal(*self.search.best)
 
     def _run(self) -> None:
@@ -324,6 +360,8 @@ class _Sizing:
             return self._given_up(nearest)
 
         def grid() -> list[DesignVariables]:
+            if self.rough:
+                return [self.start if self.last is None else self.last.design]
             return [one.design for one in promising_designs(self.solver)] or [
                 variables_of(self.aircraft)
             ]
@@ -384,8 +422,9 @@ class _Sizing:
             again = self._restarted([least.design, *starts], nearest.performance)
             if accepted or again.feasible:
                 return again
-        flying = [one.design for one in promising_designs(self.solver) if one.excess_time_h > 0.0]
-        solution = self._solve(flying) if flying and not self.restarts else None
+        grid = [] if self.rough or self.restarts else promising_designs(self.solver)
+        flying = [one.design for one in grid if one.excess_time_h > 0.0]
+        solution = self._solve(flying) if flying else None
         if solution is not None:
             self.restarts += 1
             return self._settled(solution)

@@ -29,6 +29,7 @@ GOAL_CUSHION_H = 0.006
 # Another time step may take this from an excess time, or make another scenario the worst [h]: it is
 # off by 0.002 h, but where the day returns just what the night takes, excess times leap by 0.05 h.
 _BY_STEP_H = 0.1
+_COARSE = 4  # time steps in one, where only the order of the scenarios counts
 _LEAST_PAYLOAD = 1e-3  # that a relative cost refers to, in the unit of the payload [kg, W]
 
 # Sequential quadratic programming ends where the point is feasible and the multipliers balance the
@@ -137,6 +138,11 @@ class Solution:
             if v.role is Role.slack and slack > ROW_TOLERANCE
         }
 
+    def cost_of_missing(self) -> float:
+        """What missed requirements add to the cost."""
+        slacks = np.array([v.role is Role.slack for v in self.variables])
+        return float(self.weights[slacks] @ self.x[slacks])
+
     def cost(self, excess_time_h: float, margin: float = 0.0) -> float:
         """What some required excess time and margin on the recharge cost, relative.
 
@@ -189,6 +195,7 @@ class SolverReport:
 # Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
 # and what is then missed beyond doubt, relative or in hours.
 _STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
+_SETTLED = 1e-6  # what rows and derivatives may lack at an optimum without a kink
 
 
 class _Posed(NamedTuple):
@@ -208,6 +215,8 @@ class _Posed(NamedTuple):
 
 class ProgramSolver:
     """Solves the programs of an aircraft for one mission, and counts the work.
+
+    ``nearly``: where the last solve stood still at a kink without clearly missing a requirement.
 
     ``day``: sun in every scenario that may fill a block. ``by_model``: whether ``day`` is what the
     solar power model gives, so that a finer step may confirm it.
@@ -229,6 +238,7 @@ class ProgramSolver:
         self.conditions = FlightConditions.of(mission, problems.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self.work = SolverReport()
+        self.nearly: Solution | None = None
 
     def solve(
         self,
@@ -257,7 +267,8 @@ class ProgramSolver:
         for variables in starts:
             cold = {"x0": posed.within(self._start(posed.problem, instance, variables))}
             for effort in efforts:
-                found = self._solved(posed, effort, cold)
+                soft = effort == "quick" and instance.penalty not in (None, math.inf)
+                found = self._solved(posed, "still" if soft else effort, cold)
                 if found is not None:
                     return found
         return None
@@ -275,11 +286,10 @@ class ProgramSolver:
         start = strict.within(self._start(problem, posed.instance, variables))
         return self._solved(strict, "direct", {"x0": start})
 
-    def performance(self, variables: DesignVariables) -> Performance:
-        """Design, or a batch of them, simulated in all scenarios."""
-        return performance_of_designs(
-            self.aircraft, self.mission, variables, self.solar, day=self.day
-        )
+    def performance(self, variables: DesignVariables, *, coarse: bool = False) -> Performance:
+        """Design, or a batch of them, simulated in all scenarios, on request by coarse steps."""
+        day = self.day.coarsened(_COARSE) if coarse else self.day
+        return performance_of_designs(self.aircraft, self.mission, variables, self.solar, day=day)
 
     def least_excess_h(self, perf: Performance, required_h: float) -> float:
         """Excess time of one design in its worst scenario [h].
@@ -352,19 +362,23 @@ class ProgramSolver:
         )
         x, rows, bounds = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
         problem, instance = posed.problem, posed.instance
-        stands = instance.penalty is not None and _stands_still(stats)
+        stands = instance.penalty is not None and _stands_still(stats, effort)
+        self.nearly = None
         if not ((stats["success"] or stands) and np.isfinite(x).all()):
             return None
-        if not stats["success"]:
-            slacks = [problem.index[v.name] for v in problem.of_role(Role.slack)]
+        slacks = [problem.index[v.name] for v in problem.of_role(Role.slack)]
+        doubtful = bool(stands and np.all(x[slacks] < _CLEARLY_MISSED))
+        if stands and not doubtful:
             x[slacks] = np.where(x[slacks] < _CLEARLY_MISSED, 0.0, x[slacks])
-            if not np.any(x[slacks]):
-                return None
         design = problem.design_variables(x, posed.ends)
-        return Solution(
+        solution = Solution(
             *(instance, problem.variables, problem.constraints, posed.scenarios, design),
             *(x, posed.weights, rows, bounds),
         )
+        if doubtful:
+            self.nearly = solution
+            return None
+        return solution
 
     def _ends(
         self, problem: SizingProblem, instance: ProblemInstance
@@ -402,13 +416,17 @@ class ProgramSolver:
         return np.array([v.to_program(guess.get(v.name, v.first_guess)) for v in problem.variables])
 
 
-def _stands_still(stats: Mapping[str, Any]) -> bool:
-    """Whether interior points have ended by their number only, at an optimum with a kink.
+def _stands_still(stats: Mapping[str, Any], effort: Effort) -> bool:
+    """Whether interior points have ended where the cost stands still, at an optimum with a kink.
 
     There steps go to and fro, and nothing but the derivative along the kink fails to vanish.
     """
     course = stats.get("iterations", {})
-    if stats["return_status"] != "Maximum_Iterations_Exceeded" or "obj" not in course:
+    if "obj" not in course:
+        return False
+    if effort == "still" and stats["return_status"] == "Solved_To_Acceptable_Level":
+        return bool(max(course["inf_pr"][-1], course["inf_du"][-1]) > _SETTLED)
+    if stats["return_status"] != "Maximum_Iterations_Exceeded":
         return False
     cost = np.array(course["obj"][-_STILL:])
     kept = max(course["inf_pr"][-_STILL:]) < _STILL_KEPT

@@ -413,6 +413,8 @@ def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() ->
     # Around the longest day, and every day of it is judged by the simulator.
     assert 172 in days
     assert found.extent == len(days)
+    assert found.sizing.simulated is not None
+    assert set(found.sizing.simulated.day.scenarios.day_of_year) == set(days)
     ranged = mission(dates={"from": "01-01", "to": "12-31", "count": 365})
     perf = performance_of_designs(plane, ranged, found.sizing.design.variables)
     kept = perf.day.scenarios.day_of_year[perf.cycle.excess_time_h >= 2.0]
@@ -423,6 +425,17 @@ def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() ->
         plane, ranged, Objective.max_excess_time, required_excess_time_h=0.0, day=both
     )
     assert longer.objective_value is None or longer.objective_value < 2.0
+
+
+def test_sizing_ends_at_a_design_that_is_good_enough() -> None:
+    plane = aircraft(*SMALL)
+    places = mission(latitude_deg={"from_deg": 50.0, "to_deg": 70.0, "count": 2})
+    best = size_aircraft(plane, places, required_excess_time_h=0.0)
+    enough = size_aircraft(plane, places, required_excess_time_h=0.0, enough_h=1.0)
+    assert best.objective_value is not None
+    assert enough.objective_value is not None
+    assert 1.0 <= enough.objective_value <= best.objective_value + 1e-6
+    assert enough.solver.solves <= best.solver.solves
 
 
 # In the tropics both ends of a season are about as hard, and which comes first is hardly told.
