@@ -6,10 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from missions.dates import date_label
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import MISSING, UNLIMITED
+from solar.types import FloatArray
+
+PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
 
 
 def check_subjects(aircraft: object, mission: object) -> None:
@@ -35,6 +40,13 @@ def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
     """Record with null for numbers that are infinite or not defined."""
     return {
         name: finite(value) if isinstance(value, float) else value for name, value in record.items()
+    }
+
+
+def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
+    """P10, P50 and P90; by the method ``inverted_cdf`` each is a value that occurred."""
+    return {
+        name: float(np.percentile(values, at, method=method)) for name, at in PERCENTILES.items()
     }
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sizing.results.uncertainty import PERCENTILES, UncertaintyAnalysis
+from sizing.results.records import percentiles
+from sizing.results.uncertainty import UncertaintyAnalysis
 from sizing.uncertainty.inputs import UncertainInput
 from studies.output.figures.drawing import (
     BLUE,
@@ -78,8 +79,7 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
         return
     weights = np.full(len(finite), 100.0 / len(excess))
     axes.hist(finite, bins=60, weights=weights, color=BLUE, alpha=0.8)
-    for name, at in PERCENTILES.items():
-        value = float(np.percentile(excess, at, method="inverted_cdf"))
+    for name, value in percentiles(excess, "inverted_cdf").items():
         if np.isfinite(value):
             axes.axvline(
                 value,
