@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sizing.results.quantities import EXCESS_TIME
 from sizing.results.records import percentiles
 from sizing.results.uncertainty import UncertaintyAnalysis
 from sizing.uncertainty.inputs import UncertainInput
@@ -73,7 +74,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
 def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     excess = analysis.flights.excess_time_h
     finite = excess[np.isfinite(excess)]
-    axes.set(xlabel="excess time [h]", ylabel="draws [%]")
+    axes.set(xlabel=EXCESS_TIME.heading, ylabel="draws [%]")
     if not len(finite):
         axes.text(0.5, 0.5, "unlimited in all draws", transform=axes.transAxes, ha="center")
         return
