@@ -50,11 +50,9 @@ def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
     }
 
 
-def hours(value: float | None, missing: str = MISSING) -> str:
-    """Hours with two decimals; ``missing`` stands for what does not exist."""
-    if value is not None and math.isinf(value):
-        return UNLIMITED
-    return missing if value is None else f"{value:.2f} h"
+def hours(value: float) -> str:
+    """Hours with two decimals."""
+    return UNLIMITED if math.isinf(value) else f"{value:.2f} h"
 
 
 def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:
