@@ -220,7 +220,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     altitude_km = found.column("altitude_m") / 1000.0
     excess.plot(found.column(EXCESS_TIME.name), altitude_km, color=CHARGE)
     excess.axvline(found.required_excess_time_h, color=mark, linewidth=0.8)
-    excess.set(xlabel="excess time [h]", ylabel="altitude [km]")
+    excess.set(xlabel=EXCESS_TIME.heading, ylabel="altitude [km]")
     power.plot(found.column("propulsion_power_w"), altitude_km, color=LOAD)
     power.set(xlabel="level-flight power [W]", xlim=(0.0, None))
     energy.plot(found.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,17 +18,7 @@ def battery_record(aircraft: Aircraft, mission: Mission) -> dict[str, Any] | Non
     ``mission``: its air; the margin of its capacity is not counted. None for a battery without
     temperature, resistance and ageing.
     """
-    if not _has_condition(aircraft):
-        return None
-    battery, air_c = aircraft.battery, float(mission.air_state().temperature_c)
-    held = battery.temperature
-    return {
-        "pack_temperature_c": None if held is None else float(held.pack_c(air_c)),
-        "heater_power_w": float(battery.heater_w(air_c)),
-        **_age(aircraft),
-        "capacity_fraction": float(battery.capacity_fraction(air_c)),
-        **_efficiencies(aircraft),
-    }
+    return _record(aircraft, mission.air_state().temperature_c, float)
 
 
 def battery_record_of_days(aircraft: Aircraft, air_c: FloatArray) -> dict[str, Any] | None:
@@ -36,36 +27,22 @@ def battery_record_of_days(aircraft: Aircraft, air_c: FloatArray) -> dict[str, A
     ``air_c``: mean temperature of the air of each day [C]. Returns as :func:`battery_record`, with
     ``lowest``, ``mean`` and ``highest`` of what changes with the days.
     """
-    if not _has_condition(aircraft):
+    return _record(aircraft, air_c, _spread)
+
+
+def _record(aircraft: Aircraft, air_c: Any, shown: Callable[[Any], Any]) -> dict[str, Any] | None:
+    """Battery in air of a temperature [C]; ``shown``: what is told of its numbers."""
+    battery, held, aged = aircraft.battery, aircraft.battery.temperature, aircraft.battery.ageing
+    if not any((held, battery.resistance, aged)):
         return None
-    battery = aircraft.battery
-    held = battery.temperature
     return {
-        "pack_temperature_c": None if held is None else _spread(held.pack_c(air_c)),
-        "heater_power_w": _spread(battery.heater_w(air_c)),
-        **_age(aircraft),
-        "capacity_fraction": _spread(battery.capacity_fraction(air_c)),
-        **_efficiencies(aircraft),
-    }
-
-
-def _has_condition(aircraft: Aircraft) -> bool:
-    battery = aircraft.battery
-    return any((battery.temperature, battery.resistance, battery.ageing))
-
-
-def _age(aircraft: Aircraft) -> dict[str, float | None]:
-    aged = aircraft.battery.ageing
-    return {
+        "pack_temperature_c": None if held is None else shown(held.pack_c(air_c)),
+        "heater_power_w": shown(battery.heater_w(air_c)),
         "cycles": None if aged is None else float(aged.total_cycles),
         "months": None if aged is None else float(aged.total_months),
-    }
-
-
-def _efficiencies(aircraft: Aircraft) -> dict[str, float]:
-    return {
-        "charge_efficiency": float(aircraft.battery.mean_charge_efficiency),
-        "discharge_efficiency": float(aircraft.battery.mean_discharge_efficiency),
+        "capacity_fraction": shown(battery.capacity_fraction(air_c)),
+        "charge_efficiency": float(battery.mean_charge_efficiency),
+        "discharge_efficiency": float(battery.mean_discharge_efficiency),
     }
 
 

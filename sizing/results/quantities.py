@@ -106,10 +106,6 @@ def _sunlit(name: str) -> Getter:
     return instant
 
 
-def _launches_h(found: Performance) -> Any:
-    return np.array([np.nan if one is None else one.launch_h for one in found.endurances()])
-
-
 def _status_names(found: Performance) -> list[str]:
     """Status for users; a cycle without any solar power is one of the limited ones."""
     every = (Status(int(one)) for one in found.cycle.status)
@@ -160,7 +156,10 @@ ENDURANCE = Quantity(
     symbol=r"T_\mathrm{endur}",
     meaning="longest flight over all launch times; infinite where perpetual",
 )
-BEST_LAUNCH = Quantity("best_launch_h", "best launch", "h", of=_launches_h)
+BEST_LAUNCH = Quantity(
+    *("best_launch_h", "best launch", "h"),
+    of=lambda found: [np.nan if one is None else one.launch_h for one in found.endurances()],
+)
 STATUS = Quantity("status", of=_status_names)
 SUNRISE = Quantity("sunrise_h", "sunrise", "h", of=_sunlit("sunrise_h"))
 SUNSET = Quantity("sunset_h", "sunset", "h", of=_sunlit("sunset_h"))

@@ -6,10 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from missions.dates import date_label
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import MISSING, UNLIMITED
+from solar.types import FloatArray
+
+PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
 
 
 def check_subjects(aircraft: object, mission: object) -> None:
@@ -38,11 +43,16 @@ def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def hours(value: float | None, missing: str = MISSING) -> str:
-    """Hours with two decimals; ``missing`` stands for what does not exist."""
-    if value is not None and math.isinf(value):
-        return UNLIMITED
-    return missing if value is None else f"{value:.2f} h"
+def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
+    """P10, P50 and P90; by the method ``inverted_cdf`` each is a value that occurred."""
+    return {
+        name: float(np.percentile(values, at, method=method)) for name, at in PERCENTILES.items()
+    }
+
+
+def hours(value: float) -> str:
+    """Hours with two decimals."""
+    return UNLIMITED if math.isinf(value) else f"{value:.2f} h"
 
 
 def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:

@@ -38,7 +38,7 @@ _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 def headline(study: SizingStudy) -> str:
     """Aircraft, mission, verdict and objective in one line."""
     objective, value = study.objective, study.result.objective_value
-    text = f"{study.aircraft.name} sized for {_where(study)}: {_verdict(study)}"
+    text = f"{study.aircraft.name} sized for {_where(study)}: {study.status.label}"
     if study.feasible:
         text += f", {objective.label} {with_unit(value, '.4g', objective)}"
     return text
@@ -47,7 +47,7 @@ def headline(study: SizingStudy) -> str:
 def summary(study: SizingStudy) -> Summary:
     """What is shown of a sizing, in the order in which it is read."""
     title = f"{study.aircraft.name} sized for {_where(study)} ({study.objective.value})"
-    blocks: list[Any] = [Line(f"{title}: {_verdict(study)}", "strong")]
+    blocks: list[Any] = [Line(f"{title}: {study.status.label}", "strong")]
     if study.design is None:
         return Summary((*blocks, *_without_design(study)))
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
@@ -81,10 +81,6 @@ def _where(study: SizingStudy) -> str:
     found = study.survival
     name = study.mission.name
     return name if found is None else f"{name} in the weather of {found.weather.site.label}"
-
-
-def _verdict(study: SizingStudy) -> str:
-    return study.status.label
 
 
 def _without_design(study: SizingStudy) -> list[Any]:

@@ -13,7 +13,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHARGE, Quantity
-from sizing.results.records import check_subjects, finite, hours
+from sizing.results.records import check_subjects, finite, finite_values, hours, percentiles
 from sizing.results.tables import Column, Line, Result, Summary, Table, facts
 from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
@@ -30,7 +30,6 @@ DEFAULT_SAMPLES = 8192
 _LEAST_SAMPLES, _MOST_SAMPLES = 64, 2**20
 # Draws whose endurance is searched for: a launch of each is refined.
 _ENDURANCE_SAMPLES = 1024
-PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
 
 
 @dataclass(frozen=True)
@@ -295,18 +294,11 @@ def _sobol_indices(
     }
 
 
-def _at_percentiles(values: FloatArray) -> dict[str, float]:
-    """P10, P50 and P90, each a draw that occurred."""
-    return {
-        name: float(np.percentile(values, at, method="inverted_cdf"))
-        for name, at in PERCENTILES.items()
-    }
-
-
 def _percentiles(values: FloatArray) -> dict[str, float | None]:
-    """The same, JSON-ready: null where infinite."""
-    return {name: finite(value) for name, value in _at_percentiles(values).items()}
+    """P10, P50 and P90, each a draw that occurred; null where infinite."""
+    return finite_values(percentiles(values, "inverted_cdf"))
 
 
 def _three(quantity: Quantity, values: dict[Quantity, FloatArray]) -> str:
-    return ", ".join(quantity.fact(one)[1] for one in _at_percentiles(values[quantity]).values())
+    found = percentiles(values[quantity], "inverted_cdf").values()
+    return ", ".join(quantity.fact(one)[1] for one in found)

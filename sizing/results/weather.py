@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,14 @@ from sizing.aircraft import Aircraft
 from sizing.energy.battery_condition import BatteryTemperature
 from sizing.results.battery import battery_line_of_days, battery_record_of_days
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
-from sizing.results.records import check_subjects, clock_label, finite, hours
+from sizing.results.records import (
+    check_subjects,
+    clock_label,
+    finite,
+    finite_values,
+    hours,
+    percentiles,
+)
 from sizing.results.tables import Column, Line, Result, Summary, Table, facts
 from sizing.results.weather_years import (
     YearInWeather,
@@ -48,11 +55,26 @@ if TYPE_CHECKING:
 
 # Windows whose waiting times are told [d].
 WINDOWS_DAYS = (1, 2, 3, 5, 7)
-PERCENTILES = (10, 50, 90)
+_WINDOW = (
+    Column("days", "window", "d"),
+    Column("starts", "days on which one begins"),
+    Column("median_wait_days", "median wait", "d", ".0f", "none to come"),
+)
 # Quantities that have the air of each day.
 _OF_DAYS = ("pack_temperature_c", "air_temperature_c")
 # Quantities of what is assumed high up.
 _ASSUMED = ("height_above_record_m", "altitude_m", "air_temperature_c")
+
+
+class Window(NamedTuple):
+    """Consecutive days that close: how many days begin one, and the median wait for it [d].
+
+    The wait is None where most launches wait in vain.
+    """
+
+    days: int
+    starts: int
+    median_wait_days: float | None
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -88,6 +110,21 @@ class WeatherAnalysis(Result):
         if self.weather.typical:
             return ()
         return years_of(self.performance.recorded, self.performance.clear)
+
+    @cached_property
+    def endurance_h(self) -> dict[str, float]:
+        """Percentiles of the endurance from a dawn [h]: ``p10``, ``p50``, ``p90``."""
+        return percentiles(self.performance.recorded.endurance_h, "linear")
+
+    @cached_property
+    def windows(self) -> tuple[Window, ...]:
+        """Waiting times for windows of some days."""
+        closes = self.performance.recorded.closes
+        waits = {days: wait_for_window(closes, days) for days in WINDOWS_DAYS}
+        return tuple(
+            Window(days, int(np.count_nonzero(wait == 0.0)), finite(np.median(wait)))
+            for days, wait in waits.items()
+        )
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -158,8 +195,6 @@ class WeatherAnalysis(Result):
         """Analysis of the record, JSON-ready: the key ``weather`` of ``analyse --weather``."""
         done, run, clear = self.performance, self.performance.recorded, self.performance.clear
         site, weather = self.weather.site, self.weather
-        p10, p50, p90 = np.percentile(run.endurance_h, PERCENTILES)
-        waits = {days: wait_for_window(run.closes, days) for days in WINDOWS_DAYS}
         return {
             "source": weather.source,
             "layout": weather.layout,
@@ -178,16 +213,9 @@ class WeatherAnalysis(Result):
             "longest_run_days": run.longest_run_days,
             "clear_sky_longest_run_days": clear.longest_run_days,
             "share_of_days_that_close": float(run.closes.mean()),
-            "endurance_h": {"p10": finite(p10), "p50": finite(p50), "p90": finite(p90)},
+            "endurance_h": finite_values(self.endurance_h),
             "launches_that_outlast_the_record": int(run.outlasts.sum()),
-            "windows": [
-                {
-                    "days": days,
-                    "starts": int(np.count_nonzero(wait == 0.0)),
-                    "median_wait_days": finite(np.median(wait)),
-                }
-                for days, wait in waits.items()
-            ],
+            "windows": [one._asdict() for one in self.windows],
             "years": [one.to_dict() for one in self.years],
             "year_to_year": year_to_year(self.years),
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
@@ -257,48 +285,42 @@ class WeatherAnalysis(Result):
 
     def summary(self) -> Summary:
         """What the terminal shows."""
-        record = self.to_dict()
         run, clear = self.performance.recorded, self.performance.clear
-        days = record["days"]
-        strong = (
-            f"{self.aircraft.name} in the weather of {self.weather.site.label}: "
-            f"{record['days_that_close']} of {days} days close"
-        )
-        endurance = record["endurance_h"]
+        days, solar = len(run.closes), self.performance.solar
         rows = [
-            ("days that close", f"{record['days_that_close']} of {days}"),
-            ("the same under a clear sky", f"{record['clear_sky_days_that_close']} of {days}"),
+            ("days that close", f"{int(run.closes.sum())} of {days}"),
+            ("the same under a clear sky", f"{int(clear.closes.sum())} of {days}"),
             *year_rows(self.years),
-            ("longest run of days that close", f"{record['longest_run_days']} days"),
+            ("longest run of days that close", f"{run.longest_run_days} days"),
             ("longest run under a clear sky", f"{clear.longest_run_days} days"),
             (
                 "endurance from a dawn: 10, 50, 90 % of launches",
-                ", ".join(hours(endurance[p]) for p in ("p10", "p50", "p90")),
+                ", ".join(map(hours, self.endurance_h.values())),
             ),
-            ("light, of the clear sky's", f"{100 * record['share_of_clear_sky_light']:.0f} %"),
+            ("light, of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
             ("dawn: earliest, latest (solar time)", _dawns(run)),
-            ("flight altitude", f"{record['flight_altitude_m']:.0f} m"),
+            ("flight altitude", f"{self.mission.altitude_m:.0f} m"),
         ]
-        wind = record["wind_above_airspeed_share"]
+        wind = self.wind_above_airspeed_share()
         if wind is not None:
             rows.append(("time with wind above the airspeed", f"{100 * wind:.1f} %"))
         blocks: list[Any] = [
-            Line(strong, "strong"),
+            Line(self.headline(), "strong"),
             facts("", rows),
             *([year_table(self.years)] if year_to_year(self.years) else []),
             self._months(),
-            _windows(record),
+            Table("windows of consecutive days that close", _WINDOW, self.windows),
         ]
         battery = battery_line_of_days(self.aircraft, self.performance.air_of_days_c)
         if battery is not None:
             blocks.append(Line(battery))
         blocks += extrapolation_blocks(self.extrapolations)
-        blocks += [Line(f"record: {text}", "faint") for text in record["repairs"]]
+        blocks += [Line(f"record: {text}", "faint") for text in self.weather.repairs]
         blocks += [Line(text, "faint") for text in self.notes]
         kind = "typical year, months of several years" if self.weather.typical else "one record"
         blocks.append(
             Line(
-                f"{record['model']}, correction: {record['correction']}; {record['layout']}, "
+                f"{solar.model}, correction: {solar.correction}; {self.weather.layout}, "
                 f"{kind}. A day closes if, begun at dawn with the charge carried over, it reaches "
                 "the next dawn without an empty battery.",
                 "faint",
@@ -395,13 +417,3 @@ def _daily_wh(run: WeatherRun) -> Any:
 def _dawns(run: WeatherRun) -> str:
     solar_h = run.dawn_h + run.axis.midnight_h
     return f"{clock_label(float(solar_h.min()))}, {clock_label(float(solar_h.max()))}"
-
-
-def _windows(record: dict[str, Any]) -> Table:
-    columns = (
-        Column("days", "window", "d"),
-        Column("starts", "days on which one begins"),
-        Column("median_wait_days", "median wait", "d", ".0f", "none to come"),
-    )
-    rows = [(w["days"], w["starts"], w["median_wait_days"]) for w in record["windows"]]
-    return Table("windows of consecutive days that close", columns, tuple(rows))

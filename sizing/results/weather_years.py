@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from sizing.results.records import hours
+from sizing.results.records import PERCENTILES, hours, percentiles
 from sizing.results.tables import Column, Table
 from sizing.weather_run import WeatherRun, run_lengths
-from solar.types import FloatArray
 
-PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
 # A year that lacks more days than these is told, and not counted among the whole ones.
 _MISSING_DAYS = 7
 _DAYS = 365
@@ -68,7 +66,7 @@ def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ..
                 days_that_close=int(closes.sum()),
                 clear_sky_days_that_close=int(clear.closes[of_year].sum()),
                 longest_run_days=int(np.max(run_lengths(closes), initial=0)),
-                endurance_h=_percentiles(recorded.endurance_h[of_year], "linear"),
+                endurance_h=percentiles(recorded.endurance_h[of_year], "linear"),
             )
         )
     return tuple(found)
@@ -84,7 +82,7 @@ def year_to_year(years: tuple[YearInWeather, ...]) -> dict[str, Any] | None:
         return None
 
     def spread(values: list[float]) -> dict[str, float]:
-        return _percentiles(np.array(values), "inverted_cdf")
+        return percentiles(np.array(values), "inverted_cdf")
 
     return {
         "whole_years": len(whole),
@@ -137,9 +135,3 @@ def year_table(years: tuple[YearInWeather, ...]) -> Table:
         for one in years
     ]
     return Table("year by year", columns, tuple(rows))
-
-
-def _percentiles(values: FloatArray, method: Any) -> dict[str, float]:
-    return {
-        name: float(np.percentile(values, at, method=method)) for name, at in PERCENTILES.items()
-    }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from missions.mission import latitude_label
 from sizing.energy.cycle import Status
 from sizing.results.notes import extrapolation_lines, extrapolation_records
+from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS, WINGSPAN
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from studies.maps.feasibility import perpetual_cells
@@ -66,10 +68,10 @@ def designs_record(data: OnGrid) -> dict[str, Any]:
     record = _places(data) | {"objective": data.attrs["objective"]}
     for status in SizingStatus:
         record[f"{status.name}_days"] = _days_of(data, status)
-    for name, unit in (("wingspan", "m"), ("total_mass", "kg"), ("excess_time", "h")):
-        ends = _range_of_days(data[name].to_numpy())
+    for one in (WINGSPAN, TOTAL_MASS, EXCESS_TIME):
+        ends = _range_of_days(data[one.variable].to_numpy())
         for word, values in zip(("least", "largest"), ends, strict=True):
-            record[f"{word}_{name}_{unit}"] = [finite(value) for value in values]
+            record[f"{word}_{one.name}"] = [finite(value) for value in values]
     record["extrapolations"] = extrapolation_records(extrapolations_of(data))
     return record
 
@@ -82,17 +84,14 @@ def designs_table(data: OnGrid) -> Table:
         "none": (SizingStatus.infeasible, SizingStatus.invalid),
         "unknown": (SizingStatus.not_converged,),
     }
-    shown = {"wingspan": "m", "total_mass": "kg"}
+    shown = [WINGSPAN, replace(TOTAL_MASS, label="mass")]
     if record["objective"] == "max_excess_time":
-        shown["excess_time"] = "h"
+        shown.append(EXCESS_TIME)
     columns = (
         *(Column(head) for head in groups),
-        *(
-            Column(name, name.replace("total_", "").replace("_", " "), u)
-            for name, u in shown.items()
-        ),
+        *(Column(one.variable, one.label, one.unit) for one in shown),
     )
-    ends = [_range_of_days(data[name].to_numpy()) for name in shown]
+    ends = [_range_of_days(data[one.variable].to_numpy()) for one in shown]
     rows = [
         (
             *(sum(record[f"{kind.name}_days"][i] for kind in kinds) for kinds in groups.values()),

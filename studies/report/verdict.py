@@ -52,8 +52,7 @@ def verdict(subject: Subject) -> Verdict:
     error = f"one RMS error of the solar model ({100.0 * subject.solar.rms_relative:.0f} %)"
     fails = f"{who} does not fly perpetually: {weakest}"
     if not analysis.is_perpetual:
-        flight = analysis.endurances[analysis.worst]
-        hold_h = np.inf if flight is None else float(flight.endurance_h)
+        hold_h = float(analysis.scenario()[q.ENDURANCE])
         longest = "more than a year" if np.isinf(hold_h) else f"{hours(hold_h)} at most"
         without = hours(max(-float(excess), 0.0))
         told = f"{fails} it stays up for {longest}, {without} of every day are without power"

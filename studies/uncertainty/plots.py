@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sizing.results.uncertainty import PERCENTILES, UncertaintyAnalysis
+from sizing.results.quantities import EXCESS_TIME
+from sizing.results.records import percentiles
+from sizing.results.uncertainty import UncertaintyAnalysis
 from sizing.uncertainty.inputs import UncertainInput
 from studies.output.figures.drawing import (
     BLUE,
@@ -72,14 +74,13 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
 def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     excess = analysis.flights.excess_time_h
     finite = excess[np.isfinite(excess)]
-    axes.set(xlabel="excess time [h]", ylabel="draws [%]")
+    axes.set(xlabel=EXCESS_TIME.heading, ylabel="draws [%]")
     if not len(finite):
         axes.text(0.5, 0.5, "unlimited in all draws", transform=axes.transAxes, ha="center")
         return
     weights = np.full(len(finite), 100.0 / len(excess))
     axes.hist(finite, bins=60, weights=weights, color=BLUE, alpha=0.8)
-    for name, at in PERCENTILES.items():
-        value = float(np.percentile(excess, at, method="inverted_cdf"))
+    for name, value in percentiles(excess, "inverted_cdf").items():
         if np.isfinite(value):
             axes.axvline(
                 value,

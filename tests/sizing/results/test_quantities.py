@@ -1,0 +1,70 @@
+"""Tests of the catalogue of quantities: what is declared once agrees with what is computed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+from sizing.parameters import parameter
+from sizing.results import quantities
+from sizing.results.analysis import Analysis
+from sizing.results.quantities import Quantity
+
+EVERY = [one for one in vars(quantities).values() if isinstance(one, Quantity)]
+LOSS = Quantity("loss_m_per_s", "loss", "m/s", ".2f", of=float)
+
+
+@pytest.fixture(scope="module")
+def analysis() -> Analysis:
+    mission = missions.load_mission("central-europe-summer")
+    return sizing.analyse(sizing.load_aircraft("atlantiksolar-as2"), mission, replay=False)
+
+
+def test_no_quantity_is_declared_twice() -> None:
+    names = [one.name for one in EVERY]
+    assert len(names) == len(set(names))
+    assert len({one.variable for one in EVERY}) == len(names)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(2.0, "2.00 m/s"), (math.inf, "unlimited"), (math.nan, "-"), (None, "-")],
+)
+def test_a_unit_stands_behind_numbers_alone(value: float | None, text: str) -> None:
+    assert LOSS.fact(value) == ("loss", text)
+    assert LOSS.variable == "loss"
+
+
+def test_shares_are_told_in_per_cent() -> None:
+    assert quantities.MINIMUM_CHARGE.fact(0.1234) == ("minimum state of charge", "12.3 %")
+    assert quantities.MINIMUM_CHARGE.described[0] == "1"
+
+
+def test_an_analysis_has_the_values_of_its_cycles(analysis: Analysis) -> None:
+    cycle, values = analysis.performance.cycle, analysis.scenario()
+    worst = int(np.argmin(cycle.excess_time_h))
+    assert set(values) == set(quantities.SCENARIO)
+    assert values[quantities.EXCESS_TIME] == cycle.excess_time_h[worst]
+    assert values[quantities.LOAD_ENERGY] == cycle.energy_budget.load_wh[worst]
+    other = analysis.scenario(1)
+    assert other[quantities.SUNRISE] == analysis.performance.day.sunrise_h[1]
+
+
+def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(
+    analysis: Analysis,
+) -> None:
+    record, frame = analysis.to_dict()["scenarios"][1], analysis.to_frame()
+    for one in quantities.SCENARIO:
+        assert one.name in record
+    assert list(frame)[2:] == [one.name for one in quantities.SCENARIO_FRAME]
+    assert frame["charge_margin_h"][1] == record["charge_margin_h"]
+
+
+def test_quantities_of_a_design_have_the_words_of_the_catalogue_of_parameters() -> None:
+    for one in (*quantities.DESIGN_COLUMNS, *quantities.ANALYSED, quantities.STALL_SPEED):
+        known = parameter(one.name)
+        assert (one.label, one.unit or "1", one.symbol) == (known.label, known.unit, known.symbol)
