@@ -17,7 +17,7 @@ from sizing.energy.battery_condition import BatteryTemperature
 from sizing.results.battery import battery_line_of_days, battery_record_of_days
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import check_subjects, clock_label, finite, hours
-from sizing.results.tables import Column, Line, Result, Summary, Table, facts
+from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
 from sizing.results.weather_years import (
     YearInWeather,
     year_rows,
@@ -222,11 +222,9 @@ class WeatherAnalysis(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """A row a day: date, dawn, whether it closes, state of charge and endurance."""
-        import pandas as pd
-
         run, clear = self.performance.recorded, self.performance.clear
         axis = run.axis
-        return pd.DataFrame(
+        return data_frame(
             {
                 "year": axis.year,
                 "day_of_year": axis.day_of_year,
@@ -246,14 +244,12 @@ class WeatherAnalysis(Result):
 
     def to_years_frame(self) -> pd.DataFrame:
         """A row a year: days, those that close, longest run and endurance."""
-        import pandas as pd
-
         rows = [
             {name: value for name, value in one.to_dict().items() if name != "endurance_h"}
             | {f"endurance_{p}_h": value for p, value in one.endurance_h.items()}
             for one in self.years
         ]
-        return pd.DataFrame(rows)
+        return data_frame(rows)
 
     def summary(self) -> Summary:
         """What the terminal shows."""
