@@ -20,7 +20,7 @@ def analyse(options: Analyse) -> None:
     """Fly the mission, and tell what became of it."""
     for option, path in (("--table", options.table_file), ("--table-years", options.table_years)):
         refuse_to_overwrite(option, path, (options.weather_file,))
-    case = _moved(load(options.case), options)
+    case = _at_its_place(load(options.case), options)
     require_path(case)
     if options.weather_file is not None:
         from studies.cli.bodies.weather import analyse_in_weather
@@ -51,7 +51,7 @@ def analyse(options: Analyse) -> None:
     deliver(case, case.named(result.to_dict()), result, files, next_step=step)
 
 
-def _moved(case: Case, options: Analyse) -> Case:
+def _at_its_place(case: Case, options: Analyse) -> Case:
     """Case at the place and on the day that the options say."""
     place = options.latitude
     moved: dict[str, Any] = {} if place is None else {"latitude_deg": place}
