@@ -19,7 +19,7 @@ from sizing.altitude.ceiling import (
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.records import finite, finite_values, hours
-from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import together
@@ -131,9 +131,7 @@ class Ceiling(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """All altitudes, one row each."""
-        import pandas as pd
-
-        return pd.DataFrame([_numbers(flight) for flight in self.found.flights])
+        return data_frame([_numbers(flight) for flight in self.found.flights])
 
 
 def perpetual_ceiling(

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.optimize import brentq, minimize_scalar
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -189,7 +190,6 @@ def _highest(
     last = feasible[-1]
     if last == len(flights) - 1:
         return flights[-1]
-    from scipy.optimize import brentq
 
     def margin_h(altitude_m: float) -> float:
         return float(np.clip(flown(altitude_m).excess_time_h - required_h, -_FAR_H, _FAR_H))
@@ -214,7 +214,6 @@ def _best_altitude(
     best = flights[index]
     if np.isinf(best.excess_time_h):
         return best
-    from scipy.optimize import minimize_scalar
 
     lower, upper = flights[max(index - 1, 0)], flights[min(index + 1, len(flights) - 1)]
     found = minimize_scalar(

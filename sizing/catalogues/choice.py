@@ -10,7 +10,6 @@ from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError
 from missions.files.texts import read_text
-from sizing.catalogues.files import entry, is_entry_path
 from solar.schema import Record
 
 # The catalogues themselves are imported where an aircraft names an entry.
@@ -82,6 +81,8 @@ def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
 
 
 def _entry(key: str, kind: Kind, name: str) -> Entry:
+    from sizing.catalogues.files import entry, is_entry_path
+
     try:
         return entry(kind, name)
     except InputError as error:
@@ -111,6 +112,7 @@ def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
     name = getattr(record, key)
     if name is None:
         return []
+    from sizing.catalogues.files import entry
 
     one = entry(kind, name)
     given = {field: getattr(record, field) for field in record.model_fields_set}
@@ -132,5 +134,6 @@ def own_entries(record: Record, key: str) -> dict[str, str]:
     name = getattr(record, key)
     if name is None:
         return {}
+    from sizing.catalogues.files import is_entry_path
 
     return {name: read_text(name)} if is_entry_path(name) else {}

@@ -32,6 +32,13 @@ Emphasis = Literal["plain", "strong", "faint", "warning"]
 StyledLine: TypeAlias = tuple[str, Emphasis]
 
 
+def data_frame(data: Any, columns: list[str] | None = None) -> pd.DataFrame:
+    """Frame of pandas, whose import takes longer than most results themselves."""
+    import pandas as pd
+
+    return pd.DataFrame(data, columns=columns)
+
+
 @dataclass(frozen=True)
 class Column:
     """A column of a table.
@@ -162,9 +169,7 @@ class Table:
 
     def to_frame(self) -> pd.DataFrame:
         """Table as a pandas frame under its columns' names."""
-        import pandas as pd
-
-        frame = pd.DataFrame(list(self.rows), columns=[column.name for column in self.columns])
+        frame = data_frame(list(self.rows), [column.name for column in self.columns])
         frame.attrs["title"] = self.title
         frame.attrs["units"] = {c.name: c.unit for c in self.columns if c.unit}
         return frame

@@ -24,7 +24,7 @@ from sizing.results.records import (
     hours,
     percentiles,
 )
-from sizing.results.tables import Column, Line, Result, Summary, Table, facts
+from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
 from sizing.results.weather_years import (
     YearInWeather,
     year_rows,
@@ -250,11 +250,9 @@ class WeatherAnalysis(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """A row a day: date, dawn, whether it closes, state of charge and endurance."""
-        import pandas as pd
-
         run, clear = self.performance.recorded, self.performance.clear
         axis = run.axis
-        return pd.DataFrame(
+        return data_frame(
             {
                 "year": axis.year,
                 "day_of_year": axis.day_of_year,
@@ -274,14 +272,12 @@ class WeatherAnalysis(Result):
 
     def to_years_frame(self) -> pd.DataFrame:
         """A row a year: days, those that close, longest run and endurance."""
-        import pandas as pd
-
         rows = [
             {name: value for name, value in one.to_dict().items() if name != "endurance_h"}
             | {f"endurance_{p}_h": value for p, value in one.endurance_h.items()}
             for one in self.years
         ]
-        return pd.DataFrame(rows)
+        return data_frame(rows)
 
     def summary(self) -> Summary:
         """What the terminal shows."""

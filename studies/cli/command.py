@@ -71,10 +71,14 @@ class Command(HelpedCommand):
         self._declared = _Group(options, {one.name: one.metadata["of"] for one in fields(options)})
         params = list(_parameters(self._declared))
         super().__init__(
-            name=name, help=options.__doc__, callback=self._run, params=params, examples=examples
+            name=name,
+            help=options.__doc__,
+            callback=self._perform,
+            params=params,
+            examples=examples,
         )
 
-    def _run(self, **given: Any) -> None:
+    def _perform(self, **given: Any) -> None:
         options = _made(self._declared, given)
         module, _, function = self.body.partition(":")
         body = getattr(import_module(module), function)

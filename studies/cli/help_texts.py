@@ -44,7 +44,7 @@ class HelpedCommand(click.Command):
         """Write the options, those of many commands under headings of their own."""
         records: dict[str, list[tuple[str, str]]] = {_OWN: [], **{name: [] for name in _SUBJECTS}}
         options = [one for one in self.get_params(ctx) if isinstance(one, click.Option)]
-        for option in sorted(options, key=lambda one: _place(one.opts)):
+        for option in sorted(options, key=lambda one: _position(one.opts)):
             record = option.get_help_record(ctx)
             if record is not None:
                 records[_subject(option.opts)].append(_with_choices(option, *record))
@@ -74,7 +74,7 @@ def _subject(options: Sequence[str]) -> str:
     return next((name for name, some in _SUBJECTS.items() if set(some) & set(options)), _OWN)
 
 
-def _place(options: Sequence[str]) -> int:
+def _position(options: Sequence[str]) -> int:
     """Place of an option among those of its subject; a command's own stay in theirs, help last."""
     names = [*_SUBJECTS.get(_subject(options), ()), "--help"]
     return next((place for place, name in enumerate(names) if name in options), 0)

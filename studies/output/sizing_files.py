@@ -14,6 +14,7 @@ from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.objectives import Objective
 from sizing.results.analysis import analyse
 from sizing.results.sizing import SizingStudy, sensitivity_records
+from sizing.results.tables import data_frame
 from studies.output import plots
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
@@ -79,10 +80,8 @@ def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
         "masses.csv": csv_bytes(study.masses()),
     }
     if study.sensitivities:
-        import pandas as pd
-
         records = sensitivity_records(study.sensitivities)
-        contents["sensitivities.csv"] = csv_bytes(pd.DataFrame(records))
+        contents["sensitivities.csv"] = csv_bytes(data_frame(records))
     return contents
 
 

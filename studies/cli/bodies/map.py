@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from missions.weather.files import load_weather
 from studies.cli.checks import refuse_climb, require_parametric, require_path
 from studies.cli.commands.map import Map
 from studies.cli.files import Case, load
@@ -12,7 +11,6 @@ from studies.cli.jobs import completed
 from studies.cli.outputs import call, deliver, figure_of
 from studies.maps import feasibility, results
 from studies.output.gridded import to_netcdf_bytes
-from studies.weather import battery_map as maps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +28,9 @@ def map_(options: Map) -> None:
     if resized:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     if options.weather_file is not None:
-        _in_weather(case, options, options.weather_file)
+        from studies.cli.bodies.weather import map_in_weather
+
+        map_in_weather(case, options, options.weather_file)
         return
     study = _prepared(case, options)
     record = results.designs_record if resized else results.seasons_record
@@ -64,21 +64,3 @@ def _drawn_map(data: OnGrid, options: Map) -> Figure:
 
     draw = plot_map if options.objective is None else plot_resized_map
     return draw(data, figure=options.figure)
-
-
-def _in_weather(case: Case, options: Map, weather_file: str) -> None:
-    """Map the days of a record that close, and tell it."""
-    data = maps.battery_map(
-        case.aircraft,
-        case.mission,
-        load_weather(weather_file),
-        options.batteries,
-        solar=case.solar,
-        mission_chosen=not case.mission_is_default,
-    )
-    files = {
-        options.out_file: lambda _: to_netcdf_bytes(data),
-        options.plot_file: figure_of(lambda: maps.plot_battery_map(data, figure=options.figure)),
-    }
-    record = case.named({"days_in_weather": maps.battery_map_record(data)})
-    deliver(case, record, lambda: maps.battery_map_table(data), files)

@@ -44,7 +44,7 @@ def verify(options: Verify) -> None:
         if folder is not None:
             contents = {_SAMPLES: result.to_csv().encode()}
             drawn = {
-                f"{name}.png": partial(_drawn, draw, f"{name}.png")
+                f"{name}.png": partial(_figure_as_png, draw, f"{name}.png")
                 for name, draw in figures(result, figure=options.figure)
             }
             inputs = case.inputs(log=Path(log_file))
@@ -55,5 +55,5 @@ def verify(options: Verify) -> None:
             report_on_log(case, result, log_file, report, overrides=options.case.overrides)
 
 
-def _drawn(draw: Callable[[], Figure], name: str) -> bytes:
+def _figure_as_png(draw: Callable[[], Figure], name: str) -> bytes:
     return figure_bytes(draw(), name)
