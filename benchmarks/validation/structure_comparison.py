@@ -40,11 +40,9 @@ from studies.output.figures.drawing import (
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.validation.built_aircraft import (
     ATLANTIKSOLAR,
-    BUILT,
     SKY_SAILOR,
     BuiltAircraft,
     calibrated_rib_wing,
-    family,
 )
 
 if TYPE_CHECKING:
@@ -52,6 +50,21 @@ if TYPE_CHECKING:
 
 # The calibration of the simpler model, fitted to the same number.
 SPAR_CALIBRATION = 1.109
+BUILT = (ATLANTIKSOLAR, SKY_SAILOR)
+
+
+def family(wingspan_m: Value) -> BuiltAircraft:
+    """AtlantikSolar at another span [m]: same aspect ratio, wing loading and shares of mass."""
+    scale = (wingspan_m / ATLANTIKSOLAR.wingspan_m) ** 2
+    return replace(
+        ATLANTIKSOLAR,
+        wingspan_m=wingspan_m,
+        total_mass_kg=scale * ATLANTIKSOLAR.total_mass_kg,
+        battery_mass_kg=scale * ATLANTIKSOLAR.battery_mass_kg,
+        wing_battery_kg=scale * ATLANTIKSOLAR.wing_battery_kg,
+        span_load_kg=scale * ATLANTIKSOLAR.span_load_kg,
+        structure_kg=None,
+    )
 
 
 def models() -> dict[str, StructureModel]:
@@ -140,7 +153,7 @@ def structure_tables() -> tuple[Table, Table, Table]:
         )
         for name, model in models().items()
     ]
-    parts = [case.parts(calibrated_rib_wing()) for case in cases]
+    parts = [calibrated_rib_wing().breakdown(case.inputs()) for case in cases]
     by_part = [
         (part.replace("_", " "), *(float(getattr(p, part)) for p in parts))
         for part in StructureParts._fields

@@ -56,13 +56,8 @@ def validate(document: Document, model: type[M]) -> M:
         _located(document, one.path, one.message + one.suffix, at_key=one.at_key)
         for one in complaints
     ]
-    raise InputError([*located, *_elsewhere(details)])
-
-
-def _elsewhere(details: Sequence[ErrorDetails]) -> list[Problem]:
-    """Problems at places in other files, which the document names."""
-    found = [one for detail in details for one in detail.get("ctx", {}).get("problems", ())]
-    return found[:_SHOWN_ELSEWHERE]
+    elsewhere = [one for detail in details for one in detail.get("ctx", {}).get("problems", ())]
+    raise InputError([*located, *elsewhere[:_SHOWN_ELSEWHERE]])
 
 
 def located_error(document: Document, path: Sequence[str | int], message: str) -> InputError:

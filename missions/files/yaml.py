@@ -172,13 +172,9 @@ def set_absolute_paths(data: Any, folder: Path) -> None:
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         if isinstance(value, dict | list):
             set_absolute_paths(value, folder)
-        elif key in PATH_KEYS and isinstance(value, str) and _is_path(value):
+        elif key in PATH_KEYS and isinstance(value, str) and value.lower().endswith(PATH_SUFFIXES):
             path = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
             data[key] = f"{path}/" if value.endswith("/") else path
-
-
-def _is_path(text: str) -> bool:
-    return text.lower().endswith(PATH_SUFFIXES)
 
 
 def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:

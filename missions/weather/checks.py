@@ -7,7 +7,7 @@ filled rows follow the clear sky, not the clock: what is carried over is the sha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -43,7 +43,10 @@ _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
 def checked_record(raw: RawTable, source: str) -> Weather:
     """Make a table a record without gaps, with all three kinds of light."""
     time_s, lines, typical = _times(raw, source)
-    interval_s = _interval_s(time_s, source)
+    interval_s = float(np.median(np.diff(time_s)))
+    if not 60.0 <= interval_s <= 3.0 * SECONDS_PER_HOUR:
+        message = f"has a row every {interval_s / 60:g} minutes"
+        raise file_error(source, f"{message}; allowed: from 1 minute to 3 hours")
     start_s = time_s + raw.offset_s - raw.passed * interval_s
     values = {
         name: _column_values(raw, name, source, lines)
@@ -67,7 +70,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     repairs += left_out
     wind_m_per_s, left_out = checked_air(WIND, grid.values, grid.lines, source)
     repairs += left_out
-    weather = Weather(
+    return Weather(
         source=source,
         layout=raw.layout,
         site=raw.site,
@@ -79,8 +82,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         temperature_c=temperature_c,
         wind_m_per_s=wind_m_per_s,
         typical=typical,
+        repairs=tuple(repairs),
     )
-    return replace(weather, repairs=tuple(repairs))
 
 
 def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArray:
@@ -149,17 +152,6 @@ def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
         return None
     passed_s = float(np.median(np.diff(time_s))) if raw.passed == END else 0.0
     return np.asarray(time_s + passed_s - raw.site.utc_offset_h * SECONDS_PER_HOUR)
-
-
-def _interval_s(time_s: FloatArray, source: str) -> float:
-    step = np.diff(time_s)
-    interval = float(np.median(step))
-    if not 60.0 <= interval <= 3.0 * SECONDS_PER_HOUR:
-        raise file_error(
-            source,
-            f"has a row every {interval / 60:g} minutes; allowed: from 1 minute to 3 hours",
-        )
-    return interval
 
 
 @dataclass(frozen=True)
@@ -345,13 +337,12 @@ def _filled(
         short = (stop - begin) * interval_s <= SHORT_GAP_H * SECONDS_PER_HOUR
         copied += 0 if short else stop - begin
         for name, values in light.items():
-            share = _clear_share(values, sun.clear[name])
-            fill = (
-                _bridged(share, begin, stop)
-                if short
-                else _from_next_day(share, begin, stop, per_day)
-            )
-            values[begin:stop] = fill * sun.clear[name][begin:stop]
+            clear = sun.clear[name]
+            sunlit = clear > 10.0
+            share = np.where(sunlit, values / np.where(sunlit, clear, 1.0), np.nan)
+            bridge = _bridged(share, begin, stop)
+            fill = bridge if short else _from_next_day(share, bridge, begin, per_day)
+            values[begin:stop] = fill * clear[begin:stop]
     told = [f"{count - copied} rows filled between their neighbours"] if count > copied else []
     if copied:
         told.append(f"{copied} rows of long gaps filled from the nearest days")
@@ -377,12 +368,6 @@ def _gaps(empty: BoolArray) -> list[tuple[int, int]]:
     return list(zip(begin.tolist(), stop.tolist(), strict=True))
 
 
-def _clear_share(values: FloatArray, clear: FloatArray) -> FloatArray:
-    """Light as a share of the clear sky's, NaN where there is none."""
-    lit = clear > 10.0
-    return np.where(lit, values / np.where(lit, clear, 1.0), np.nan)
-
-
 def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
     """Shares between the nearest known ones before and after a gap."""
     known = np.flatnonzero(np.isfinite(share))
@@ -391,9 +376,9 @@ def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
     return np.interp(np.arange(begin, stop), known, share[known])
 
 
-def _from_next_day(share: FloatArray, begin: int, stop: int, per_day: int) -> FloatArray:
-    """Shares at the same hour of the nearest day that has them."""
-    rows = np.arange(begin, stop)
+def _from_next_day(share: FloatArray, bridge: FloatArray, begin: int, per_day: int) -> FloatArray:
+    """Shares at the same hour of the nearest day that has them, else those of a bridge."""
+    rows = begin + np.arange(len(bridge))
     found = np.full(len(rows), np.nan)
     for away in range(1, 16):
         for step in (-away, away):
@@ -402,6 +387,4 @@ def _from_next_day(share: FloatArray, begin: int, stop: int, per_day: int) -> Fl
             found[inside] = share[there[inside]]
         if np.isfinite(found).all():
             break
-    rest = np.isnan(found)
-    found[rest] = _bridged(share, begin, stop)[rest]
-    return found
+    return np.where(np.isnan(found), bridge, found)

@@ -14,7 +14,7 @@ from sizing.parameters import parameter, parameter_value
 from sizing.sunlight import SolarModel
 from solar.names import CORRECTION_NAMES, MODELS
 
-__all__ = ["DAY", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
+__all__ = ["DAY", "DESIGN_SPACE", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
 
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
 
@@ -34,7 +34,8 @@ _GROUPS: dict[Group, dict[str, float]] = {
     "technology": {"modules.efficiency_stc": 0.001, "battery.specific_energy_wh_per_kg": 1.0},
     "requirement": {"mission.required_excess_time_h": 0.1},
 }
-_DESIGN_SPACE = {
+# Field -> design variable, by its name in the design space.
+DESIGN_SPACE = {
     "airframe.wingspan_m": "wingspan_m",
     "airframe.aspect_ratio": "aspect_ratio",
     "airframe.aerodynamics.lift_coefficient": "lift_coefficient",
@@ -154,7 +155,7 @@ def _number_field(
     known = parameter(key)
     minimum, maximum = min(known.minimum, value), max(known.maximum, value)
     slider = (minimum, maximum)
-    name = _DESIGN_SPACE.get(key)
+    name = DESIGN_SPACE.get(key)
     space = getattr(aircraft.design_space, name) if name else None
     if isinstance(space, Range) and not isinstance(aircraft.airframe, MeasuredAirframe):
         minimum, maximum = min(minimum, space.minimum), max(maximum, space.maximum)
@@ -166,14 +167,10 @@ def _number_field(
         maximum = max(maximum, _PAYLOAD_BEYOND * high)  # of a large aircraft
         slider = (minimum, min(max(high, value), maximum))
     unit = "" if known.unit == "1" else known.unit.replace("m2", "m²").replace("deg", "°")
-    fixed = ""
-    if isinstance(aircraft.airframe, MeasuredAirframe) and key in (
-        "airframe.wingspan_m",
-        "airframe.aspect_ratio",
-    ):
-        fixed = _MEASURED
+    fixed = isinstance(aircraft.airframe, MeasuredAirframe) and key.startswith("airframe.")
     return Field(
-        *(key, group, known.label, unit, value, minimum, maximum, slider, step), fixed=fixed
+        *(key, group, known.label, unit, value, minimum, maximum, slider, step),
+        fixed=_MEASURED if fixed else "",
     )
 
 

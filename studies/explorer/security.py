@@ -73,7 +73,7 @@ class Guard:
         for name, value in scope["headers"]:
             headers.setdefault(name.lower(), []).append(value)
         refused = self._refused(scope, headers)
-        first_page = scope["path"] == "/" and self._in_query(scope)
+        first_page = scope["path"] == "/" and self._is_ours(_tokens(scope))
 
         async def guarded_send(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -107,13 +107,9 @@ class Guard:
         if len(scope.get("query_string", b"")) > _MAXIMUM_QUERY_BYTES:
             return 414, "size", f"a query has at most {_MAXIMUM_QUERY_BYTES} bytes"
         if not self._knows_token(scope, headers):
-            return (
-                403,
-                "token",
-                "the token is missing or wrong: open the address that solar-uav explore printed",
-            )
-        lengths = headers.get(b"content-length", [])
-        if any(not _allowed_length(length) for length in lengths):
+            words = "the token is missing or wrong: open the address that solar-uav explore printed"
+            return 403, "token", words
+        if not all(map(_allowed_length, headers.get(b"content-length", []))):
             return 413, "size", f"a request has at most {MAXIMUM_BODY_BYTES} bytes"
         return None
 
@@ -126,10 +122,10 @@ class Guard:
             given += _cookies(value, self.cookie)
         if scope["path"] == "/":
             given += _tokens(scope)
-        return any(secrets.compare_digest(one, self._token) for one in given)
+        return self._is_ours(given)
 
-    def _in_query(self, scope: Scope) -> bool:
-        return any(secrets.compare_digest(one, self._token) for one in _tokens(scope))
+    def _is_ours(self, tokens: list[bytes]) -> bool:
+        return any(secrets.compare_digest(one, self._token) for one in tokens)
 
 
 def _allowed_length(value: bytes) -> bool:

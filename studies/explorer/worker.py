@@ -22,6 +22,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.parameters import label
 from sizing.results.constraint_words import constraint_words
 from sizing.sunlight import SolarModel
+from studies.explorer.fields import DESIGN_SPACE
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
 
@@ -163,16 +164,10 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     if study.design is not None:
         chosen = study.design.variables
         payload = study.sized_mission().payload
-        values = {
-            "airframe.wingspan_m": chosen.wingspan_m,
-            "airframe.aspect_ratio": chosen.aspect_ratio,
-            "battery.mass_kg": chosen.battery_mass_kg,
-            "modules.area_m2": chosen.module_area_m2,
-            "mission.payload.mass_kg": payload.mass_kg,
-            "mission.payload.power_w": payload.power_w,
-        }
-        if chosen.lift_coefficient is not None:
-            values["airframe.aerodynamics.lift_coefficient"] = chosen.lift_coefficient
+        values = {key: getattr(chosen, name) for key, name in DESIGN_SPACE.items()}
+        for key in ("mass_kg", "power_w"):
+            values[f"mission.payload.{key}"] = getattr(payload, key)
+        values = {key: value for key, value in values.items() if value is not None}
     return {
         "feasible": study.feasible,
         "status": study.status.label,

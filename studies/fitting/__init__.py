@@ -5,6 +5,5 @@
 * ``estimation``: least squares and their intervals; ``autocorrelation``: of the residuals
 * ``files``: aircraft files with provenance; ``plots``: figure
 * ``prediction``: another flight, predicted from the fit; ``synthetic``: flights of known truth
-* ``recovery``: how often the intervals hold; ``published``: figures of a flight instead of a log
 * ``calibration``: a parametric aircraft that weighs and consumes what a measured one does
 """

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray
 from studies.fitting.channels.bins import BIN_S
-from studies.fitting.channels.channel import Channel
 from studies.fitting.estimation import Estimate
 from studies.fitting.flight import FlightFit
+from studies.flight_logs.plots import broken_line
 from studies.output.figures.drawing import BLUE, VERMILLION, Canvas, ink, new_figure, styled
 from studies.output.figures.options import DEFAULT
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_DAY_S = 86400.0
 _PANEL_IN = (1.9, 1.1)  # a channel's and its residuals'
 
 
@@ -45,16 +45,20 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
     count = len(fit.estimates)
     if not count:
         raise ValueError("nothing was fitted: there is nothing to draw")
+    fitted = [
+        f"{one.parameter.label} {one.value:.4g} ± {one.half_width:.2g} {one.parameter.unit}".strip()
+        for one in fit.fitted
+    ]
     drawn, panels = new_figure(
         2 * count,
         canvas=figure,
         title=f"{fit.aircraft.name} fitted to {fit.log.source}",
-        notes=(f"means over {BIN_S / 60.0:g} min", *_fit_summary(fit)),
+        notes=(f"means over {BIN_S / 60.0:g} min", *fitted),
         size_in=(8.0, count * sum(_PANEL_IN) + 1.2),
         sharex=True,
         height_ratios=_PANEL_IN * count,
     )
-    midnight_s = float(fit.log.time_s[0] // _DAY_S * _DAY_S)
+    midnight_s = float(fit.log.time_s[0] // SECONDS_PER_DAY * SECONDS_PER_DAY)
     for part, upper, lower in zip(fit.estimates, panels[::2], panels[1::2], strict=True):
         hours = (part.channel.time_s - midnight_s) / 3600.0
         _draw(upper, lower, part, hours)
@@ -65,13 +69,6 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
     return drawn
 
 
-def _fit_summary(fit: FlightFit) -> list[str]:
-    return [
-        f"{one.parameter.label} {one.value:.4g} ± {one.half_width:.2g} {one.parameter.unit}".strip()
-        for one in fit.fitted
-    ]
-
-
 def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
     channel, unit = part.channel, f" [{part.channel.unit}]" if part.channel.unit else ""
     measured = channel.measured
@@ -79,19 +76,11 @@ def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
         (part.before, "before", BLUE, "--"),
         (part.after, "fitted", VERMILLION, "-"),
     ):
-        model = _broken_line(channel, hours, measured - residual)
+        model = broken_line(channel.run, hours, measured - residual)
         upper.plot(*model, color=colour, linestyle=dashes, linewidth=1.2, label=name)
-        left = _broken_line(channel, hours, residual)
+        left = broken_line(channel.run, hours, residual)
         lower.plot(*left, color=colour, linestyle=dashes, linewidth=1.0, label=f"_{name}")
     upper.plot(hours, measured, ".", color=ink(), markersize=2.5, label="measured")
     lower.axhline(0.0, color=ink(), linewidth=0.8)
     upper.set_ylabel(f"{channel.label}{unit}".replace(" (", "\n("))
     lower.set_ylabel(f"measured −\nmodelled{unit}")
-
-
-def _broken_line(
-    channel: Channel, hours: FloatArray, values: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Line that is broken where samples are missing."""
-    breaks = np.flatnonzero(np.diff(channel.run)) + 1
-    return np.insert(hours, breaks, np.nan), np.insert(values, breaks, np.nan)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.signal import lfilter
 
 from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
@@ -19,7 +18,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import design_of
 from sizing.energy.battery import Store
 from solar.types import FloatArray
-from studies.flight_logs.synthetic import START_UTC_S, Settings, synthetic_log
+from studies.flight_logs.synthetic import START_UTC_S, Settings, lasting, synthetic_log
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,6 +97,8 @@ def fly(aircraft: Aircraft, mission: Mission, flight: Flight) -> Flown:
     empty = np.flatnonzero(stored <= 0.0)
     last = int(empty[0]) if len(empty) else count
     charge = stored / float(full)
+    # Where it first falls for good, of a flight that starts by day.
+    evening = int(np.argmax(charge[: max(last // 2, 1)]))
     gauge = charge + errors.gauge * _wandering(count, step_h / errors.gauge_h, rng)
     table = table.assign(
         solar_power_w=np.round(solar + errors.sensor_w * rng.standard_normal(count), 2),
@@ -106,22 +107,16 @@ def fly(aircraft: Aircraft, mission: Mission, flight: Flight) -> Flown:
     )
     return Flown(
         table=table.iloc[: max(last, 2)].reset_index(drop=True),
-        minimum_charge=float(charge[_after_first_peak(charge[:last]) : last].min()),
+        minimum_charge=float(charge[evening:last].min()),
         empty_h=last * step_h if len(empty) else None,
     )
 
 
-def _after_first_peak(charge: FloatArray) -> int:
-    """Where the charge first falls for good: the evening of a flight that starts by day."""
-    return int(np.argmax(charge[: max(len(charge) // 2, 1)]))
-
-
 def _wandering(count: int, step: float, rng: np.random.Generator) -> FloatArray:
     """Noise of unit variance that keeps ``exp(-step)`` of itself from sample to sample."""
-    keep = float(np.exp(-step))
     white = rng.standard_normal(count)
-    white[0] /= np.sqrt(1.0 - keep**2)  # it has always wandered
-    return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
+    white[0] /= np.sqrt(1.0 - float(np.exp(-step)) ** 2)  # it has always wandered
+    return lasting(white, step)
 
 
 def _charged(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from solar.names import ModelName
+from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.errors import Section, day_masks, moving_average
 from studies.flight_logs.log_view import Kind
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
 
 LOGGED, LIMITED = BLUE, YELLOW
 _MEASURED_WIDTH = 1.8  # wider than the models'
-_DAY_S = 86400.0
 # Kind of what looks wrong -> its words and hatch.
 _FAULTS: dict[Kind, tuple[str, str]] = {
     "mppt_not_tracking": ("MPPT does not track", "xx"),
@@ -123,7 +123,7 @@ def day_figure(
 def _hours(samples: Samples, mask: BoolArray) -> tuple[FloatArray, float]:
     """Universal time [h] since midnight of the mask's first day, and that midnight [s]."""
     time_s = samples.time_s[mask]
-    midnight_s = float(time_s.min() // _DAY_S * _DAY_S)
+    midnight_s = float(time_s.min() // SECONDS_PER_DAY * SECONDS_PER_DAY)
     return np.asarray((time_s - midnight_s) / 3600.0), midnight_s
 
 
@@ -275,15 +275,16 @@ def _line(
     linewidth: float = 1.0,
 ) -> None:
     """Draw a line that is broken where samples are missing."""
-    breaks = np.flatnonzero(np.diff(view.run)) + 1
-    axes.plot(
-        np.insert(view.hours, breaks, np.nan),
-        np.insert(np.asarray(values, float), breaks, np.nan),
-        linewidth=linewidth,
-        color=color,
-        linestyle=linestyle,
-        label=label,
-    )
+    points = broken_line(view.run, view.hours, values)
+    axes.plot(*points, linewidth=linewidth, color=color, linestyle=linestyle, label=label)
+
+
+def broken_line(
+    run: IntArray, hours: FloatArray, values: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Points of a line that is broken between uninterrupted stretches."""
+    breaks = np.flatnonzero(np.diff(run)) + 1
+    return np.insert(hours, breaks, np.nan), np.insert(np.asarray(values, float), breaks, np.nan)
 
 
 def _draw_power(axes: Axes, view: _View) -> None:
@@ -310,14 +311,8 @@ def _draw_angles(axes: Axes, view: _View) -> None:
     for (name, values), colour, dashes in zip(view.angles, (GREEN, SKY), ("-", "--"), strict=False):
         _line(axes, view, values, color=colour, linestyle=dashes, label=name)
     if view.detail is not None:
-        _line(
-            axes,
-            view,
-            view.detail.incidence_deg,
-            color=VERMILLION,
-            linestyle=":",
-            label="incidence",
-        )
+        angle = view.detail.incidence_deg
+        _line(axes, view, angle, color=VERMILLION, linestyle=":", label="incidence")
     axes.set_ylabel("angle [deg]")
 
 

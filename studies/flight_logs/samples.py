@@ -151,6 +151,8 @@ def lit_samples(
         module_c=module_c,
     )
     modelled, detail = _modelled(lit, geometry, shade)
+    # Mean and true solar time differ by a quarter of an hour at most, and so decide the day.
+    mean_h = log.time_s[index] / 3600.0 + log.longitude_deg[index] / 15.0
     bearing = np.zeros(len(index))
     if log.attitude is not None:
         bearing = np.degrees(sun.azimuth_rad[index] - log.attitude.yaw_rad[index]) % 360.0
@@ -159,7 +161,7 @@ def lit_samples(
             index=index,
             time_s=log.time_s[index],
             time_solar_h=sun.time_solar_h[index],
-            solar_day=_solar_day(log, index, sun.time_solar_h[index]),
+            solar_day=np.round((mean_h - sun.time_solar_h[index]) / 24.0).astype(int),
             run=numbered_runs(index, log.segment()[index]),
             elevation_deg=np.degrees(sun.elevation_rad[index]),
             bearing_deg=bearing,
@@ -227,13 +229,6 @@ def _constant_module_c(
     return mean, f"constant module temperature: mean of the ambient one, {mean:.1f} C"
 
 
-def _solar_day(log: FlightLog, index: IntArray, time_solar_h: FloatArray) -> IntArray:
-    """Day by local solar time, days since 1970-01-01."""
-    mean_h = log.time_s[index] / 3600.0 + log.longitude_deg[index] / 15.0
-    # Mean and true solar time differ by a quarter of an hour at most, and so decide the day.
-    return np.round((mean_h - time_solar_h) / 24.0).astype(int)
-
-
 def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
     """Number stretches of consecutive places within one segment.
 
@@ -248,15 +243,15 @@ def _modelled(
 ) -> tuple[dict[ModelName, FloatArray], Detail | None]:
     """All models, chunk by chunk: a long log times its surfaces would fill the memory."""
     chunks = [lit.part(slice(i, i + _CHUNK)) for i in range(0, len(lit.day), _CHUNK)]
-    models = _joined([_horizontal(chunk) for chunk in chunks])
+    models = _concatenated([_horizontal(chunk) for chunk in chunks])
     if geometry is None:
         return models, None
     flown, details = zip(*(_with_attitude(c, geometry, shade) for c in chunks), strict=True)
     detail = details[0].mapped(lambda name, _: np.concatenate([getattr(d, name) for d in details]))
-    return models | _joined(flown), detail
+    return models | _concatenated(flown), detail
 
 
-def _joined(parts: Sequence[dict[ModelName, FloatArray]]) -> dict[ModelName, FloatArray]:
+def _concatenated(parts: Sequence[dict[ModelName, FloatArray]]) -> dict[ModelName, FloatArray]:
     return {model: np.concatenate([part[model] for part in parts]) for model in parts[0]}
 
 

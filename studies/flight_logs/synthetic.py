@@ -36,6 +36,7 @@ _CHUNK = 20_000
 _NIGHT_LOAD_W = 43.0
 _BATTERY_ENERGY_WH = 732.0
 _MPPT_V = 20.0
+_GUST_S = 2.0  # over which gusts are correlated
 _CENTRES_DEG: dict[Side, float] = {"front": 0.0, "right": 90.0, "rear": 180.0, "left": 270.0}
 
 
@@ -158,10 +159,15 @@ def _flown(
     )
 
 
-def _gusts(elapsed: FloatArray, rng: np.random.Generator, correlation_s: float = 2.0) -> FloatArray:
+def _gusts(elapsed: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Noise of unit variance, correlated over a few seconds."""
-    keep = float(np.exp(-(elapsed[1] - elapsed[0]) / correlation_s))
     white = rng.standard_normal(len(elapsed))
+    return lasting(white, (elapsed[1] - elapsed[0]) / _GUST_S)
+
+
+def lasting(white: FloatArray, step: float) -> FloatArray:
+    """White noise that keeps ``exp(-step)`` of itself from sample to sample, of its variance."""
+    keep = float(np.exp(-step))
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from solar.names import ModelName
-from studies.flight_logs.alignment.offsets import HALF_HOUR_S, Alignment, Offset
+from studies.flight_logs.alignment.offsets import HALF_HOUR_S, Alignment
 from studies.flight_logs.errors import ModelErrors
 
 # The Full Model was within 2 % on average in the report, and a clear day is known to a few per
@@ -48,7 +48,9 @@ def log_sentences(found: Alignment, *, corrected: bool) -> Iterator[tuple[str, b
     if found.power_unit != "W":
         yield f"unit of the log: the power is in {found.power_unit}, not W; {how}", True
     if (clock := found.clock_ahead_s) is not None:
-        minutes = _minutes(clock)
+        # Beyond two minutes a word says which way.
+        size_s = clock.value if not abs(clock.value) > 120.0 else abs(clock.value)
+        minutes = f"{size_s / 60.0:.1f} +- {clock.sigma / 60.0:.1f} min"
         if found.clock_wrong:
             word = "ahead of" if clock.value > 0.0 else "behind"
             zone = _zone(found)
@@ -63,11 +65,6 @@ def log_sentences(found: Alignment, *, corrected: bool) -> Iterator[tuple[str, b
             yield f"heading of the log: right within its uncertainty ({size})", False
     for note in found.notes:
         yield note, False
-
-
-def _minutes(clock: Offset) -> str:
-    size = clock.value if not abs(clock.value) > 120.0 else abs(clock.value)
-    return f"{size / 60.0:.1f} +- {clock.sigma / 60.0:.1f} min"
 
 
 def _zone(found: Alignment) -> str:

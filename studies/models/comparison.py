@@ -36,7 +36,7 @@ from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, together, told, worst_of
 from solar.names import CorrectionName, ModelName
 from solar.versions import software_record
-from studies.maps.season import Flags, Season, perpetual_flags, season_of
+from studies.maps.season import Season, perpetual_flags, season_of
 from studies.models.prediction import Prediction, duration, predict
 from studies.models.solar_models import (
     attitude_is_known,
@@ -375,22 +375,20 @@ def compare(
         advance()
     cases = {}
     for solar in every:
-        found = predict(_performance_as_it_is(aircraft, mission, solar), sun.day(solar))
+
+        def as_it_is(day: SolarDay, solar: SolarModel = solar) -> Performance:
+            return performance(aircraft, mission, solar, day=day)
+
+        found = predict(as_it_is, sun.day(solar))
         advance()
         built = None
         if sized:
-            result = size_aircraft(
-                aircraft,
-                mission,
-                Objective(objective),
-                solar,
-                required_excess_time_h=required,
-                day=sun.day(solar),
-            )
-            built = _judged(result, aircraft, mission, sun, reference)
+            built = _built(sun, solar, reference, Objective(objective), required)
             advance()
         days = [of_latitude[solar] for of_latitude in flags]
-        cases[solar] = Case(solar, found, *_seasons(days, latitudes), built)
+        seasons = tuple(season_of(d, lat) for d, lat in zip(days, latitudes, strict=True))
+        season = season_of(np.logical_and.reduce(days), float(np.mean(latitudes)))
+        cases[solar] = Case(solar, found, season, seasons, built)
     return Comparison(
         aircraft=aircraft,
         mission=mission,
@@ -421,37 +419,31 @@ def _extrapolations_of_case(
     return worst_of([*told(checks, day.scenarios), *found])
 
 
-def _performance_as_it_is(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel
-) -> Callable[[SolarDay], Performance]:
-    """Performance of the aircraft as it is, under any sun."""
-    return lambda day: performance(aircraft, mission, solar, day=day)
-
-
-def _judged(
-    result: SizingResult,
-    aircraft: Aircraft,
-    mission: Mission,
+def _built(
     sun: Sunlight,
+    solar: SolarModel,
     reference: SolarModel,
+    objective: Objective,
+    required_excess_time_h: float,
 ) -> Built:
-    """Design of a sizing, as the reference sees it."""
+    """Design by a model, as the reference sees it."""
+    aircraft, mission = sun.aircraft, sun.mission
+    result = size_aircraft(
+        aircraft,
+        mission,
+        objective,
+        solar,
+        required_excess_time_h=required_excess_time_h,
+        day=sun.day(solar),
+    )
     if result.design is None:
         return Built(result, None)
     variables = result.design.variables
-    return Built(
-        result,
-        predict(
-            lambda day: performance_of_designs(aircraft, mission, variables, reference, day=day),
-            sun.day(reference),
-        ),
+    judged = predict(
+        lambda day: performance_of_designs(aircraft, mission, variables, reference, day=day),
+        sun.day(reference),
     )
-
-
-def _seasons(days: list[Flags], latitudes: list[float]) -> tuple[Season, tuple[Season, ...]]:
-    each = tuple(season_of(d, lat) for d, lat in zip(days, latitudes, strict=True))
-    together = np.logical_and.reduce(days)
-    return season_of(together, float(np.mean(latitudes))), each
+    return Built(result, judged)
 
 
 def _notes(

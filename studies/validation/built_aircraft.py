@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import ParametricAirframe
@@ -10,7 +10,6 @@ from sizing.library import load_aircraft
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import StructureModel
-from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
 
 
@@ -55,10 +54,6 @@ class BuiltAircraft:
     def mass_kg(self, model: StructureModel) -> Value:
         """Structural mass [kg] by a model."""
         return model.mass_kg(self.inputs())
-
-    def parts(self, model: RibWingStructure) -> StructureParts:
-        """Masses of the structure's parts [kg]."""
-        return model.breakdown(self.inputs())
 
     def inputs(self) -> StructureInputs:
         """What the structure is sized from, in level flight at the lift coefficient."""
@@ -105,7 +100,6 @@ SKY_SAILOR = BuiltAircraft(
     level_flight_w=16.0,
     structure_kg=0.725,
 )
-BUILT = (ATLANTIKSOLAR, SKY_SAILOR)
 
 
 def calibrated_rib_wing() -> RibWingStructure:
@@ -114,17 +108,3 @@ def calibrated_rib_wing() -> RibWingStructure:
     assert isinstance(airframe, ParametricAirframe)
     assert isinstance(airframe.structure, RibWingStructure)
     return airframe.structure
-
-
-def family(wingspan_m: Value) -> BuiltAircraft:
-    """AtlantikSolar at another span [m]: same aspect ratio, wing loading and shares of mass."""
-    scale = (wingspan_m / ATLANTIKSOLAR.wingspan_m) ** 2
-    return replace(
-        ATLANTIKSOLAR,
-        wingspan_m=wingspan_m,
-        total_mass_kg=scale * ATLANTIKSOLAR.total_mass_kg,
-        battery_mass_kg=scale * ATLANTIKSOLAR.battery_mass_kg,
-        wing_battery_kg=scale * ATLANTIKSOLAR.wing_battery_kg,
-        span_load_kg=scale * ATLANTIKSOLAR.span_load_kg,
-        structure_kg=None,
-    )

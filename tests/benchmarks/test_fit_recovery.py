@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks.fit_published import fit_published
 from benchmarks.fit_recovery import recover
-from studies.fitting.published import fit_published
 
 pytestmark = pytest.mark.slow
 

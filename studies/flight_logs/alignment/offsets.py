@@ -160,7 +160,8 @@ class _Part(NamedTuple):
             if fit is None:  # a level wing has no derivative by the heading
                 fit = fitted(self.model, self.measured, *start, heading=False)
             found.append(fit)
-        return [fit for fit in found if fit is not None and _plausible(fit.level)]
+        plausible = (fit for fit in found if fit is not None)
+        return [f for f in plausible if LEVELS[0] < f.level / _unit(f.level)[1] < LEVELS[1]]
 
 
 def _some(places: IntArray, most: int, rng: np.random.Generator) -> IntArray:
@@ -188,10 +189,6 @@ def _start(part: _Part, coarse: _Part) -> Fit | None:
         return best
     turns = best.turned_rad + np.radians([-30.0, -15.0, 15.0, 30.0])
     return min([best, *part.fits([(best.ahead_s, t) for t in turns])], key=lambda f: f.scale_w)
-
-
-def _plausible(level: float) -> bool:
-    return LEVELS[0] < level / _unit(level)[1] < LEVELS[1]
 
 
 def _unit(level: float) -> tuple[Unit, float]:
@@ -270,8 +267,11 @@ def _meaning_of_fit(model: ShiftedPower, measured: FloatArray, best: Fit) -> Ali
         clock = None
     clock_wrong = clock is not None and clock.exceeds(LEAST_TIME_S)
     heading_wrong = heading is not None and heading.exceeds(LEAST_HEADING_DEG)
-    if (clock_wrong or heading_wrong) and not _explains(model, measured, best):
-        clock_wrong = heading_wrong = False
+    if clock_wrong or heading_wrong:
+        as_logged = _levelled(measured, model.power_w(0.0, 0.0))
+        plain = biweight_cost(measured, as_logged, best.scale_w)
+        if not best.cost < (1.0 - LEAST_GAIN) * plain:
+            clock_wrong = heading_wrong = False
     return Alignment(
         power_unit=unit,
         level=best.level / scale,
@@ -312,12 +312,6 @@ def _twofold(best: Fit, model: ShiftedPower, measured: FloatArray) -> bool:
         if np.cos(turn - best.turned_rad) < np.cos(np.radians(3.0 * UNKNOWN_HEADING_DEG))
     ]
     return min(costs) < least
-
-
-def _explains(model: ShiftedPower, measured: FloatArray, best: Fit) -> bool:
-    """Whether the power fits clearly better than without any offset."""
-    plain = biweight_cost(measured, _levelled(measured, model.power_w(0.0, 0.0)), best.scale_w)
-    return best.cost < (1.0 - LEAST_GAIN) * plain
 
 
 def _levelled(measured: FloatArray, modelled: FloatArray) -> FloatArray:

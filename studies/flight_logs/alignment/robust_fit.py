@@ -66,6 +66,9 @@ def fitted(
 ) -> Fit | None:
     """Fit level, clock and heading by iteratively reweighted least squares.
 
+    ``scipy.optimize.least_squares`` takes as many evaluations of the model, but holds the scale of
+    the residuals, so that the rounds here would stay around it.
+
     ``measured``: measured power of the samples [W], in any unit. ``ahead_s``, ``turned_rad``:
     start: how far the clock is ahead [s], the heading clockwise [rad]. None if no light falls at
     that clock, or the power does not tell the clock.

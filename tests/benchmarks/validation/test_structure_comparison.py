@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from benchmarks.validation.structure_comparison import (
+    BUILT,
+    family,
     in_words,
     main,
     models,
@@ -24,10 +26,8 @@ from sizing.structures.models import AllPowerLawStructure
 from sizing.structures.torsion import WingTorsion
 from studies.validation.built_aircraft import (
     ATLANTIKSOLAR,
-    BUILT,
     SKY_SAILOR,
     calibrated_rib_wing,
-    family,
 )
 
 DESIGN = "atlantiksolar-design"

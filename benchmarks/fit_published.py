@@ -1,6 +1,6 @@
 """What the published figures of one flight say about the aircraft, and about another flight.
 
-``python -m studies.fitting.published`` takes the level power of AtlantikSolar AS-2 from the
+``python -m benchmarks.fit_published`` takes the level power of AtlantikSolar AS-2 from the
 night of its 28 h flight, fits usable energy and module efficiency to two states of charge of that
 flight, and predicts the figures of the 81 h flight. No log of either is published: there are no
 residuals, so there are no intervals; temperature and MPPT cannot be fitted to five numbers.
