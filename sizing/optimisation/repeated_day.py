@@ -189,7 +189,9 @@ class DesignInDays:
         def budget_kg(mass_kg: FloatArray, _: Any) -> FloatArray:
             return np.array([float(self._of_design(values, m)[0]) for m in mass_kg])
 
-        (mass_kg,) = lightest_mass_kg(budget_kg, np.array([self._least_mass_kg(values)]))
+        given = dict(zip(self.inputs, values, strict=True))
+        start_kg = np.array([given["battery_mass_kg"] + given["payload_mass_kg"]])
+        (mass_kg,) = lightest_mass_kg(budget_kg, start_kg)
         if not np.isfinite(mass_kg):
             raise ImpossibleDesignError("the design cannot carry its own mass")
         powers = np.asarray(self._of_design(values, mass_kg)[1]).ravel()
@@ -197,10 +199,6 @@ class DesignInDays:
         return State(
             float(mass_kg), np.array([dawn for dawn, _ in dawns]), tuple(r for _, r in dawns)
         )
-
-    def _least_mass_kg(self, values: FloatArray) -> float:
-        given = dict(zip(self.inputs, values, strict=True))
-        return float(given["battery_mass_kg"] + given["payload_mass_kg"])
 
     def _dawn(self, powers: FloatArray, sun: FloatArray) -> tuple[float, Regime]:
         """Charge at dawn of the repeated day, 0 where the battery runs empty, and what decides."""
@@ -210,9 +208,9 @@ class DesignInDays:
             deficit, charged = cycle(*powers[:4], dawn, powers[4:], sun)
             return float(deficit), float(charged)
 
-        deficit, at_best = day(0.0)
+        deficit, from_empty = day(0.0)
         best = 1.0 - deficit
-        if best < 0.0 or at_best < deficit:
+        if best < 0.0 or from_empty < deficit:
             return 0.0, Regime.limited
         if day(best)[1] >= 1.0:
             return best, Regime.filled
