@@ -5,6 +5,7 @@ from .exchange.airplane import to_aerosandbox as to_aerosandbox
 from .exchange.difference import DesignDifference as DesignDifference
 from .exchange.difference import compare_designs as compare_designs
 from .exchange.files import export_design as export_design
+from .exchange.openmdao_component import to_openmdao as to_openmdao
 from .exchange.schema import file_schema as file_schema
 from .fitting.calibration import Calibration as Calibration
 from .fitting.calibration import calibrate_aircraft as calibrate_aircraft

@@ -17,7 +17,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.design import thermal_shape
-from sizing.energy.battery import ChargeLimit, RuleChargeLimit, TableChargeLimit
+from sizing.energy.battery import ChargeLimit, NoChargeLimit, RuleChargeLimit, TableChargeLimit
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
@@ -119,10 +119,10 @@ def cycle_function(charge_limit: ChargeLimit) -> ca.Function:
     power, thermal = sun[:NODES], sun[NODES : 2 * NODES]
     step_h, dark_h = sun[2 * NODES], sun[2 * NODES + 1]
     net = area * power - nominal_w - propulsion_w * thermal
-    lacking = _mean_positive(-net[:-1], -net[1:])
+    lacking = mean_positive(-net[:-1], -net[1:])
     deficit_wh = ca.sum1(lacking) * step_h + dark_h * nominal_w
     deficit = deficit_wh / (efficiencies[1] * capacity_wh)
-    charged = _charged(charge_limit, dawn_soc, efficiencies[0] * net / capacity_wh, step_h)
+    charged = charge_path(charge_limit, dawn_soc, efficiencies[0] * net / capacity_wh, step_h)[-1]
     return ca.Function(
         "cycle",
         [area, capacity_wh, nominal_w, propulsion_w, dawn_soc, efficiencies, sun],
@@ -133,29 +133,26 @@ def cycle_function(charge_limit: ChargeLimit) -> ca.Function:
     )
 
 
-def _mean_positive(left: Any, right: Any) -> Any:
+def mean_positive(left: Any, right: Any) -> Any:
     """Mean positive part of what is linear over an interval, as in :mod:`sizing.energy.march`."""
     positive = ca.fmax(left, 0.0) + ca.fmax(right, 0.0)
     total = ca.fabs(left) + ca.fabs(right)
     return positive * positive / (2.0 * total + 1e-9)
 
 
-def _charged(limit: ChargeLimit, dawn_soc: Any, rate: Any, step_h: Any) -> Any:
-    """State of charge that a day's surplus leads to, beyond 1 where the sun would allow it.
+def charge_path(limit: ChargeLimit, dawn_soc: Any, rate: Any, step_h: Any) -> list[Any]:
+    """State of charge at the nodes that a day's surplus leads to, beyond 1 where the sun allows it.
 
     ``rate`` is what the sun offers at the nodes [1/h], negative where it does not carry the load.
     """
-    gains = _mean_positive(rate[:-1], rate[1:]) * step_h
-    if isinstance(limit, RuleChargeLimit):
-        step = _charge_step(_by_rule(limit))
-    elif isinstance(limit, TableChargeLimit):
-        step = _charge_step(_by_table(limit))
-    else:
-        return dawn_soc + ca.sum1(gains)
-    soc = dawn_soc
+    gains = mean_positive(rate[:-1], rate[1:]) * step_h
+    path = [dawn_soc]
+    if isinstance(limit, NoChargeLimit):
+        return path + ca.vertsplit(dawn_soc + ca.cumsum(gains))
+    step = _charge_step(_by_rule(limit) if isinstance(limit, RuleChargeLimit) else _by_table(limit))
     for k in range(NODES - 1):
-        soc = step(soc, gains[k], rate[k], rate[k + 1], step_h)
-    return soc
+        path.append(step(path[-1], gains[k], rate[k], rate[k + 1], step_h))
+    return path
 
 
 def _charge_step(charger: Charger) -> ca.Function:
@@ -169,8 +166,8 @@ def _charge_step(charger: Charger) -> ca.Function:
     soc, gain, hours = ca.SX.sym("soc"), ca.SX.sym("gain"), ca.SX.sym("hours")
     left, right = ca.SX.sym("left"), ca.SX.sym("right")
     taken = charger(soc, hours)
-    above = _mean_positive(left - taken.first_rate, right - taken.last_rate) * hours
-    below = _mean_positive(taken.first_rate - left, taken.last_rate - right) * hours
+    above = mean_positive(left - taken.first_rate, right - taken.last_rate) * hours
+    below = mean_positive(taken.first_rate - left, taken.last_rate - right) * hours
     by_sun, by_charger = gain - above, taken.charge - below
     charge = (below * by_sun + above * by_charger) / (above + below + _NOTHING)
     return ca.Function("charge", [soc, gain, left, right, hours], [soc + charge])

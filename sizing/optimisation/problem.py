@@ -295,12 +295,12 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     """
     values: dict[str, Any] = {
         key: 1.0 if parameter_value(aircraft, None, key) else 0.0
-        for key in _numbers_taken_out(aircraft)
+        for key in numbers_taken_out(aircraft)
     }
     return all_replaced(aircraft, values | {"name": "kind", "description": ""})
 
 
-def _numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
+def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
     """Keys of the numbers that are parameters, or play no part in any formula of the program."""
     tabulated = not isinstance(getattr(aircraft.airframe, "aerodynamics", None), DragPolar)
     return tuple(
@@ -318,7 +318,7 @@ def _numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
 def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) -> Program:
     """Program of a kind of aircraft; ``limits`` is the order of its limits."""
     chosen = chosen_variables(kind, eased=eased)
-    technology = _numbers_taken_out(kind)
+    technology = numbers_taken_out(kind)
     design, requirements = _design_function(kind, chosen, technology)
     free = ca.MX.sym("design", len(chosen))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)

@@ -27,6 +27,7 @@ TIMEOUT_S = 600
 FEWER = {
     "span_for_a_season.py": ("SHARES = (0.5, 0.7, 0.8, 0.9, 0.95, 0.99)", "SHARES = (0.5, 0.95)"),
 }
+COUPLED = "coupled_drag_model.py"  # needs OpenMDAO
 # Studies that draw a figure into a file if they are given one.
 DRAWING = [
     ("compare_models.py", r"Sized with uncorrected CDM .* \(sized with corrected FM: a span of "),
@@ -125,11 +126,19 @@ def test_study_prints_its_result_and_draws(
     assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.extra
+def test_example_that_couples_models_prints_its_result(run_script: Script) -> None:
+    pytest.importorskip("openmdao.api")
+    printed = run_script(EXAMPLES / COUPLED)
+    spans = [float(found) for found in re.findall(r"span (\d\.\d\d) m", printed)]
+    assert spans == pytest.approx([5.06, 5.18], abs=0.02), printed
+    assert printed.count("worst excess time 3.0") == 2
+
+
 def test_every_example_is_tested() -> None:
+    others = ["analyse_atlantiksolar.py", "climb_and_ceiling.py", "size_an_aircraft.py", COUPLED]
     drawing = [name for name, _ in DRAWING]
-    assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(
-        ["analyse_atlantiksolar.py", "climb_and_ceiling.py", "size_an_aircraft.py", *drawing]
-    )
+    assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted([*others, *drawing])
 
 
 def test_own_sky_and_curve_are_used(
