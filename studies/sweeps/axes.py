@@ -53,41 +53,26 @@ NAMED_KEYS: dict[str, Kind] = {
 
 _NAMED_LABELS: dict[Kind, str] = {"cells": "solar cell", "batteries": "battery", "motors": "motor"}
 
-# How names that the catalogue of parameters has not end -> unit as CF spells it; longer ones first.
-_UNITS = (
-    ("_wh_per_kg", "W h kg-1"),
-    ("_kg_per_m2", "kg m-2"),
-    ("_kg_per_m3", "kg m-3"),
-    ("_kg_per_w", "kg W-1"),
-    ("_m_per_s", "m s-1"),
-    ("_per_k", "K-1"),
-    ("_per_h", "h-1"),
-    ("_m2", "m2"),
-    ("_kg", "kg"),
-    ("_wh", "W h"),
-    ("_deg", "degree"),
-    ("_m", "m"),
-    ("_w", "W"),
-    ("_h", "h"),
-    ("_c", "degC"),
-    ("_k", "K"),
-    ("_v", "V"),
-    ("_a", "A"),
-)
-# How readers write what CF spells otherwise.
-_LABELS = {
-    "W h kg-1": "Wh/kg",
-    "kg m-2": "kg/m²",
-    "kg m-3": "kg/m³",
-    "kg W-1": "kg/W",
-    "m s-1": "m/s",
-    "K-1": "1/K",
-    "h-1": "1/h",
-    "m2": "m²",
-    "W h": "Wh",
-    "degree": "deg",
-    "degrees_north": "deg N",
-    "degC": "°C",
+# How names that the catalogue of parameters has not end -> unit as readers write it; longer first.
+_UNITS = {
+    "_wh_per_kg": "Wh/kg",
+    "_kg_per_m2": "kg/m²",
+    "_kg_per_m3": "kg/m³",
+    "_kg_per_w": "kg/W",
+    "_m_per_s": "m/s",
+    "_per_k": "1/K",
+    "_per_h": "1/h",
+    "_m2": "m²",
+    "_kg": "kg",
+    "_wh": "Wh",
+    "_deg": "deg",
+    "_m": "m",
+    "_w": "W",
+    "_h": "h",
+    "_c": "°C",
+    "_k": "K",
+    "_v": "V",
+    "_a": "A",
 }
 
 
@@ -122,7 +107,7 @@ def unit_of(key: str) -> str:
     known = catalogue().get(key)
     if known is not None:
         return cf_unit(known.unit)
-    return next((unit for ending, unit in _UNITS if key.endswith(ending)), "1")
+    return next((cf_unit(unit) for ending, unit in _UNITS.items() if key.endswith(ending)), "1")
 
 
 def axis_label(key: str) -> str:
@@ -135,10 +120,11 @@ def axis_label(key: str) -> str:
 
 def cf_unit(unit: str) -> str:
     """Unit as CF spells it: ``W h kg-1`` for ``Wh/kg``."""
-    above, _, below = re.sub(r"Wh\b", "W h", unit).partition("/")
+    plain = unit.translate({ord("²"): "2", ord("³"): "3", ord("°"): "deg"})
+    above, _, below = re.sub(r"Wh\b", "W h", plain).partition("/")
     divided = re.sub(r"([A-Za-z]+)(\d*)", lambda m: f"{m[1]}-{m[2] or 1}", below)
-    plain = {"deg": "degree", "1": "" if divided else "1"}.get(above, above)
-    return f"{plain} {divided}".strip()
+    above = {"deg": "degree", "1": "" if divided else "1"}.get(above, above)
+    return f"{above} {divided}".strip()
 
 
 def unit_label(unit: str) -> str:
@@ -146,9 +132,12 @@ def unit_label(unit: str) -> str:
     return _LABELS.get(unit, unit)
 
 
+_LABELS = {cf_unit(label): label for label in _UNITS.values()} | {"degrees_north": "deg N"}
+
+
 def without_unit(name: str) -> str:
     """Name without the unit that it ends in."""
-    return next((name.removesuffix(end) for end, _ in _UNITS if name.endswith(end)), name)
+    return next((name.removesuffix(end) for end in _UNITS if name.endswith(end)), name)
 
 
 def axis_names(axes: Sequence[Axis]) -> list[str]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -15,7 +16,7 @@ from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.flight_path import path_trouble
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, DesignSpace, Range
+from sizing.aircraft import Aircraft, DesignSpace, MeasuredAirframe, Range
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import design_requirements
@@ -153,20 +154,41 @@ def _unflyable(solar: SolarModel, mission: Mission) -> str | None:
     return None if trouble is None else f"flight path: {trouble}"
 
 
-def _problems(error: InputError) -> str:
-    return "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
+def _flyable(
+    configuration: SweepConfiguration,
+    cells: Sequence[Cell],
+    rows: list[dict[str, Any]],
+    statuses: type[Status] | type[SizingStatus],
+) -> Iterator[tuple[list[int], Aircraft, Mission]]:
+    """Numbers of the cells that differ in design variables alone, with their aircraft and mission.
 
-
-def _groups(
-    configuration: SweepConfiguration, cells: Sequence[Cell], batch: Sequence[str]
-) -> dict[tuple[float, ...], list[int]]:
-    """Numbers of the cells that have the same values of all keys outside the batch."""
+    Cells that no aircraft can have or no mission can be flown with get their row here.
+    """
+    documents = (
+        Document("aircraft", dict(configuration.aircraft)),
+        Document("mission", dict(configuration.mission)),
+    )
+    measured = configuration.aircraft["airframe"]["kind"] == "measured"
+    in_files = [measured or design_variable(key) is None for key in configuration.keys]
+    keys = list(itertools.compress(configuration.keys, in_files))
     groups: dict[tuple[float, ...], list[int]] = {}
     for number, cell in enumerate(cells):
-        pairs = zip(configuration.keys, cell, strict=True)
-        own = tuple(value for key, value in pairs if key not in batch)
-        groups.setdefault(own, []).append(number)
-    return groups
+        groups.setdefault(tuple(itertools.compress(cell, in_files)), []).append(number)
+    for values, numbers in groups.items():
+        try:
+            with texts_as_read(configuration.tables):
+                aircraft, mission = varied_files(*documents, keys, values, configuration.names)
+        except InputError as error:
+            text = "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
+            row: dict[str, Any] = {"status": statuses.invalid, "message": text}
+        else:
+            trouble = _unflyable(configuration.solar, mission)
+            if trouble is None:
+                yield numbers, aircraft, mission
+                continue
+            row = {"status": statuses.infeasible, "message": trouble}
+        for number in numbers:
+            rows[number] = row
 
 
 def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -177,41 +199,19 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
     :data:`DESCRIBED`.
     """
     rows: list[dict[str, Any]] = [{} for _ in cells]
-    aircraft_file = Document("aircraft", dict(configuration.aircraft))
-    mission_file = Document("mission", dict(configuration.mission))
-    measured = configuration.aircraft["airframe"]["kind"] == "measured"
-    design = {design_variable(key): key for key in configuration.keys}
-    batch = [] if measured else [key for name, key in design.items() if name is not None]
-    keys = [key for key in configuration.keys if key not in batch]
-    for own, numbers in _groups(configuration, cells, batch).items():
-        try:
-            with texts_as_read(configuration.tables):
-                aircraft, mission = varied_files(
-                    aircraft_file, mission_file, keys, own, configuration.names
-                )
-        except InputError as error:
-            for number in numbers:
-                rows[number] = {"status": Status.invalid, "message": _problems(error)}
-            continue
-        trouble = _unflyable(configuration.solar, mission)
-        if trouble is not None:
-            for number in numbers:
-                rows[number] = {"status": Status.infeasible, "message": trouble}
-            continue
-        if measured:
+    for numbers, aircraft, mission in _flyable(configuration, cells, rows, Status):
+        if isinstance(aircraft.airframe, MeasuredAirframe):
             found = performance(aircraft, mission, configuration.solar)
             outside = {"extrapolations": as_text(extrapolations(aircraft, found))}
-            rows[numbers[0]] = (
-                _row_of_design(found, mission, (), {}, found.worst_endurance_h()) | outside
-            )
-            for number in numbers[1:]:  # the same point twice
-                rows[number] = rows[numbers[0]]
+            row = _row_of_design(found, mission, (), {}, found.worst_endurance_h()) | outside
+            for number in numbers:  # the same point, if it is there twice
+                rows[number] = row
             continue
         columns = np.array([cells[number] for number in numbers]).T
         given = dict(zip(configuration.keys, columns, strict=True))
         variables = _variables(configuration, aircraft, given, len(numbers))
-        lit = solar_day(aircraft, mission, configuration.solar)
-        found = performance_of_designs(aircraft, mission, variables, configuration.solar, day=lit)
+        day = solar_day(aircraft, mission, configuration.solar)
+        found = performance_of_designs(aircraft, mission, variables, configuration.solar, day=day)
         missed = _missed(aircraft, mission, found)
         texts = cell_texts(flight_checks(aircraft, found), len(numbers))
         endurance_h = found.worst_endurance_h()
@@ -337,40 +337,23 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
     from studies.output.sized_columns import sizing_row
 
     assert configuration.objective is not None
-    aircraft_file = Document("aircraft", dict(configuration.aircraft))
-    mission_file = Document("mission", dict(configuration.mission))
-    names = {key: design_variable(key) for key in configuration.keys}
-    rows = []
+    rows: list[dict[str, Any]] = [{} for _ in cells]
     problems: SizingProblems | None = None
-    for cell in cells:
-        given = dict(zip(configuration.keys, cell, strict=True))
-        files = {key: value for key, value in given.items() if names[key] is None}
-        fixed = {str(names[key]): value for key, value in given.items() if names[key] is not None}
-        try:
-            with texts_as_read(configuration.tables):
-                aircraft, mission = varied_files(
-                    *(aircraft_file, mission_file, list(files), list(files.values())),
-                    configuration.names,
-                )
-        except InputError as error:
-            rows.append({"status": SizingStatus.invalid, "message": _problems(error)})
-            continue
-        trouble = _unflyable(configuration.solar, mission)
-        if trouble is not None:
-            rows.append({"status": SizingStatus.infeasible, "message": trouble})
-            continue
-        sized = held(aircraft, fixed)
-        if problems is None or problems.aircraft != sized:
-            problems = SizingProblems(sized)
-        result = size_aircraft(
-            problems.aircraft,
-            mission,
-            configuration.objective,
-            configuration.solar,
-            problems=problems,
-        )
-        row = {PAYLOAD_MASS.variable: mission.payload.mass_kg} | sizing_row(result)
-        if result.simulated is not None:
-            row["extrapolations"] = as_text(extrapolations(aircraft, result.simulated))
-        rows.append(row)
+    for numbers, aircraft, mission in _flyable(configuration, cells, rows, SizingStatus):
+        for number in numbers:
+            given = zip(map(design_variable, configuration.keys), cells[number], strict=True)
+            sized = held(aircraft, {name: value for name, value in given if name is not None})
+            if problems is None or problems.aircraft != sized:
+                problems = SizingProblems(sized)
+            result = size_aircraft(
+                problems.aircraft,
+                mission,
+                configuration.objective,
+                configuration.solar,
+                problems=problems,
+            )
+            row = {PAYLOAD_MASS.variable: mission.payload.mass_kg} | sizing_row(result)
+            if result.simulated is not None:
+                row["extrapolations"] = as_text(extrapolations(aircraft, result.simulated))
+            rows[number] = row
     return {name: [row.get(name, blank) for row in rows] for name, blank in SIZED_BLANKS.items()}
