@@ -286,7 +286,7 @@ class _Run:
 
     def outcome(self) -> Outcome:
         kept = self._take_kept()
-        self._tell()
+        self._report_progress()
         while self.waiting or self.flying:
             while self.waiting and len(self.flying) < self.pool.size(
                 len(self.waiting) + len(self.flying)
@@ -308,7 +308,7 @@ class _Run:
     def _take_kept(self) -> int:
         """Read the chunks that an earlier run has left; the others wait."""
         for number, chunk in enumerate(self.job.chunks):
-            part = self._kept(number, len(chunk))
+            part = self._kept_part(number, len(chunk))
             if part is None:
                 self.waiting.append(number)
             else:
@@ -316,7 +316,7 @@ class _Run:
                 self.done += len(chunk)
         return len(self.parts)
 
-    def _kept(self, number: int, cells: int) -> Part | None:
+    def _kept_part(self, number: int, cells: int) -> Part | None:
         """Part of a chunk that an earlier run has left; none that failed or cannot be a result."""
         if self.store is None:
             return None
@@ -369,8 +369,8 @@ class _Run:
             self.store.write(self.keys[number], part)
         self.parts[number] = part
         self.done += len(self.job.chunks[number])
-        self._tell()
+        self._report_progress()
 
-    def _tell(self) -> None:
+    def _report_progress(self) -> None:
         if self.progress is not None:
             self.progress(self.done, len(self.job.cells))
