@@ -8,6 +8,7 @@ from .design import DesignVariables as DesignVariables
 from .design import ImpossibleDesignError as ImpossibleDesignError
 from .design import closed_design as closed_design
 from .design import design_of as design_of
+from .design import with_total_mass as with_total_mass
 from .energy.battery import Battery as Battery
 from .energy.cycle import Cycle as Cycle
 from .energy.cycle import simulate_cycle as simulate_cycle
