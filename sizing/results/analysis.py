@@ -20,7 +20,7 @@ from sizing.results import quantities as q
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite
-from sizing.results.tables import Result
+from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
@@ -194,21 +194,17 @@ class Analysis(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """Metrics of every scenario, one row each; infinite where unlimited."""
-        import pandas as pd
-
         scenarios = self.performance.day.scenarios
         columns = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
         columns |= {one.name: self.values[one] for one in q.SCENARIO_FRAME}
-        return pd.DataFrame(columns)
+        return data_frame(columns)
 
     def trajectory(self) -> pd.DataFrame:
         """Power and state of charge over the cycle of every scenario, one row per node of time."""
-        import pandas as pd
-
         perf = self.performance
         scenarios = perf.day.scenarios
         nodes = len(perf.day.time_h)
-        table = pd.DataFrame(
+        table = data_frame(
             {
                 "latitude_deg": np.repeat(scenarios.latitude_deg, nodes),
                 "day_of_year": np.repeat(scenarios.day_of_year, nodes),

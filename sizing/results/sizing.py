@@ -43,7 +43,7 @@ from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records
 from sizing.results.records import check_subjects, finite, finite_values
-from sizing.results.tables import Result
+from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import record_check, stall_margin_within_polar
@@ -275,28 +275,22 @@ class SizingStudy(Result):
         ValueError
             Where no optimum was found.
         """
-        import pandas as pd
-
         rows = [(one.label, value, one.unit) for one, value in self.design_values()]
-        return pd.DataFrame(rows, columns=["quantity", "value", "unit"])
+        return data_frame(rows, columns=["quantity", "value", "unit"])
 
     def masses(self) -> pd.DataFrame:
         """Mass budget, one row per item."""
-        import pandas as pd
-
         masses = self._optimum().masses._asdict()
-        return pd.DataFrame({"item": list(masses), "mass_kg": list(masses.values())})
+        return data_frame({"item": list(masses), "mass_kg": list(masses.values())})
 
     def scenarios(self) -> pd.DataFrame:
         """Metrics of the optimum in every scenario, one row each."""
-        import pandas as pd
-
         self._optimum()
         perf = self.result.simulated
         assert perf is not None
         scenarios = perf.day.scenarios
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        return pd.DataFrame(places | {one.name: one.of(perf) for one in q.REACHED_FRAME})
+        return data_frame(places | {one.name: one.of(perf) for one in q.REACHED_FRAME})
 
 
 def size(

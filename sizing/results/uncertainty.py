@@ -14,7 +14,7 @@ from sizing.aircraft import Aircraft
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHARGE, Quantity
 from sizing.results.records import check_subjects, finite, finite_values, hours, percentiles
-from sizing.results.tables import Column, Line, Result, Summary, Table, facts
+from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
 from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
@@ -133,9 +133,7 @@ class UncertaintyAnalysis(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """A row a draw: its inputs, excess time, least state of charge, mass and power."""
-        import pandas as pd
-
-        return pd.DataFrame(
+        return data_frame(
             self.values | {one.name: getattr(self.flights, one.name) for one in DRAWN}
         )
 

@@ -13,7 +13,7 @@ from sizing.parameters import catalogue, parameter, parameter_value
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.records import finite_values
-from sizing.results.tables import MISSING, Column, Table
+from sizing.results.tables import MISSING, Column, Table, data_frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -83,9 +83,7 @@ class DesignSheet:
 
     def to_frame(self) -> pd.DataFrame:
         """Quantities as a pandas frame, all digits."""
-        import pandas as pd
-
-        return pd.DataFrame([vars(quantity) for quantity in self.quantities])
+        return data_frame([vars(quantity) for quantity in self.quantities])
 
     def to_dict(self) -> dict[str, Any]:
         """Values by key, JSON-ready."""

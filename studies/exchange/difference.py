@@ -12,7 +12,7 @@ from sizing.aircraft import Aircraft
 from sizing.parameters import MISSION_PREFIX
 from sizing.results.analysis import Analysis
 from sizing.results.records import finite
-from sizing.results.tables import MISSING, Column, Result, Summary, Table
+from sizing.results.tables import MISSING, Column, Result, Summary, Table, data_frame
 from studies.exchange.design_sheet import (
     DesignSheet,
     Entry,
@@ -103,10 +103,8 @@ class DesignDifference(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """Quantities of both designs as a pandas frame, all digits."""
-        import pandas as pd
-
         rows = [(q.key, q.label, q.unit, a, b, difference(a, b)) for q, a, b in self.rows()]
-        return pd.DataFrame(rows, columns=["key", "label", "unit", "a", "b", "difference"])
+        return data_frame(rows, columns=["key", "label", "unit", "a", "b", "difference"])
 
     def _compared_quantities(self) -> Table:
         columns = (

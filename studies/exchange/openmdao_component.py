@@ -123,17 +123,17 @@ def _component_class() -> Any:
             self.declare_partials("*", "*")
 
         def compute(self, inputs: Any, outputs: Any) -> None:
-            results = self._function.results(*self._at(inputs))
+            results = self._function.results(*self._solved_at(inputs))
             for name, part in self._parts(results).items():
                 outputs[name] = part
 
         def compute_partials(self, inputs: Any, partials: Any) -> None:
-            jacobian = self._function.jacobian(*self._at(inputs))
+            jacobian = self._function.jacobian(*self._solved_at(inputs))
             for name, rows in self._parts(jacobian).items():
                 for column, given in enumerate(self._names.values()):
                     partials[name, given] = rows[:, column]
 
-        def _at(self, inputs: Any) -> tuple[FloatArray, State]:
+        def _solved_at(self, inputs: Any) -> tuple[FloatArray, State]:
             """Values of the inputs, and what they solve for: found once for both calls."""
             values = np.array([float(inputs[name].item()) for name in self._names.values()])
             if self._solved is None or not np.array_equal(values, self._solved[0]):

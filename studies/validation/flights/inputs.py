@@ -196,7 +196,7 @@ INPUTS = {
 }
 
 
-def _spread(row: dict[str, Any]) -> Spread:
+def _spread_of(row: dict[str, Any]) -> Spread:
     """Spread as the file gives it; ``error_of`` stands for the RMS error of a model in flight."""
     if "error_of" in row:
         error = REPORTED_ERRORS[row["error_of"]].rms
@@ -204,9 +204,9 @@ def _spread(row: dict[str, Any]) -> Spread:
     return Spread(INPUTS[row["input"]], row["low"], row["high"], row["source"])
 
 
-def _miss(row: dict[str, Any]) -> Miss:
+def _miss_of(row: dict[str, Any]) -> Miss:
     flight = FLIGHTS[row["flight"]]
-    return Miss(flight, flight.quantity(row["quantity"]), tuple(map(_spread, row["inputs"])))
+    return Miss(flight, flight.quantity(row["quantity"]), tuple(map(_spread_of, row["inputs"])))
 
 
-MISSES = tuple(map(_miss, data()["differences"]))
+MISSES = tuple(map(_miss_of, data()["differences"]))

@@ -209,7 +209,7 @@ def data() -> dict[str, Any]:
     return read
 
 
-def _hours(value: float | str) -> float:
+def _hours_written(value: float | str) -> float:
     """Hours, written as such or as ``hours:minutes``."""
     if isinstance(value, str):
         hours, minutes = value.split(":")
@@ -217,12 +217,12 @@ def _hours(value: float | str) -> float:
     return value
 
 
-def _quantity(name: str, row: dict[str, Any]) -> Quantity:
+def _published_quantity(name: str, row: dict[str, Any]) -> Quantity:
     return Quantity(
         name,
         row["unit"],
-        _hours(row["published"]),
-        _hours(row["allowed"]),
+        _hours_written(row["published"]),
+        _hours_written(row["allowed"]),
         COMPUTED[row["compute"]],
         row.get("known_miss", False),
     )
@@ -230,7 +230,7 @@ def _quantity(name: str, row: dict[str, Any]) -> Quantity:
 
 def _flight(row: dict[str, Any]) -> Flight:
     facts = tuple(Fact(name, **fact) for name, fact in row["facts"].items())
-    quantities = tuple(_quantity(*item) for item in row["quantities"].items())
+    quantities = tuple(_published_quantity(*item) for item in row["quantities"].items())
     return Flight(row["name"], row["aircraft"], row["mission"], facts, quantities)
 
 
