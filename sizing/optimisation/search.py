@@ -220,7 +220,7 @@ class _Sizing:
     @cached_property
     def first(self) -> Performance:
         """What the simulator finds for the design that the search starts from."""
-        return _start_flown(self.solver, self.start, coarse=self.rough)
+        return _start_flown(self.solver, self.start.mapped(float), coarse=self.rough)
 
     def explained(self) -> SizingResult:
         """Why a run has found no design; or the design, after all."""
