@@ -11,7 +11,7 @@ from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import DesignVariables
+from sizing.design import DesignVariables, variables_of
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
@@ -329,3 +329,13 @@ def test_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
 def test_measured_aircraft_is_not_sized() -> None:
     with pytest.raises(TypeError, match="measured aircraft"):
         size_aircraft(AS2, mission())
+
+
+def test_a_start_may_hold_arrays() -> None:
+    """As the optimum of a search with margins does, from which the next one starts."""
+    start = variables_of(DESIGN)
+    found = [
+        size_aircraft(DESIGN, mission(), Objective.min_mass, start=one)
+        for one in (start, start.mapped(np.asarray))
+    ]
+    assert found[0].objective_value == found[1].objective_value is not None
