@@ -70,6 +70,8 @@ class MeasuredAirframe(Record):
     Power at another mass or density is scaled with mass^1.5 and density^-0.5.
     """
 
+    unaccounted_mass_key: ClassVar[str] = "mass_without_battery_kg"
+
     kind: Literal["measured"]
     wingspan_m: PositiveReal
     aspect_ratio: PositiveReal
@@ -162,6 +164,8 @@ class ParametricAirframe(Record):
     explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS | dict.fromkeys(
         ("chord_m", "mean_chord_m", "wing_area_m2"), _CHORD
     )
+
+    unaccounted_mass_key: ClassVar[str] = "other_mass_kg"
 
     kind: Literal["parametric"]
     wingspan_m: PositiveReal

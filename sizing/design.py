@@ -7,9 +7,11 @@ budget as a constraint, :func:`closed_design` solves it by iteration.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from operator import itemgetter
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +22,7 @@ from missions.mission import Mission
 from sizing.aerodynamics.parabolic import DragPolar, Polar, level_flight_power_w, scaled_power_w
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
-from sizing.parameters import replaced
+from sizing.parameters import catalogue, replaced
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
@@ -55,6 +57,19 @@ class DesignVariables(NamedTuple):
     def chosen(self) -> dict[str, Value]:
         """Variables that are chosen, by name."""
         return {name: value for name, value in self._asdict().items() if value is not None}
+
+
+@cache
+def variable_keys() -> Mapping[str, str]:
+    """Design variables by their keys in the files; those of the mission have its prefix."""
+    named = {
+        key: one.name
+        for key, one in catalogue().items()
+        if one.name in DesignVariables._fields and one.name != key
+    }
+    # The catalogue has it as technology of the airframe, and of a design under its own name.
+    lift = {"airframe.aerodynamics.lift_coefficient": "lift_coefficient"}
+    return MappingProxyType(named | lift)
 
 
 class Masses(NamedTuple):
@@ -548,10 +563,11 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
     """
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
-        key, rest_kg = "mass_without_battery_kg", aircraft.battery.mass_kg + mission.payload.mass_kg
+        rest_kg = aircraft.battery.mass_kg + mission.payload.mass_kg
     else:
         masses = parametric_design(aircraft, mission, variables_of(aircraft), total_mass_kg).masses
-        key, rest_kg = "other_mass_kg", float(masses.total_kg - masses.other)
+        rest_kg = float(masses.total_kg - masses.other)
+    key = airframe.unaccounted_mass_key
     other_kg = total_mass_kg - rest_kg
     if other_kg < 0.0 or (other_kg == 0.0 and isinstance(airframe, MeasuredAirframe)):
         raise ImpossibleDesignError(

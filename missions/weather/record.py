@@ -7,7 +7,8 @@ meteorological years, put together from months of several years) they are those 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -102,6 +103,15 @@ class Weather:
 
     def __len__(self) -> int:
         return len(self.start_s)
+
+    def origin(self) -> dict[str, Any]:
+        """Where it comes from and what it is, JSON-ready: the head of records of results."""
+        return {
+            "source": self.source,
+            "layout": self.layout,
+            "typical_year": self.typical,
+            "site": asdict(self.site),
+        }
 
     @property
     def days(self) -> float:

@@ -25,7 +25,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, DesignVariables
+from sizing.design import Design, DesignVariables, variable_keys
 from sizing.margins.search import MarginSearch, Trial
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
@@ -56,17 +56,6 @@ _INCOME_STEP = 1.0  # of the margin on income, in standard deviations: brackets 
 _INCOME_TOLERANCE = 0.25  # of that margin: at the summit it moves the probability by 0.1 %
 _STEEPEST = 2.5  # rise of the reliability index with that of the margins
 _LEAST_SPREAD = 0.003  # of income and storage, where no input moves them
-
-# Keys of what the sizing chooses; distributions with ends of their own do not move with it.
-_CHOSEN = {
-    "airframe.wingspan_m": "wingspan_m",
-    "airframe.aspect_ratio": "aspect_ratio",
-    "airframe.aerodynamics.lift_coefficient": "lift_coefficient",
-    "battery.mass_kg": "battery_mass_kg",
-    "modules.area_m2": "module_area_m2",
-    "mission.payload.mass_kg": "payload_mass_kg",
-    "mission.payload.power_w": "payload_power_w",
-}
 
 
 @dataclass(frozen=True)
@@ -118,7 +107,8 @@ def check_reliability(
             "battery.specific_energy_wh_per_kg: {relative_sigma: 0.04}"
         )
     for one in own:
-        if one.key in _CHOSEN and not hasattr(one.distribution, "relative_sigma"):
+        # The distribution of what is chosen moves with it; one with ends of its own does not.
+        if one.key in variable_keys() and not hasattr(one.distribution, "relative_sigma"):
             raise ValueError(
                 f"{one.key} is chosen by the sizing: uncertainty.inputs.{one.key} must be normal "
                 f"or lognormal, around what is chosen (got {one.distribution.distribution})"
@@ -334,7 +324,7 @@ class _ReliableSizing(MarginSearch):
         """Flights of the draws of a design, and its uncertain inputs."""
         craft, mission = self.aircraft, self.mission
         chosen = design.variables.chosen()
-        for key, name in _CHOSEN.items():
+        for key, name in variable_keys().items():
             if name in chosen:
                 craft, mission = with_parameter(craft, mission, key, float(chosen[name]))
         inputs = uncertain_inputs(craft, mission, self.solar)

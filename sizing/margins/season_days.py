@@ -104,18 +104,9 @@ class Survival:
     def to_dict(self) -> dict[str, Any]:
         """Record, JSON-ready."""
         weather, clear = self.weather, self.clear_sky_days
-        site, season = weather.site, self.mission.dates.range()
+        season = self.mission.dates.range()
         return {
-            "source": weather.source,
-            "layout": weather.layout,
-            "typical_year": weather.typical,
-            "site": {
-                "name": site.name,
-                "latitude_deg": site.latitude_deg,
-                "longitude_deg": site.longitude_deg,
-                "altitude_m": site.altitude_m,
-                "utc_offset_h": site.utc_offset_h,
-            },
+            **weather.origin(),
             "flight_altitude_m": self.mission.altitude_m,
             "season": {"from": date_code(season[0]), "to": date_code(season[-1])},
             "required": self.required,

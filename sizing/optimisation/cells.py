@@ -392,7 +392,7 @@ def _by_cell(perf: Performance, each: int) -> Performance:
 
     def first(value: Value) -> Value:
         if isinstance(value, tuple):  # design, variables and masses
-            return type(value)._make(first(one) for one in value)  # type: ignore[attr-defined]  # named
+            return type(value)._make(first(one) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
         return np.asarray(value)[::each] if np.ndim(value) else value
 
     of_cells = ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")

@@ -37,6 +37,15 @@ class _Taken(NamedTuple):
     last_rate: Any
 
 
+class NodeBalance(NamedTuple):
+    """Solar power less load at the nodes [W], what is lacking [Wh], step and darkness [h]."""
+
+    net_w: Any
+    deficit_wh: Any
+    step_h: Any
+    dark_h: Any
+
+
 Charger = Callable[[Any, Any], _Taken]
 
 
@@ -116,13 +125,10 @@ def cycle_function(charge_limit: ChargeLimit) -> ca.Function:
     nominal_w, propulsion_w = ca.SX.sym("nominal"), ca.SX.sym("propulsion")
     dawn_soc, sun = ca.SX.sym("dawn"), ca.SX.sym("sun", SUN_PARAMETERS)
     efficiencies = ca.SX.sym("efficiencies", 2)
-    power, thermal = sun[:NODES], sun[NODES : 2 * NODES]
-    step_h, dark_h = sun[2 * NODES], sun[2 * NODES + 1]
-    net = area * power - nominal_w - propulsion_w * thermal
-    lacking = mean_positive(-net[:-1], -net[1:])
-    deficit_wh = ca.sum1(lacking) * step_h + dark_h * nominal_w
-    deficit = deficit_wh / (efficiencies[1] * capacity_wh)
-    charged = charge_path(charge_limit, dawn_soc, efficiencies[0] * net / capacity_wh, step_h)[-1]
+    balance = node_balance(area, nominal_w, propulsion_w, sun)
+    deficit = balance.deficit_wh / (efficiencies[1] * capacity_wh)
+    rate = efficiencies[0] * balance.net_w / capacity_wh
+    charged = charge_path(charge_limit, dawn_soc, rate, balance.step_h)[-1]
     return ca.Function(
         "cycle",
         [area, capacity_wh, nominal_w, propulsion_w, dawn_soc, efficiencies, sun],
@@ -131,6 +137,15 @@ def cycle_function(charge_limit: ChargeLimit) -> ca.Function:
         # fifths of the time of its five columns one by one.
         {"is_diff_in": [True] * 5 + [False] * 2, "never_inline": True, "jac_penalty": 0},
     )
+
+
+def node_balance(area: Any, nominal_w: Any, propulsion_w: Any, sun: Any) -> NodeBalance:
+    """Power of a scenario's nodes, and the energy that the sun lacks over the day."""
+    step_h, dark_h = sun[2 * NODES], sun[2 * NODES + 1]
+    net = area * sun[:NODES] - nominal_w - propulsion_w * sun[NODES : 2 * NODES]
+    lacking = mean_positive(-net[:-1], -net[1:])
+    deficit_wh = ca.sum1(lacking) * step_h + dark_h * nominal_w
+    return NodeBalance(net, deficit_wh, step_h, dark_h)
 
 
 def mean_positive(left: Any, right: Any) -> Any:

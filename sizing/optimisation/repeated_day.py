@@ -34,7 +34,7 @@ from sizing.optimisation.energy_constraints import (
     SUN_PARAMETERS,
     charge_path,
     cycle_function,
-    mean_positive,
+    node_balance,
     sun_parameters,
 )
 from sizing.optimisation.problem import numbers_taken_out
@@ -241,9 +241,7 @@ def day_function(charge_limit: ChargeLimit) -> ca.Function:
     powers, dawn, required_h = ca.SX.sym("powers", 6), ca.SX.sym("dawn"), ca.SX.sym("required")
     regime, sun = ca.SX.sym("regime", len(Regime)), ca.SX.sym("sun", SUN_PARAMETERS)
     area, capacity_wh, nominal_w, propulsion_w, charging, discharging = ca.vertsplit(powers)
-    step_h, dark_h = sun[2 * NODES], sun[2 * NODES + 1]
-    net = area * sun[:NODES] - nominal_w - propulsion_w * sun[NODES : 2 * NODES]
-    deficit_wh = ca.sum1(mean_positive(-net[:-1], -net[1:])) * step_h + dark_h * nominal_w
+    net, deficit_wh, step_h, dark_h = node_balance(area, nominal_w, propulsion_w, sun)
     usable_wh = capacity_wh * discharging
     deficit = deficit_wh / usable_wh
     rate = charging * net / capacity_wh

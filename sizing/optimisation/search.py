@@ -180,7 +180,8 @@ class _Sizing:
         self.explain, self.enough_h, self.lit = explain, enough_h, list(lit)
         self.solver, self.aircraft, self.day = solver, solver.aircraft, solver.day
         self.objective, self.required_h = objective, required_h
-        self.start = variables_of(self.aircraft) if start is None else start
+        # That of another sizing may hold arrays.
+        self.start = (variables_of(self.aircraft) if start is None else start).mapped(float)
         self.restarts = 0
         self.last: Solution | None = None
         self.missed: Solution | None = None
@@ -220,7 +221,7 @@ class _Sizing:
     @cached_property
     def first(self) -> Performance:
         """What the simulator finds for the design that the search starts from."""
-        return _start_flown(self.solver, self.start.mapped(float), coarse=self.rough)
+        return _start_flown(self.solver, self.start, coarse=self.rough)
 
     def explained(self) -> SizingResult:
         """Why a run has found no design; or the design, after all."""

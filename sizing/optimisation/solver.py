@@ -216,10 +216,9 @@ class _Posed(NamedTuple):
 class ProgramSolver:
     """Solves the programs of an aircraft for one mission, and counts the work.
 
-    ``nearly``: where the last solve stood still at a kink without clearly missing a requirement.
-
     ``day``: sun in every scenario that may fill a block. ``by_model``: whether ``day`` is what the
-    solar power model gives, so that a finer step may confirm it.
+    solar power model gives, so that a finer step may confirm it. ``nearly``: where the last solve
+    stood still at a kink without clearly missing a requirement.
     """
 
     def __init__(

@@ -194,18 +194,9 @@ class WeatherAnalysis(Result):
     def to_dict(self) -> dict[str, Any]:
         """Analysis of the record, JSON-ready: the key ``weather`` of ``analyse --weather``."""
         done, run, clear = self.performance, self.performance.recorded, self.performance.clear
-        site, weather = self.weather.site, self.weather
+        weather = self.weather
         return {
-            "source": weather.source,
-            "layout": weather.layout,
-            "typical_year": weather.typical,
-            "site": {
-                "name": site.name,
-                "latitude_deg": site.latitude_deg,
-                "longitude_deg": site.longitude_deg,
-                "altitude_m": site.altitude_m,
-                "utc_offset_h": site.utc_offset_h,
-            },
+            **self.weather.origin(),
             "flight_altitude_m": self.mission.altitude_m,
             "days": len(run.closes),
             "days_that_close": int(run.closes.sum()),

@@ -116,9 +116,9 @@ class Case:
             aircraft = with_total_mass(self.aircraft, self.mission, total_mass_kg)
         except ImpossibleDesignError as error:
             raise click.BadParameter(str(error), param_hint="--mass") from None
-        frame = aircraft.airframe
-        key = "mass_without_battery_kg" if frame.kind == "measured" else "other_mass_kg"
-        rest = f"{getattr(frame, key):.4g} instead of {getattr(self.aircraft.airframe, key):.4g}"
+        key = aircraft.airframe.unaccounted_mass_key
+        now, before = (getattr(one.airframe, key) for one in (aircraft, self.aircraft))
+        rest = f"{now:.4g} instead of {before:.4g}"
         tell_error(f"solar-uav: --mass {total_mass_kg:g}: airframe.{key} is {rest}")
         craft = dataclasses.replace(self.craft, aircraft=aircraft)
         return dataclasses.replace(self, craft=craft)

@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
@@ -44,7 +45,7 @@ class WorkersUnavailableError(OSError):
     """No worker can be had; the text says why and what to do."""
 
 
-class Pool:
+class Pool(ABC):
     """Workers that compute tasks."""
 
     # Errors that say that a worker died.
@@ -53,27 +54,25 @@ class Pool:
     # Whether the next task is computed by this process, while it is submitted.
     in_process = False
 
+    @abstractmethod
     def size(self, tasks_left: int) -> int:
         """How many tasks the pool takes at once, told how many there are."""
-        raise NotImplementedError
 
+    @abstractmethod
     def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
         """Give out a task; ``work`` is importable by name, for workers in other processes."""
-        raise NotImplementedError
 
     def result(self, future: Future[T]) -> T:
         """Result of a task that is done; raises what the task did, or one of ``deaths``."""
         return future.result()
 
+    @abstractmethod
     def check(self) -> None:
-        """Raise :class:`WorkersUnavailableError` if nobody is left to compute.
+        """Raise :class:`WorkersUnavailableError` if nobody is left to compute."""
 
-        A process that ends breaks its executor, which says so by itself.
-        """
-
+    @abstractmethod
     def close(self, *, at_once: bool) -> None:
         """End the workers, in the middle of their tasks if need be."""
-        raise NotImplementedError
 
 
 def available_cores() -> int:
@@ -143,6 +142,9 @@ class LocalPool(Pool):
         self._executor = ProcessPoolExecutor(self._most, context, _prepare_worker)
         self._started = self._executor.submit(os.getpid)
         return self._executor
+
+    def check(self) -> None:
+        """Nothing: a process that ends breaks its executor, which says so by itself."""
 
     def close(self, *, at_once: bool) -> None:
         """End all processes."""

@@ -102,7 +102,7 @@ def _component_class() -> Any:
     """Class of the component, which needs OpenMDAO to be defined."""
     import openmdao.api as om
 
-    class EnergyBalance(om.ExplicitComponent):  # type: ignore[misc]
+    class EnergyBalance(om.ExplicitComponent):  # type: ignore[misc]  # has no types
         """Mass and repeated days of a design: inputs and outputs of ``DesignInDays``."""
 
         def __init__(self, function: DesignInDays, scenarios: int) -> None:

@@ -9,12 +9,12 @@ from typing import Any, Literal
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe, Range
-from sizing.design import ImpossibleDesignError, design_of
+from sizing.design import ImpossibleDesignError, design_of, variable_keys
 from sizing.parameters import parameter, parameter_value
 from sizing.sunlight import SolarModel
 from solar.names import CORRECTION_NAMES, MODELS
 
-__all__ = ["DAY", "DESIGN_SPACE", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
+__all__ = ["DAY", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
 
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
 
@@ -33,14 +33,6 @@ _GROUPS: dict[Group, dict[str, float]] = {
     "payload": {"mission.payload.mass_kg": 0.01, "mission.payload.power_w": 0.1},
     "technology": {"modules.efficiency_stc": 0.001, "battery.specific_energy_wh_per_kg": 1.0},
     "requirement": {"mission.required_excess_time_h": 0.1},
-}
-# Field -> design variable, by its name in the design space.
-DESIGN_SPACE = {
-    "airframe.wingspan_m": "wingspan_m",
-    "airframe.aspect_ratio": "aspect_ratio",
-    "airframe.aerodynamics.lift_coefficient": "lift_coefficient",
-    "battery.mass_kg": "battery_mass_kg",
-    "modules.area_m2": "module_area_m2",
 }
 _MEASURED = "fixed: mass and power of this airframe are measured"
 _SLIDER_FROM, _SLIDER_TO = 0.3, 2.5  # of a design variable's first value, for a sensitive slider
@@ -155,7 +147,7 @@ def _number_field(
     known = parameter(key)
     minimum, maximum = min(known.minimum, value), max(known.maximum, value)
     slider = (minimum, maximum)
-    name = DESIGN_SPACE.get(key)
+    name = variable_keys()[key] if group == "design" else None
     space = getattr(aircraft.design_space, name) if name else None
     if isinstance(space, Range) and not isinstance(aircraft.airframe, MeasuredAirframe):
         minimum, maximum = min(minimum, space.minimum), max(maximum, space.maximum)

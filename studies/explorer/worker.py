@@ -17,12 +17,11 @@ from typing import Any, NamedTuple
 from missions.files.errors import InputError
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError
+from sizing.design import ImpossibleDesignError, variable_keys
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import label
 from sizing.results.constraint_words import constraint_words
 from sizing.sunlight import SolarModel
-from studies.explorer.fields import DESIGN_SPACE
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
 
@@ -164,7 +163,7 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     if study.design is not None:
         chosen = study.design.variables
         payload = study.sized_mission().payload
-        values = {key: getattr(chosen, name) for key, name in DESIGN_SPACE.items()}
+        values = {key: getattr(chosen, name) for key, name in variable_keys().items()}
         for key in ("mass_kg", "power_w"):
             values[f"mission.payload.{key}"] = getattr(payload, key)
         values = {key: value for key, value in values.items() if value is not None}
