@@ -333,7 +333,7 @@ class Store:
             full, start, goal, duration = (
                 _pick(v, tapered, at) for v in (self.battery_energy_wh, energy_wh, target, hours)
             )
-            limited = self.clock.after(np.minimum(start / full, 1.0), duration) * full
+            limited = self.clock.after(start / full, duration) * full
             # A round trip through the clock's table must not lose the last digits of a full one.
             charged.reshape(-1)[at] = np.maximum(np.minimum(goal, limited), start)
         return charged

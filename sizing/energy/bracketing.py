@@ -21,10 +21,10 @@ def falling_root(
 ) -> FloatArray:
     """Where each of many functions, positive at ``lower`` and negative at ``upper``, is zero.
 
-    The functions must not fall faster than their argument rises: the value at an upper end then
-    leads to a nearer one. Secants while they stay within the bracket, else the Illinois variant of
-    the false position. An element leaves the search when its value or its bracket is within the
-    limit; what the others do has no influence on it.
+    The functions must not fall faster than their argument rises: the value at either end then
+    leads to a nearer one. Secants at first, to the nearer end where they leave the bracket, then
+    the Illinois variant of the false position. An element leaves the search when its value or its
+    bracket is within the limit; what the others do has no influence on it.
 
     Parameters
     ----------
@@ -44,13 +44,15 @@ def falling_root(
         ``lower``.
     """
     every = np.arange(len(upper))
-    lower_gain = gain(every, lower)
+    ends = gain(np.tile(every, 2), np.concatenate([lower, upper]))
+    lower_gain, upper_gain = np.split(ends, 2)
     rising = lower_gain > limit
     result = np.where(rising, upper, lower)
-    upper_gain = gain(every, upper)
     latest = np.maximum(upper + np.minimum(upper_gain, 0.0), lower)
     work = _Brackets(
         place=every,
+        least=lower + lower_gain,
+        most=latest,
         lower=lower,
         upper=upper,
         lower_gain=lower_gain,
@@ -73,9 +75,14 @@ def falling_root(
 
 @dataclass(frozen=True)
 class _Brackets:
-    """Brackets of the elements that are still searched; ``place`` is their index in the batch."""
+    """Brackets of the elements that are still searched; ``place`` is their index in the batch.
+
+    ``least``, ``most``: nearest points between which the values so far put the zero.
+    """
 
     place: IntArray
+    least: FloatArray
+    most: FloatArray
     lower: FloatArray
     upper: FloatArray
     lower_gain: FloatArray
@@ -105,12 +112,24 @@ class _Brackets:
             np.where(rises, upper_gain, gain),
         )
         lower, upper = np.where(rises, trial, self.lower), np.where(rises, self.upper, trial)
-        following = np.clip(_zero(lower, upper, lower_gain, upper_gain), lower, upper)
+        least = np.where(rises, np.maximum(self.least, trial + gain), self.least)
+        most = np.where(rises, self.most, np.minimum(self.most, trial + gain))
         if secant:
-            line = _zero(self.latest, trial, self.latest_gain, gain)
-            following = np.where((line > lower) & (line < upper), line, following)
+            following = _zero(self.latest, trial, self.latest_gain, gain)
+        else:
+            following = _zero(lower, upper, lower_gain, upper_gain)
         return _Brackets(
-            self.place, lower, upper, lower_gain, upper_gain, side, trial, gain, following
+            self.place,
+            least,
+            most,
+            lower,
+            upper,
+            lower_gain,
+            upper_gain,
+            side,
+            trial,
+            gain,
+            np.clip(following, least, np.maximum(least, most)),
         )
 
 

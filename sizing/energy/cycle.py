@@ -30,7 +30,7 @@ from sizing.energy.march import (
     DayRun,
     first_repetition,
     full_after_h,
-    repeated_day,
+    repeated_wh,
     unserved_h,
 )
 from sizing.energy.power_balance import (
@@ -226,17 +226,19 @@ def simulate_cycle(
 
 def _simulated_in_blocks(cells: Cells, batch: tuple[int, ...], *, keep_trajectory: bool) -> Cycle:
     """Cycle of a batch, in blocks; elements that do not settle at once come last, together."""
-    parts, unsettled = [], []
+    parts, unsettled, highest_wh = [], [], []
     for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
         block = cells.select(some)
-        run, left = first_repetition(block.day, block.store)
-        parts.append(measured(block, run, keep_trajectory))
-        unsettled.append(some.start + left)
-    places = np.concatenate(unsettled)
+        first = first_repetition(block.day, block.store)
+        parts.append(measured(block, first.run, keep_trajectory))
+        unsettled.append(some.start + first.unsettled)
+        highest_wh.append(first.highest_wh)
+    places, highest = np.concatenate(unsettled), np.concatenate(highest_wh)
     late = []
     for some in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
         block = cells.select(places[some])
-        run = repeated_day(block.day, block.store)
+        start_wh = repeated_wh(block.day, block.store, highest[some])
+        run = block.day.run(block.store, start_wh)
         late.append((places[some], measured(block, run, keep_trajectory)))
 
     def column(pick: Callable[[Cycle], Any]) -> Any:

@@ -346,19 +346,24 @@ def repeated_day(day: ChargingDay, store: Store) -> DayRun:
 
     Returns start and end that agree to 1e-11 of the battery's energy.
     """
-    run, unsettled = first_repetition(day, store)
-    if not len(unsettled):
-        return run
+    first = first_repetition(day, store)
+    cells = first.unsettled
+    if not len(cells):
+        return first.run
+    start = first.run.start_wh.copy()
+    start[cells] = repeated_wh(day.select(cells), store.select(cells), first.highest_wh)
+    return day.run(store, start)
+
+
+def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:
+    """Energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
+    brief = day.without_nodes()
 
     def gain(some: IntArray, energy_wh: FloatArray) -> FloatArray:
-        cells = unsettled[some]
-        return day.select(cells).end_wh(store.select(cells), energy_wh) - energy_wh
+        return brief.select_lit(some).end_wh(store.select(some), energy_wh) - energy_wh
 
-    start = run.start_wh.copy()
-    upper = np.maximum(start, run.end_wh)[unsettled]
-    limit = _SETTLED * store.battery_energy_wh[unsettled]
-    start[unsettled] = falling_root(gain, np.zeros_like(upper), upper, limit)
-    return day.run(store, start)
+    limit = _SETTLED * store.battery_energy_wh
+    return falling_root(gain, np.zeros_like(highest_wh), highest_wh, limit)
 
 
 class Repetition(NamedTuple):
@@ -366,6 +371,11 @@ class Repetition(NamedTuple):
 
     run: DayRun
     unsettled: IntArray
+
+    @property
+    def highest_wh(self) -> FloatArray:
+        """Energy above which no unsettled element repeats its day [Wh]."""
+        return np.maximum(self.run.start_wh, self.run.end_wh)[self.unsettled]
 
 
 def first_repetition(day: ChargingDay, store: Store) -> Repetition:

@@ -35,12 +35,26 @@ def test_smooth_function_takes_few_rounds() -> None:
 
     def gain(place: IntArray, x: FloatArray) -> FloatArray:
         asked.append(len(place))
-        return np.exp(-x) - 0.5 - 0.3 * x
+        return 0.7 * np.exp(-x) - 0.35 - 0.3 * x
 
     found = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
-    assert np.exp(-found[0]) - 0.5 - 0.3 * found[0] == pytest.approx(0.0, abs=LIMIT)
+    assert 0.7 * np.exp(-found[0]) - 0.35 - 0.3 * found[0] == pytest.approx(0.0, abs=LIMIT)
     # Two ends, and secants that gain digits by half again each: bisection would take 36.
     assert len(asked) <= 9
+
+
+def test_plateau_beside_the_root_takes_few_rounds() -> None:
+    """A day that loses the same from most states: false positions alone creep along it."""
+    rounds = []
+
+    def gain(place: IntArray, x: FloatArray) -> FloatArray:
+        rounds.append(len(place))
+        return np.maximum(0.52 - x, -1e-4) - 0.2 * np.maximum(x - 0.75, 0.0)
+
+    found = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
+    assert found[0] == pytest.approx(0.52, abs=LIMIT)
+    # The lower end's value leads to the root, as the day cannot lose more than it began with.
+    assert len(rounds) <= 6
 
 
 def test_element_without_gain_at_the_lower_end_has_its_root_there() -> None:
