@@ -14,6 +14,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from missions.files.yaml import ENTRY_KEYS
 from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar
@@ -35,6 +36,17 @@ _TOTAL_MASS = (
 )
 _NO_TOTAL_MASS = dict.fromkeys(("mass_kg", "total_mass_kg", "mass"), _TOTAL_MASS)
 _CHORD = "the aspect ratio gives it: wingspan over mean chord, or wingspan squared over wing area"
+ENTRY_KEYS.update(
+    airfoil=(),
+    cell=(
+        "efficiency_stc",
+        "temperature_coefficient_per_k",
+        "mass_kg_per_m2",
+        "specific_energy_wh_per_kg",
+        "charge_limit",
+    ),
+    motor=("motor_efficiency",),
+)
 # A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
 _FULL_WING = 1e-6
 

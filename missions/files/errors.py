@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TypeAlias
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "InputError",
     "KeyPath",
     "Problem",
+    "did_you_mean",
     "dotted",
     "file_error",
     "printable",
@@ -94,6 +96,13 @@ def printable(text: str) -> str:
 def shortened(text: str) -> str:
     """Cut a text to the length that messages show."""
     return text if len(text) <= _SHOWN_LENGTH else text[: _SHOWN_LENGTH - 3] + "..."
+
+
+def did_you_mean(name: str, allowed: Iterable[str], count: int = 1, cutoff: float = 0.6) -> str:
+    """End of a sentence that proposes what is spelled alike, one in quotes or several."""
+    alike = get_close_matches(name, list(allowed), n=count, cutoff=cutoff)
+    names = ", ".join(alike) if count > 1 else "".join(map(repr, alike))
+    return f"; did you mean {names}?" if alike else ""
 
 
 def dotted(path: Iterable[str | int]) -> str:

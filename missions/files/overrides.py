@@ -23,25 +23,12 @@ from missions.files.errors import (
     shown,
 )
 from missions.files.validation import validate
-from missions.files.yaml import Document, parse_value, set_absolute_paths
+from missions.files.yaml import ENTRY_KEYS, Document, parse_value, set_absolute_paths
 
 __all__ = ["Overrides", "with_overrides", "with_values"]
 
 T = TypeVar("T")
 R = TypeVar("R", bound=BaseModel)
-
-# A key that names an entry of a catalogue, and what the entry may give: named by an override, it
-# takes the place of what the file says of these keys itself.
-_GIVEN_BY = {
-    "cell": (
-        "efficiency_stc",
-        "temperature_coefficient_per_k",
-        "mass_kg_per_m2",
-        "specific_energy_wh_per_kg",
-        "charge_limit",
-    ),
-    "motor": ("motor_efficiency",),
-}
 
 # By dotted key, or texts ``dotted.key=value`` whose values follow the rules of the files.
 Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
@@ -108,14 +95,14 @@ def _with_override(document: Document, parts: Sequence[str], value: Any, name: s
 
 def _drop_replaced(data: Any, parts: Sequence[str], value: Any, *, keep: Collection[str]) -> None:
     """Take out what an entry of a catalogue replaces, in place, but for keys that are to stay."""
-    if not isinstance(value, str) or parts[-1] not in _GIVEN_BY:
+    if not isinstance(value, str) or parts[-1] not in ENTRY_KEYS:
         return
     holder = data
     for part in parts[:-1]:
         holder = holder.get(part) if isinstance(holder, dict) else None
     if not isinstance(holder, dict):
         return
-    for key in _GIVEN_BY[parts[-1]]:
+    for key in ENTRY_KEYS[parts[-1]]:
         dotted_key = ".".join([*parts[:-1], key])
         if not any(one == dotted_key or one.startswith(f"{dotted_key}.") for one in keep):
             holder.pop(key, None)

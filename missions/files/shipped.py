@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import gzip
-from difflib import get_close_matches
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal
 
-from missions.files.errors import file_error
+from missions.files.errors import did_you_mean, file_error
 from missions.files.yaml import Document, parse_yaml, read_yaml
 
 Kind = Literal["aircraft", "mission"]
@@ -63,8 +62,7 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
         return read_yaml(name)
     other: Kind = "mission" if kind == "aircraft" else "aircraft"
     beside = [path.name for path in Path().glob("*.y*ml")] if Path(name).parent == Path() else []
-    close = get_close_matches(name, [*beside, *names], n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    hint = did_you_mean(name, [*beside, *names])
     if name in shipped_names(other):
         hint = f": {name!r} is one of the {other if other == 'aircraft' else 'missions'}"
     message = f"there is no such file and no shipped {kind} of that name{hint}"
@@ -81,14 +79,6 @@ def shipped_text(name: str) -> str:
         message = "no shipped aircraft, mission or weather record of that name"
         raise file_error(name, f"{message} (shipped: {', '.join([*shipped, *records])})")
     return _text(shipped[name], name)
-
-
-def document_kind(document: Document) -> Kind:
-    """Whether a document describes an aircraft or a mission, by its keys."""
-    keys = set(document.data)
-    aircraft = len(keys & {"airframe", "battery", "modules", "power", "design_space"})
-    mission = len(keys & {"latitude_deg", "dates", "altitude_m", "air", "payload", "launch"})
-    return "aircraft" if aircraft >= mission else "mission"
 
 
 def _text(kind: Kind, name: str) -> str:

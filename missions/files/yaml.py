@@ -30,7 +30,7 @@ from missions.files.errors import (
 )
 
 __all__ = [
-    "PATH_KEYS",
+    "ENTRY_KEYS",
     "PATH_SUFFIXES",
     "Document",
     "add_resolvers",
@@ -42,9 +42,9 @@ __all__ = [
 
 Mark: TypeAlias = tuple[int, int]
 
-# Keys that may name a file or a folder, whatever record they are in; the end of the text tells
-# them from a name.
-PATH_KEYS = frozenset({"airfoil", "cell", "motor"})
+# Keys whose text is a name or, as its end shows, the path of a file or a folder, in any record, and
+# the keys of that record which the named entry gives. Records that have such keys add them.
+ENTRY_KEYS: dict[str, tuple[str, ...]] = {}
 PATH_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat", ".yaml", ".yml", "/")
 
 _MAX_BYTES = 1_000_000
@@ -166,13 +166,13 @@ def parse_value(text: str) -> Any:
 def set_absolute_paths(data: Any, folder: Path) -> None:
     """Replace the relative paths of files in plain data, in place.
 
-    ``data``: plain data; text under one of `PATH_KEYS` that ends in one of `PATH_SUFFIXES` is a
+    ``data``: plain data; text under one of `ENTRY_KEYS` that ends in one of `PATH_SUFFIXES` is a
     path.
     """
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         if isinstance(value, dict | list):
             set_absolute_paths(value, folder)
-        elif key in PATH_KEYS and isinstance(value, str) and value.lower().endswith(PATH_SUFFIXES):
+        elif key in ENTRY_KEYS and isinstance(value, str) and value.lower().endswith(PATH_SUFFIXES):
             path = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
             data[key] = f"{path}/" if value.endswith("/") else path
 

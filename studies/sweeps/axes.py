@@ -7,12 +7,12 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from missions.files.errors import did_you_mean
 from sizing.catalogues.files import Kind, entry_names
 from sizing.parameters import catalogue
 
@@ -185,8 +185,7 @@ def _named_axis(key: str, given: Sequence[str]) -> Axis:
     allowed = entry_names(NAMED_KEYS[full])
     for name in names:
         if name not in allowed:
-            near = get_close_matches(name, allowed, n=3, cutoff=0.5)
-            meant = f"; did you mean {', '.join(near)}?" if near else ""
+            meant = did_you_mean(name, allowed, 3, 0.5)
             raise ValueError(f"{key}: no entry of the catalogue is called {name[:40]!r}{meant}")
     places = tuple(float(place) for place in range(len(names)))
     if len(set(names)) < len(names):

@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.files.errors import InputError, Problem
+from missions.files.errors import InputError, Problem, did_you_mean
 from missions.files.texts import texts_as_read
 from missions.files.writing import to_json
 from missions.files.yaml import Document
@@ -339,11 +338,8 @@ def _meant(key: str) -> str | None:
         return None
     if first in Mission.model_fields:
         return f"is a key of the mission: write {MISSION_PREFIX}{key}"
-    close = get_close_matches(key, DESIGN_KEYS, n=1)
-    if close:
-        return f"unknown key; did you mean {close[0]!r}?"
     allowed = ", ".join([*DESIGN_KEYS, *Aircraft.model_fields, "mission"])
-    return f"unknown key; allowed: {allowed}"
+    return f"unknown key{did_you_mean(key, DESIGN_KEYS) or f'; allowed: {allowed}'}"
 
 
 def _telling_values(values: Sequence[float]) -> list[float]:

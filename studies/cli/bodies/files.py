@@ -9,7 +9,6 @@ from pathlib import Path
 import click
 
 from missions.files.errors import InputError, printable
-from missions.files.shipped import document_kind
 from missions.files.validation import validate as check
 from missions.files.yaml import read_yaml
 from missions.mission import Mission
@@ -37,11 +36,9 @@ def validate(options: Validate) -> None:
     for file in options.files:
         try:
             document = read_yaml(file)
-            kind = document_kind(document)
-            if kind == "aircraft":
-                check(document, Aircraft)
-            else:
-                check(document, Mission)
+            record = _record_of(set(document.data))
+            check(document, record)
+            kind = record.__name__.lower()
             click.echo(f"{printable(file)}: valid {kind}")
             valid.setdefault(kind, file)
         except InputError as error:
@@ -52,3 +49,10 @@ def validate(options: Validate) -> None:
     if len(valid) == 2:
         names = f"{shlex.quote(valid['aircraft'])} -m {shlex.quote(valid['mission'])}"
         suggest(f"solar-uav size {names}; a measured aircraft: solar-uav analyse {names}")
+
+
+def _record_of(keys: set[str]) -> type[Aircraft | Mission]:
+    """What a file with these keys describes: an aircraft, unless more are keys of a mission."""
+    own = set(Aircraft.model_fields) ^ set(Mission.model_fields)
+    of_mission = keys & own & set(Mission.model_fields)
+    return Mission if 2 * len(of_mission) > len(keys & own) else Aircraft
