@@ -268,19 +268,6 @@ def test_a_file_of_nearly_that_name_is_proposed(run: Run, tmp_path: Path) -> Non
     assert "did you mean 'mp.yaml'?" in run("analyse", AS2, "-m", "mp.yml").err
 
 
-def test_published_numbers_are_met(run: Run, tmp_path: Path) -> None:
-    outcome = run("published", "--json", "--markdown", "table.md")
-    assert (outcome.code, outcome.err) == (0, "")
-    rows = outcome.json()
-    assert len(rows) >= 10
-    assert all(row["met"] or row["known_miss"] for row in rows)
-    number = {"quantity", "source", "unit", "published", "computed", "allowed", "known_miss"}
-    assert set(rows[0]) == number | {"difference", "met"}
-    table = (tmp_path / "table.md").read_text(encoding="utf-8").splitlines()
-    assert len(table) == len(rows) + 2
-    assert all(line.startswith("| ") for line in table[2:])
-
-
 def test_version_and_helps(run: Run) -> None:
     assert re.fullmatch(r"solar-uav, version \S+\n", run("--version").out)
     outcome = run("--help")

@@ -83,24 +83,16 @@ def test_the_file_that_is_written_says_where_its_numbers_come_from(
     assert set(keys(record)) - {"mission_is_default"} <= documented
 
 
-def test_nothing_is_written_where_nothing_can_be_fitted(log: Path, tmp_path: Path) -> None:
-    rows = log.read_text().splitlines()
-    bare = tmp_path / "bare.csv"
-    bare.write_text("\n".join(rows[:400]))
-    made = tmp_path / "mine.yaml"
-    done = run("atlantiksolar-as2", bare, "--fit", "discharge_efficiency", "--write", made)
-    assert done.exit_code == 1, done.output
-    assert "nothing is written" in done.output
-    assert not made.exists()
-
-
-def test_a_channel_of_which_nothing_is_fitted_has_no_independent_residuals(
+def test_where_nothing_can_be_fitted_no_residual_is_independent_and_nothing_is_written(
     log: Path, tmp_path: Path
 ) -> None:
-    by_day = tmp_path / "day.csv"
+    by_day, made = tmp_path / "day.csv", tmp_path / "mine.yaml"
     by_day.write_text("\n".join(log.read_text().splitlines()[:400]))
-    done = run("atlantiksolar-as2", by_day, "--fit", "discharge_efficiency", "--json")
-    assert done.exit_code == 1
+    fit = ("atlantiksolar-as2", by_day, "--fit", "discharge_efficiency")
+    done = run(*fit, "--json", "--write", made)
+    assert done.exit_code == 1, done.output
+    assert "nothing is written" in done.stderr
+    assert not made.exists()
     record = json.loads(done.stdout)
     assert [one["name"] for one in record["held"]] == ["discharge_efficiency"]
     assert [one["independent"] for one in record["channels"]] == [None]

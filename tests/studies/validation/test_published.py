@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from command_line import Run
 
 from studies.validation import published as study
 from studies.validation.report_reproduction import Reproduction, reference, reproduce
@@ -27,6 +30,22 @@ def test_every_number_is_met_but_the_known_misses(result: study.Published) -> No
     assert result.headline().startswith(
         f"{count - 3} of {count} published numbers are met, 3 known"
     )
+
+
+def test_the_command_prints_and_writes_them(
+    result: study.Published, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(study, "published", lambda: result)
+    outcome = run("published", "--json", "--markdown", "table.md")
+    assert (outcome.code, outcome.err) == (0, "")
+    rows = outcome.json()
+    assert len(rows) >= 10
+    assert all(row["met"] or row["known_miss"] for row in rows)
+    number = {"quantity", "source", "unit", "published", "computed", "allowed", "known_miss"}
+    assert set(rows[0]) == number | {"difference", "met"}
+    table = (tmp_path / "table.md").read_text(encoding="utf-8").splitlines()
+    assert len(table) == len(rows) + 2
+    assert all(line.startswith("| ") for line in table[2:])
 
 
 def test_text_has_a_table_for_each_source_and_fits_the_terminal(result: study.Published) -> None:
