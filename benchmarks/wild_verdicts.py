@@ -17,7 +17,7 @@ from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.relaxations import Relaxation, relaxations
+from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
@@ -26,6 +26,7 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance
+from sizing.relaxation import Relaxation
 from sizing.sunlight import DEFAULT_STEP_H
 
 _EDGE = 0.999  # of the largest excess time

@@ -19,8 +19,8 @@ from sizing.design import (
 )
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
-from sizing.energy.endurance import Endurance, longest_flight
-from sizing.energy.power_balance import blocks
+from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
+from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
@@ -84,6 +84,26 @@ class Performance:
         hours = self._longest_flights(asked & ~self.cycle.perpetual).endurance_h
         hours = np.where(flies, hours, np.nan)
         return np.asarray(np.take_along_axis(hours, worst, axis=-1)[..., 0])
+
+    def flight_time_h(self, scenario: int, launch_h: ArrayLike) -> FloatArray:
+        """Flight times in a scenario of a single design from launches with a full battery.
+
+        Parameters
+        ----------
+        scenario : int
+            Index of the scenario.
+        launch_h : array_like, shape (launch,)
+            Solar time of the launches [h].
+
+        Returns
+        -------
+        ndarray, shape (launch,)
+            Hours of flight, infinite beyond 366 days [h].
+        """
+        one = slice(scenario, scenario + 1)
+        balance = PowerBalance.of(self.day.time_h, self.solar_power_w[one], self.load_w[one])
+        store = self.store.flat(self.cycle.status.shape).select(one)
+        return flight_time_h(balance, store, np.asarray(launch_h, float)[:, np.newaxis])[:, 0]
 
     def days_to_settle(self) -> FloatArray:
         """Days that the repeated day needs from an empty battery, in every scenario.

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
 
 import numpy as np
 
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.performance import Performance, performance_of_designs
+from sizing.relaxation import Direction
 from sizing.sunlight import SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
-
-Direction = Literal["at least", "at most"]
 
 _STEP_DEG = 0.25
 _REACH_DEG = 60.0

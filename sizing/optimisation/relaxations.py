@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.infeasibility import least_mission
-from sizing.optimisation.latitudes import Direction, nearest_latitude
+from sizing.optimisation.latitudes import nearest_latitude
 from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
@@ -35,6 +35,7 @@ from sizing.optimisation.solver import (
 from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role, limit_rows
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
+from sizing.relaxation import Direction, Relaxation, rounded
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray
 
@@ -46,36 +47,6 @@ _AT_BOUND = 0.995
 _BLOCKS = 2
 MINIMAL = 0.01  # of the value told: with so much less of a change no design is feasible
 _BISECTED = 1e-3  # of the value, well within that
-
-
-@dataclass(frozen=True)
-class Relaxation:
-    """A parameter, and the value from which on the mission is feasible, all else unchanged.
-
-    ``parameter``: key of the aircraft's or, behind ``mission.``, of the mission's file. ``unit``:
-    of the values. ``direction``: ``at least`` or ``at most``. ``value``: value that suffices,
-    rounded to three digits away from the edge. ``excess_time_h``: worst excess time that the
-    simulator finds there.
-    """
-
-    parameter: str
-    unit: str
-    present: float
-    direction: Direction
-    value: float
-    excess_time_h: float
-
-    @property
-    def text(self) -> str:
-        """Relaxation in words, for instance ``battery.specific_energy_wh_per_kg >= 287 Wh/kg``."""
-        sign = ">=" if self.direction == "at least" else "<="
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.parameter} {sign} {self.value:g}{unit} (now {self.present:g})"
-
-    @property
-    def relative_change(self) -> float:
-        """Size of the change relative to the present value, to compare relaxations."""
-        return abs(self.value - self.present) / max(abs(self.present), 1e-12)
 
 
 def relaxations(
@@ -436,14 +407,3 @@ def bisected(
         else:
             short = middle
     return enough
-
-
-def rounded(value: float, direction: Direction) -> float:
-    """Value with three digits, on the safe side."""
-    if value <= 0.0:
-        return 0.0
-    digits = 10.0 ** (math.floor(math.log10(value)) - 2)
-    steps = value / digits
-    return float(
-        f"{(math.ceil(steps) if direction == 'at least' else math.floor(steps)) * digits:.6g}"
-    )

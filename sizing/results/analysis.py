@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,11 +15,17 @@ from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.design import ImpossibleDesignError, design_of, structure_assessment
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
+from sizing.relaxation import Relaxation
+from sizing.relaxed_flight import relaxed_flight
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
 from sizing.results.battery import battery_record
-from sizing.results.notes import catalogue_records, extrapolation_records
-from sizing.results.records import check_subjects, finite
+from sizing.results.notes import (
+    catalogue_records,
+    extrapolation_records,
+    relaxation_records,
+)
+from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
@@ -32,6 +38,27 @@ from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+@dataclass(frozen=True)
+class LimitedFlight:
+    """Flights that start full and end with an empty battery, in solar time [h].
+
+    ``launch_h``, ``endurance_h``: launch and length of the longest. ``before_sun_h``: from its end
+    until solar power meets the load again; NaN where it never does. ``from_sunrise_h``,
+    ``from_noon_h``: length of those launched at sunrise and at noon; NaN without a sunrise.
+    """
+
+    launch_h: float
+    endurance_h: float
+    before_sun_h: float
+    from_sunrise_h: float
+    from_noon_h: float
+
+    @property
+    def empty_h(self) -> float:
+        """When the longest flight ends, counted from midnight before its launch."""
+        return self.launch_h + self.endurance_h
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -91,6 +118,35 @@ class Analysis(Result):
         unlimited = self.performance.cycle.perpetual
         flights = self.climb.constant.endurances()
         return [None if u else flight for u, flight in zip(unlimited, flights, strict=True)]
+
+    @cached_property
+    def limited_flight(self) -> LimitedFlight | None:
+        """Flights in the worst scenario; None where it is unlimited or outlasts a year."""
+        longest, at = self.endurances[self.worst], self.worst
+        if longest is None or not np.isfinite(longest.endurance_h):
+            return None
+        flown = self.performance if self.climb is None else self.climb.constant
+        launch_h, endurance_h = float(longest.launch_h), float(longest.endurance_h)
+        sunrise_h = float(self.scenario()[q.SUNRISE])
+        from_sunrise_h = from_noon_h = np.nan
+        if np.isfinite(sunrise_h):
+            from_sunrise_h, from_noon_h = flown.flight_time_h(at, [sunrise_h, 12.0])
+        dawn_h = float(flown.cycle.equal_power_morning_h[at])
+        before_sun_h = (dawn_h - launch_h - endurance_h) % 24.0
+        return LimitedFlight(
+            launch_h, endurance_h, before_sun_h, float(from_sunrise_h), float(from_noon_h)
+        )
+
+    @cached_property
+    def relaxations(self) -> tuple[Relaxation, ...]:
+        """What alone would make it perpetual, smallest relative change first.
+
+        Of battery mass, module area and load; empty where it is perpetual, for a mission with
+        climbs and for a given number of days.
+        """
+        if self.climb is not None or self.days is not None:
+            return ()
+        return relaxed_flight(self.aircraft, self.performance)
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -166,6 +222,7 @@ class Analysis(Result):
         """Whole analysis, JSON-ready; the top level is the worst scenario."""
         records = [scenario_record(self, i) for i in range(len(self.performance.cycle.status))]
         design, solar = self.performance.design, self.performance.solar
+        limited = self.limited_flight
         airspeed = design.airspeed_m_per_s
         wind = self.mission.wind_m_per_s
         result = records[self.worst] | {
@@ -180,6 +237,8 @@ class Analysis(Result):
             "structure": None if self.structure is None else self.structure.to_dict(),
             **q.design_record(design, q.ANALYSED),
             "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
+            "limited_flight": None if limited is None else finite_values(asdict(limited)),
+            "relaxations": relaxation_records(self.relaxations),
             "extrapolations": extrapolation_records(self.extrapolations),
             **software_record(),
             "scenarios": records,

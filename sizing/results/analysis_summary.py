@@ -19,10 +19,12 @@ from sizing.results.notes import (
     catalogue_blocks,
     extrapolation_blocks,
     mass_table,
+    relaxation_table,
     structure_blocks,
 )
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
+from solar.sun import solar_time_h
 
 
 def headline(analysis: Analysis) -> str:
@@ -45,11 +47,15 @@ def summary(analysis: Analysis) -> Summary:
         f"{_status(analysis.scenario())}"
     )
     blocks: list[Any] = [Line(title, "strong")]
+    if analysis.days is None:
+        blocks.append(Line(answer(analysis)))
     table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks += structure_blocks(analysis.structure)
     if several:
         blocks.append(scenario_table(analysis))
+    if analysis.relaxations:
+        blocks.append(relaxation_table(analysis.relaxations[:_CHEAPEST], "perpetual"))
     if analysis.flight is not None:
         blocks.append(flight_table(analysis.flight))
     condition = battery_line(analysis.aircraft, analysis.mission)
@@ -63,6 +69,47 @@ def summary(analysis: Analysis) -> Summary:
     error = uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
     blocks.append(Line(error, "faint"))
     return Summary(tuple(blocks))
+
+
+_CHEAPEST = 2  # relaxations that are shown
+
+
+def answer(analysis: Analysis) -> str:
+    """How long the aircraft flies, in a sentence or two; times are solar, and UTC if known."""
+    values, flight = analysis.scenario(), analysis.limited_flight
+    if flight is None:
+        if values[q.STATUS] == "always_lit":
+            return "It flies perpetually: the sun carries the load at all times."
+        if analysis.is_perpetual:
+            return f"It flies perpetually, with {hours(analysis.excess_time_h)} to spare."
+        return "It flies for over a year, but its days do not repeat themselves."
+    first_day = int(analysis.performance.day.scenarios.day_of_year[analysis.worst])
+    launched, empty = flight.launch_h, flight.empty_h
+    level = "" if analysis.climb is None else ", without climbs,"
+    days = int(empty // 24.0)
+    later = {0: "", 1: " on the next day"}.get(days, f" {days} days later")
+    clock = f"{clock_label(empty % 24.0)}{later} (solar time{_utc(analysis, first_day, empty)})"
+    text = (
+        f"It flies {hours(flight.endurance_h)} at best: launched with a full battery at "
+        f"{clock_label(launched)} it stays up{level} until {clock}"
+    )
+    if np.isfinite(flight.before_sun_h):
+        text += f", {hours(flight.before_sun_h)} before the sun carries the load"
+    if not np.isfinite(flight.from_sunrise_h):
+        return f"{text}."
+    return (
+        f"{text}. Launched at sunrise it flies {hours(flight.from_sunrise_h)}, at noon "
+        f"{hours(flight.from_noon_h)}."
+    )
+
+
+def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
+    """The same instant in UTC, where the mission has a longitude."""
+    longitude = analysis.mission.longitude_deg
+    if longitude is None:
+        return ""
+    ahead_h = float(solar_time_h(0.0, day, longitude))
+    return f"; {clock_label((solar_h - ahead_h) % 24.0)} UTC"
 
 
 # More days than these are told: at an equinox at 47.6 N the energy of a day has changed by 5 % by
@@ -98,8 +145,8 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
     """
     ends_h = [float(q.EXCESS_TIME.of(one)[index]) for one in (low, high)]
     means = (
-        "leaves the excess time unlimited"
-        if np.isinf(ends_h).all()
+        f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
+        if hours(ends_h[0]) == hours(ends_h[1])
         else f"puts the excess time between {' and '.join(map(hours, ends_h))}"
     )
     solar, given = low.solar, mission.uncertainty_margins.given

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sizing.aircraft import Aircraft
-from sizing.results.records import hours
-from sizing.results.tables import Line, Table, facts
+from sizing.relaxation import Relaxation
+from sizing.results.constraint_words import parameter_words
+from sizing.results.records import finite_values, hours
+from sizing.results.tables import MISSING, Column, Line, Table, facts
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.ranges import Extrapolation
 
@@ -75,3 +77,28 @@ def catalogue_records(aircraft: Aircraft) -> dict[str, Any]:
     """Key ``from_catalogues`` of a record, JSON-ready; no key where the file names no entry."""
     found = aircraft.from_catalogues()
     return {"from_catalogues": [one.to_dict() for one in found]} if found else {}
+
+
+def relaxation_table(found: Sequence[Relaxation], title: str = "feasible") -> Table:
+    """Values of single parameters that suffice each for itself, smallest change first."""
+    columns = (
+        Column("parameter"),
+        Column("now", form=".4g"),
+        Column("needed", to_right=True),
+        Column("key", "key in the file"),
+    )
+    rows = [
+        (
+            parameter_words(one.parameter),
+            one.present,
+            f"{one.direction} {one.value:g}" + ("" if one.unit == "1" else f" {one.unit}"),
+            one.parameter if "." in one.parameter else MISSING,
+        )
+        for one in found
+    ]
+    return Table(f"{title} with one of these, all else unchanged", columns, tuple(rows))
+
+
+def relaxation_records(found: Sequence[Relaxation]) -> list[dict[str, Any]]:
+    """Relaxations, JSON-ready, with their texts."""
+    return [{**finite_values(one.__dict__), "text": one.text} for one in found]

@@ -27,7 +27,7 @@ from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import Relaxation, relaxations
+from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
@@ -38,10 +38,11 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
+from sizing.relaxation import Relaxation
 from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
-from sizing.results.notes import catalogue_records, extrapolation_records
+from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
@@ -224,9 +225,7 @@ class SizingStudy(Result):
         if self.coverage is not None:
             record["range"] = _range_record(self.coverage)
         if self.status is SizingStatus.infeasible:
-            record["relaxations"] = [
-                {**finite_values(one.__dict__), "text": one.text} for one in self.relaxations
-            ]
+            record["relaxations"] = relaxation_records(self.relaxations)
         if self.sensitivities is not None:
             record["sensitivities"] = sensitivity_records(self.sensitivities)
         if self.multipliers is not None:

@@ -15,7 +15,6 @@ from sizing.margins.season_days import Survival
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.relaxations import Relaxation
 from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.analysis_summary import uncertainty_line
@@ -25,6 +24,7 @@ from sizing.results.notes import (
     catalogue_blocks,
     extrapolation_blocks,
     mass_table,
+    relaxation_table,
     structure_blocks,
 )
 from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
@@ -127,26 +127,6 @@ def _limits(head: str, study: SizingStudy, told: Sequence[str] = ()) -> list[Any
     words = [str(constraint_words(name, study.aircraft)) for name in found if name not in told]
     order = " (most important first)" if len(words) > 1 else ""
     return [f"{head}{order}: {'; '.join(words)}"] if words else []
-
-
-def relaxation_table(found: Sequence[Relaxation]) -> Table:
-    """Values of single parameters with which a mission becomes feasible, smallest change first."""
-    columns = (
-        Column("parameter"),
-        Column("now", form=".4g"),
-        Column("needed", to_right=True),
-        Column("key", "key in the file"),
-    )
-    rows = [
-        (
-            parameter_words(one.parameter),
-            one.present,
-            f"{one.direction} {one.value:g}" + ("" if one.unit == "1" else f" {one.unit}"),
-            one.parameter,
-        )
-        for one in found
-    ]
-    return Table("feasible with one of these, all else unchanged", columns, tuple(rows))
 
 
 def _design_table(study: SizingStudy) -> Table:

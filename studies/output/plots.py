@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from sizing.aircraft import Aircraft
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.energy.endurance import Endurance
     from sizing.optimisation.sensitivity import Sensitivity
@@ -226,6 +227,8 @@ def _draw_interval(
 
 # ---- A flight that ends
 
+_MOST_DAYS = 12  # labels along the axis of a long flight
+
 
 def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas: Canvas) -> Figure:
     """Power and state of charge from the launch of the longest flight to the empty battery."""
@@ -235,57 +238,59 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
     drawn, (power, charge) = new_figure(
         2,
         canvas=canvas,
-        title=f"{analysis.aircraft.name} on {where}: flies {hours:.1f} h, not perpetually",
+        title=f"{analysis.aircraft.name} on {where}: limited, {hours:.1f} h",
         notes=(caption(perf.solar), outside_ranges(analysis.extrapolations)),
         size_in=(8.0, 5.6),
         sharex=True,
     )
-    time_h, solar, load, stored = _own_flight(analysis, index, hours, launch)
-    power.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
-    power.plot(time_h, load, LOAD_LINE, color=LOAD, label="load")
+    aircraft, end = analysis.aircraft, launch + hours
+    clock_h, solar, load, stored = _own_flight(aircraft, perf, index, launch, end)
+    (_, least_w, _, least), (_, most_w, _, most) = (
+        _own_flight(aircraft, one, index, launch, end) for one in (analysis.low, analysis.high)
+    )
+    power.plot(clock_h, solar, SUN_LINE, color=SUN, label="solar power")
+    error = f"RMS error of the model, {100 * perf.solar.rms_relative:.0f} %"
+    band: dict[str, Any] = {"alpha": 0.2, "linewidth": 0}
+    power.fill_between(clock_h, least_w, most_w, color=SUN, label=error, **band)
+    power.plot(clock_h, load, LOAD_LINE, color=LOAD, label="load")
     power.set(ylabel="power [W]", ylim=(0, None))
-    charge.plot(time_h, stored, CHARGE_LINE, color=CHARGE, label="state of charge")
-    sunrise, sunset = (float(v[index]) - launch for v in (perf.day.sunrise_h, perf.day.sunset_h))
+    charge.plot(clock_h, stored, CHARGE_LINE, color=CHARGE, label="state of charge")
+    with_error = "with that error in solar power"
+    charge.fill_between(clock_h, least, most, color=CHARGE, label=with_error, **band)
+    sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
     if sunset > sunrise:
         nights = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in range(-2, 367)]
     else:
-        nights = [(0.0, hours)]
-    shown = [(max(a, 0.0), min(b, hours)) for a, b in nights if a < hours and b > 0.0]
+        nights = [(launch, end)]
+    shown = [(max(a, launch), min(b, end)) for a, b in nights if a < end and b > launch]
     for axes in (power, charge):
         shade(axes, shown)
-    charge.annotate(
-        "empty", (hours, 0.0), (-4, 4), textcoords="offset points", ha="right", va="bottom"
-    )
-    charge.plot([hours], [0.0], "o", color=ink(), markersize=4, clip_on=False)
-    charge.set(
-        ylabel="state of charge [%]",
-        ylim=(0, 105),
-        xlim=(0.0, hours),
-        xlabel=f"time since the launch at {clock_label(launch)} solar time, battery full [h]",
-    )
+    charge.plot([end], [0.0], "o", color=ink(), markersize=4, clip_on=False, label="empty")
+    charge.set(ylabel="state of charge [%]", ylim=(0, 105), xlim=(launch, end))
+    _label_clock(charge, (launch, end), lambda day: f"day {day + 1}")
+    charge.set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
     handles = [*power.get_legend_handles_labels()[0], *charge.get_legend_handles_labels()[0]]
     drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     return drawn
 
 
 def _own_flight(
-    analysis: Analysis, index: int, hours: float, launch: float
+    aircraft: Aircraft, perf: Performance, index: int, launch: float, end: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Time since launch [h], solar power and load [W], and state of charge [%] of a flight."""
-    perf = analysis.performance
+    """Clock [h], solar power and load [W], and state of charge [%] of a flight, empty or not."""
     day_h = perf.day.time_h
-    end = launch + hours
     days = [day_h + 24.0 * day for day in range(math.ceil(end / 24.0))]
     nodes = np.unique(np.concatenate([[launch, end], *days]))
     nodes = nodes[(nodes >= launch) & (nodes <= end)]
     solar, load = (
         np.interp(nodes % 24.0, day_h, power[index]) for power in (perf.solar_power_w, perf.load_w)
     )
-    store = Store.of(analysis.aircraft.battery, perf.design.battery_energy_wh)
+    store = Store.of(aircraft.battery, perf.design.battery_energy_wh)
     energy = [np.asarray(store.battery_energy_wh, float)]
     energy += [step.end_wh for step in march(PowerBalance.of(nodes, solar, load), store, energy[0])]
     share = np.array([float(e) for e in energy]) / float(perf.design.battery_energy_wh)
-    return nodes - launch, solar, load, 100.0 * share
+    share[np.logical_or.accumulate(share <= 0.0)] = 0.0  # it has come down
+    return nodes, solar, load, 100.0 * share
 
 
 # ---- A flight on the calendar
@@ -328,7 +333,10 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
     nights = flight.clock_h[dark.reshape(-1, 2) - (0, 1)]
     for axes in (power_axes, charge_axes):
         shade(axes, nights)
-    _label_clock(charge_axes, flight)
+    first_day = day_of_year(flight.launch.date)
+    ends = float(flight.clock_h[0]), float(flight.clock_h[-1])
+    _label_clock(charge_axes, ends, lambda day: date_label((first_day + day - 1) % 365 + 1))
+    charge_axes.set_xlabel(f"local time, launched on {date_label(first_day)}")
     charge_axes.set(
         ylabel="state of charge [%]",
         ylim=(0, 105),
@@ -337,20 +345,17 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
     return drawn
 
 
-def _label_clock(axes: Axes, flight: CalendarRun) -> None:
-    """Clock and, at midnight, date along the axis of a replayed flight."""
-    first, last = float(flight.clock_h[0]), float(flight.clock_h[-1])
+def _label_clock(axes: Axes, ends: tuple[float, float], day_label: Callable[[int], str]) -> None:
+    """Clock along the axis, and at midnight the day, counted from 0 for the first."""
+    first, last = ends
     step = next((s for s in (3, 6, 12) if last - first <= 12 * s), 24)
     ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)
-    day = day_of_year(flight.launch.date)
+    if len(ticks) > _MOST_DAYS:
+        ticks = ticks[:: math.ceil(len(ticks) / _MOST_DAYS)]
     labels = [
-        f"{tick % 24:02d}:00"
-        if tick % 24
-        else f"00:00\n{date_label((day + tick // 24 - 1) % 365 + 1)}"
-        for tick in ticks
+        f"{tick % 24:02d}:00" if tick % 24 else f"00:00\n{day_label(tick // 24)}" for tick in ticks
     ]
     axes.set_xticks(ticks, labels)
-    axes.set_xlabel(f"local time, launched on {date_label(day)}")
 
 
 # ---- A sizing

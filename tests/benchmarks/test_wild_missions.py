@@ -20,8 +20,8 @@ from missions.files.yaml import read_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.relaxations import Relaxation
 from sizing.performance import performance_of_designs
+from sizing.relaxation import Relaxation
 from sizing.sunlight import UNCORRECTED_CAM
 
 pytestmark = pytest.mark.slow

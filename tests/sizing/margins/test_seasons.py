@@ -17,7 +17,7 @@ from sizing.margins.season_days import SeasonDays
 from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.margins.season_search import SeasonSearch
 from sizing.margins.seasons import _SurvivalSizing
-from sizing.optimisation.relaxations import Relaxation
+from sizing.relaxation import Relaxation
 
 pytestmark = pytest.mark.slow
 

@@ -29,12 +29,13 @@ from sizing.optimisation.coverage import DAYS, WidestRange, _Growth, widest_rang
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.relaxations import Relaxation, _Relaxations, relaxations, rounded
+from sizing.optimisation.relaxations import _Relaxations, relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
+from sizing.relaxation import Relaxation, rounded
 from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow

@@ -12,11 +12,11 @@ import pytest
 import missions
 import sizing
 from sizing.aircraft import Aircraft
-from sizing.optimisation.relaxations import Relaxation
+from sizing.relaxation import Relaxation
 from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table
+from sizing.results.notes import relaxation_table
 from sizing.results.sizing import SizingStudy
-from sizing.results.sizing_summary import relaxation_table
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from figure_checks import text_faults
@@ -38,11 +40,16 @@ def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty() -> None:
     assert longest is not None
     hours = float(longest.endurance_h)
     figure = studies.plot_cycle(analysis)
-    assert figure.get_suptitle().endswith(f"flies {hours:.1f} h, not perpetually")
+    assert figure.get_suptitle().endswith(f"limited, {hours:.1f} h")
     power, charge = figure.axes
-    time_h, percent = charge.lines[0].get_data()
-    assert (time_h[0], percent[0]) == (0.0, 100.0)
-    assert time_h[-1] == pytest.approx(hours)
+    clock_h, percent = charge.lines[0].get_data()
+    assert (clock_h[0], percent[0]) == (float(longest.launch_h), 100.0)
+    assert clock_h[-1] == pytest.approx(clock_h[0] + hours)
+    labels = [label.get_text() for label in charge.get_xticklabels()]
+    assert next(label for label in labels if label.startswith("00:00")) == "00:00\nday 2"
+    assert all(re.fullmatch(r"\d\d:00(\nday \d+)?", label) for label in labels)
+    (least, most) = (charge.collections[0].get_paths()[0].vertices[:, 1].min(), 100.0)
+    assert 0.0 <= least < most
     assert percent[-1] == pytest.approx(0.0, abs=0.05)  # the search ends within seconds
     assert np.min(percent[:-1]) >= 0.0
     assert power.get_ylabel() == "power [W]"

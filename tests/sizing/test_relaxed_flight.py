@@ -1,0 +1,143 @@
+"""What alone makes a limited flight perpetual, against analyses of files with those values."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+from sizing.relaxation import Relaxation
+
+MISSION = missions.load_mission("rafz-july", ["latitude_deg=50", "dates.on=05-01"])
+# Of a value that suffices: the scan is as fine as 0.1 %, and three digits are up to 1 % apart.
+LESS = 0.985
+
+
+def analysed(name: str, *overrides: str) -> sizing.Analysis:
+    return sizing.analyse(sizing.load_aircraft(name, overrides), MISSION)
+
+
+def relaxed(name: str, *overrides: str) -> dict[str, Relaxation]:
+    return {one.parameter: one for one in analysed(name, *overrides).relaxations}
+
+
+@pytest.mark.parametrize("name", ["atlantiksolar-as2", "sky-sailor"])
+def test_a_battery_suffices_from_its_value_on(name: str) -> None:
+    light = f"battery.mass_kg={0.4 * sizing.load_aircraft(name).battery.mass_kg:g}"
+    found = relaxed(name, light)["battery.mass_kg"]
+    assert found.direction == "at least"
+    enough, short = (
+        analysed(name, f"battery.mass_kg={factor * found.value}") for factor in (1.0, LESS)
+    )
+    assert enough.is_perpetual
+    assert not short.is_perpetual
+    assert enough.excess_time_h == pytest.approx(found.excess_time_h, abs=1e-9)
+
+
+def test_modules_weigh_what_they_weigh() -> None:
+    few = ("modules.area_m2=0.8", "battery.mass_kg=4")
+    found = relaxed("atlantiksolar-design", *few)["modules.area_m2"]
+    enough, short = (
+        analysed("atlantiksolar-design", f"modules.area_m2={factor * found.value}", few[1])
+        for factor in (1.0, LESS)
+    )
+    assert enough.is_perpetual
+    assert not short.is_perpetual
+
+
+def test_modules_of_a_measured_aircraft_add_their_mass() -> None:
+    few = "modules.area_m2=0.6"
+    found = relaxed("atlantiksolar-as2", few)["modules.area_m2"]
+    aircraft = sizing.load_aircraft("atlantiksolar-as2")
+    more_kg = aircraft.modules.mass_kg_per_m2 * (found.value - 0.6)
+    rest_kg = aircraft.airframe.mass_without_battery_kg  # type: ignore[union-attr]
+    changed = (
+        f"modules.area_m2={found.value}",
+        f"airframe.mass_without_battery_kg={rest_kg + more_kg}",
+    )
+    assert analysed("atlantiksolar-as2", *changed).excess_time_h == pytest.approx(
+        found.excess_time_h, abs=1e-9
+    )
+
+
+def test_a_load_may_fall_by_what_avionics_save() -> None:
+    found = relaxed("atlantiksolar-as2", "power.avionics_w=30")["load_w"]
+    supply = sizing.load_aircraft("atlantiksolar-as2").power.supply_efficiency
+    saved_w = (found.present - found.value) * supply
+    enough, short = (
+        analysed("atlantiksolar-as2", f"power.avionics_w={30.0 - share * saved_w}")
+        for share in (1.0, LESS)
+    )
+    assert enough.is_perpetual
+    assert not short.is_perpetual
+
+
+def test_the_smallest_change_comes_first_and_two_are_shown() -> None:
+    analysis = analysed("atlantiksolar-as2", "battery.mass_kg=1.2")
+    changes = [one.relative_change for one in analysis.relaxations]
+    assert len(changes) >= 2
+    assert all(one <= other for one, other in pairwise(changes))
+    text = str(analysis)
+    assert "perpetual with one of these" in text
+    assert "battery.mass_kg" in text
+
+
+def test_a_perpetual_flight_needs_nothing() -> None:
+    analysis = sizing.analyse(
+        sizing.load_aircraft("atlantiksolar-as2"), missions.load_mission("rafz-july")
+    )
+    assert analysis.relaxations == ()
+    assert analysis.limited_flight is None
+    assert "It flies perpetually, with 6.26 h to spare." in str(analysis)
+
+
+def flown_h(analysis: sizing.Analysis, launch_h: float) -> float:
+    """Flight time marched minute by minute from a full battery."""
+    perf, battery = analysis.performance, analysis.aircraft.battery
+    energy = full = float(perf.design.battery_energy_wh)
+    clock, step = launch_h, 1.0 / 240.0
+    while energy > 0.0:
+        sun, load = (
+            float(np.interp((clock + step / 2.0) % 24.0, perf.day.time_h, power[0]))
+            for power in (perf.solar_power_w, perf.load_w)
+        )
+        net = (sun - load) * step
+        gain = (
+            battery.mean_charge_efficiency if net > 0.0 else 1.0 / battery.mean_discharge_efficiency
+        )
+        energy = min(energy + net * gain, full)
+        clock += step
+    return clock - launch_h
+
+
+def test_flights_from_sunrise_and_noon_are_those_marched_by_the_minute() -> None:
+    analysis = analysed(
+        "atlantiksolar-as2", "battery.charge_limit={kind: none}", "power.avionics_w=30"
+    )
+    flight = analysis.limited_flight
+    assert flight is not None
+    sunrise_h = float(analysis.performance.day.sunrise_h[0])
+    assert flight.from_noon_h == pytest.approx(flown_h(analysis, 12.0), abs=0.02)
+    assert flight.from_sunrise_h == pytest.approx(flown_h(analysis, sunrise_h), abs=0.02)
+    assert flight.endurance_h >= max(flight.from_noon_h, flight.from_sunrise_h) - 1e-9
+    # It ends by so much before the sun carries the load.
+    dawn_h = float(analysis.performance.cycle.equal_power_morning_h[0])
+    assert (flight.empty_h + flight.before_sun_h - dawn_h) % 24.0 == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_answer_gives_solar_time_and_utc() -> None:
+    text = " ".join(str(analysed("atlantiksolar-as2", "power.avionics_w=30")).split())
+    assert "It flies " in text
+    assert "(solar time; " in text
+    assert " UTC)" in text
+    assert "Launched at sunrise it flies" in text
+
+
+def test_without_sun_no_launch_is_better() -> None:
+    night = missions.load_mission("rafz-july", ["latitude_deg=80", "dates.on=12-01"])
+    text = str(sizing.analyse(sizing.load_aircraft("atlantiksolar-as2"), night))
+    assert "sunrise it flies" not in text
+    assert "leaves the excess time at -24.00 h" in " ".join(text.split())
