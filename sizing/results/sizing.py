@@ -80,6 +80,8 @@ class SizingStudy(Result):
         Optimality cross-check by simulation, where asked for.
     without_margins : Performance or None
         Optimum without the mission's uncertainty margins, where it has any.
+    with_margin : SizingStudy or None
+        Sizing that keeps the requirement with one RMS error less solar power, where asked for.
     reliability : Reliability or None
         Probability of the required excess time, where one was asked for.
     survival : Survival or None
@@ -98,6 +100,7 @@ class SizingStudy(Result):
     multipliers: list[ConstraintMultiplier] | None = field(default=None)
     cross_check: CrossCheck | None = None
     without_margins: Performance | None = None
+    with_margin: SizingStudy | None = None
     reliability: Reliability | None = None
     survival: Survival | None = None
 
@@ -232,6 +235,8 @@ class SizingStudy(Result):
             record["constraint_multipliers"] = [dict(one.__dict__) for one in self.multipliers]
         if self.cross_check is not None:
             record["cross_check"] = finite_values(self.cross_check.__dict__)
+        if self.with_margin is not None:
+            record["with_margin"] = _margin_record(self.with_margin)
         if self.without_margins is not None:
             record["as_assumed"] = q.worst_record(self.without_margins, q.REACHED)
         if self.reliability is not None:
@@ -302,6 +307,7 @@ def size(
     correction: CorrectionName = "none",
     with_sensitivities: bool = False,
     with_cross_check: bool = False,
+    with_margin: bool = False,
     reliability: float | None = None,
 ) -> SizingStudy:
     """Find the best design of a parametric aircraft for a mission, or say why there is none.
@@ -325,6 +331,9 @@ def size(
         Also what each technology parameter and constraint is worth.
     with_cross_check : bool
         Also try to beat the optimum with thousands of other designs in the simulator.
+    with_margin : bool
+        Also the design that keeps the requirement with one RMS error of the model less solar power;
+        not of a range, with a reliability, or where the mission has uncertainty margins itself.
     reliability : float, optional
         Least probability that every scenario has the required excess time when the inputs scatter
         as the ``uncertainty`` of aircraft and mission says; above 0 and below 1.
@@ -370,6 +379,9 @@ def size(
     if result.status is SizingStatus.infeasible and not wanted.of_range:
         relaxed = tuple(relaxations(*asked, problems=problems))
     worth = with_sensitivities and result.feasible
+    guarded = None
+    if with_margin and result.feasible and coverage is None:
+        guarded = _with_margin(aircraft, mission, result, solar, problems)
     low, high = under_model_error(*asked)
     return SizingStudy(
         *(aircraft, mission, solar, result, low, high, coverage, relaxed),
@@ -377,7 +389,29 @@ def size(
         multipliers=constraint_multipliers(result) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         without_margins=without_margins_of(*asked),
+        with_margin=guarded,
     )
+
+
+def _with_margin(
+    aircraft: Aircraft,
+    mission: Mission,
+    optimum: SizingResult,
+    solar: SolarModel,
+    problems: SizingProblems,
+) -> SizingStudy | None:
+    """Sizing with one RMS error less solar power; None where the mission has margins itself."""
+    if mission.uncertainty_margins.given or optimum.design is None:
+        return None
+    guarded = with_values(mission, {"uncertainty_margins.solar_model_sigmas": 1.0})
+    result = size_aircraft(
+        *(aircraft, guarded, optimum.objective, solar),
+        required_excess_time_h=optimum.required_excess_time_h,
+        problems=problems,
+        start=optimum.design.variables,
+    )
+    plain = without_margins_of(aircraft, guarded, result, solar)
+    return SizingStudy(aircraft, guarded, solar, result, without_margins=plain)
 
 
 class _Wish(NamedTuple):
@@ -450,6 +484,25 @@ def without_margins_of(
     plain = mission.without_margins()
     day = solar_day(aircraft, plain, solar, scenarios=result.simulated.day.scenarios)
     return performance_of_designs(aircraft, plain, result.design.variables, solar, day=day)
+
+
+def _margin_record(study: SizingStudy) -> dict[str, Any]:
+    """Design with a margin: what it is, and what it reaches with and without that error."""
+    result = study.result
+    flown = {"least_excess_time_h": result.simulated, "excess_time_h": study.without_margins}
+    reached = {
+        key: None if perf is None else finite(np.min(perf.cycle.excess_time_h))
+        for key, perf in flown.items()
+    }
+    return {
+        "status": result.status.name,
+        "solar_model_sigmas": study.mission.uncertainty_margins.solar_model_sigmas,
+        "objective_value": None
+        if result.objective_value is None
+        else finite(result.objective_value),
+        **_design_record(result.design),
+        **reached,
+    }
 
 
 def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:

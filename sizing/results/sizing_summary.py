@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.performance import Performance
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.battery import battery_line
 from sizing.results.constraint_words import constraint_words, parameter_words
@@ -27,11 +28,13 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
-from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
+from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
+from sizing.sunlight import SolarModel
 
+_NEGLIGIBLE = 1e-9  # values below have no relative change
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 
 
@@ -64,10 +67,6 @@ def summary(study: SizingStudy) -> Summary:
         blocks += survival_blocks(study.survival, study)
     if study.coverage is not None and study.coverage.first is not None:
         blocks.append(_range_text(study.coverage))
-    solver = study.result.solver
-    solves = f"{solver.solves} solve{'s' if solver.solves > 1 else ''}"
-    times = f"{1000 * solver.time_s:.0f} ms (built in {1000 * solver.build_time_s:.0f} ms)"
-    blocks.append(Line(f"{solver.iterations} iterations, {solves}, {times}", "faint"))
     if study.sensitivities is not None:
         blocks.append(sensitivity_table(study.sensitivities, study.objective))
     if study.multipliers:
@@ -154,19 +153,86 @@ def _confidence(study: SizingStudy) -> list[Any]:
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.given or study.reliability is not None
         guarded = guarded or study.survival is not None
-        if low_h < required and not guarded:
+        if study.with_margin is not None:
+            blocks += _margin_blocks(study, study.with_margin)
+        elif low_h < required and not guarded:
             what = (
                 "ends perpetual flight" if low_h <= 0.0 else f"misses the required {required:g} h"
             )
             text = (
                 f"on the edge: one RMS error less solar power {what}; to size with that margin: "
-                "--set mission.uncertainty_margins.solar_model_sigmas=1"
+                f"--set {_MARGIN_KEY}"
             )
             blocks.append(Line(text, "warning"))
     if study.without_margins is not None:
         reached = hours(float(np.min(study.without_margins.cycle.excess_time_h)))
         blocks.append(f"without the mission's uncertainty margins the excess time is {reached}")
     return blocks
+
+
+_MARGIN_KEY = "mission.uncertainty_margins.solar_model_sigmas=1"
+
+
+def _margin_blocks(study: SizingStudy, guarded: SizingStudy) -> list[Any]:
+    """The optimum beside the one with a margin, and what the margin costs."""
+    safe, plain = guarded.result.simulated, guarded.without_margins
+    flown, low = study.result.simulated, study.low
+    if flown is None or low is None or safe is None or plain is None:
+        return [Line(f"{_with_error(study.solar)} no design was found", "warning")]
+    was, now = (
+        {one.name: value for one, value in each.design_values()}
+        | {study.objective.variable: each.result.objective_value}
+        | {"excess_time_h": _least_h(modelled), "least_excess_time_h": _least_h(less)}
+        for each, modelled, less in ((study, flown, low), (guarded, plain, safe))
+    )
+    return [
+        margin_table(study.objective, study.solar, was, now),
+        Line(f"to take the second: --set {_MARGIN_KEY}", "faint"),
+    ]
+
+
+def _with_error(solar: SolarModel) -> str:
+    return f"with one RMS error ({100 * solar.rms_relative:.0f} %) less solar power as margin"
+
+
+def _least_h(perf: Performance) -> float:
+    return float(np.min(perf.cycle.excess_time_h))
+
+
+def margin_table(
+    objective: Objective, solar: SolarModel, was: Mapping[str, Any], now: Mapping[str, Any]
+) -> Table:
+    """An optimum beside the one with a margin of one RMS error.
+
+    ``was``, ``now``: quantities of both, ``excess_time_h`` as modelled, ``least_excess_time_h``
+    with that error less, and the value of the objective under the name of its variable.
+    """
+    shown = (*CHOSEN, TOTAL_MASS)
+    rows: list[tuple[str, ...]] = [
+        (one.label, *(one.fact(e[one.name])[1] for e in (was, now)), _change(was, now, one.name))
+        for one in shown
+    ]
+    name = objective.variable
+    if objective.label not in (EXCESS_TIME.label, *(one.label for one in shown)):
+        texts = (with_unit(one[name], ".4g", objective) for one in (was, now))
+        rows.insert(0, (objective.label, *texts, _change(was, now, name)))
+    for key, what in (("excess_time_h", ""), ("least_excess_time_h", ", that error less")):
+        ends = (np.inf if one[key] is None else one[key] for one in (was, now))
+        rows.append((f"{EXCESS_TIME.label}{what}", *map(hours, ends), ""))
+    columns = (
+        Column("quantity", ""),
+        Column("optimum", "as requested", to_right=True),
+        Column("guarded", "with margin", to_right=True),
+        Column("change", to_right=True),
+    )
+    return Table(_with_error(solar), columns, tuple(rows))
+
+
+def _change(was: Mapping[str, Any], now: Mapping[str, Any], name: str) -> str:
+    """Relative change; none of what was next to nothing."""
+    if abs(was[name]) <= _NEGLIGIBLE:
+        return MISSING
+    return f"{round(100.0 * (now[name] / was[name] - 1.0), 1) + 0.0:+.1f} %"
 
 
 def reliability_text(found: Reliability, study: SizingStudy) -> str:

@@ -14,11 +14,13 @@ from sizing.results import quantities as q
 from sizing.results.constraint_words import constraint_words
 from sizing.results.sizing_summary import (
     cross_check_line,
+    margin_table,
     multiplier_table,
     sensitivity_table,
     with_unit,
 )
-from sizing.results.tables import facts
+from sizing.results.tables import Table, facts
+from sizing.sunlight import SolarModel
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
 from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject
@@ -188,13 +190,16 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     if sizing.get("reliability") is not None:
         blocks.append(_reliability(sizing["reliability"]))
     tables = []
+    guarded = sizing.get("with_margin")
+    if guarded is not None and guarded["status"] == "optimal":
+        tables.append(_with_margin(sizing, guarded, objective))
     if sizing.get("constraint_multipliers"):
         multipliers = [ConstraintMultiplier(**one) for one in sizing["constraint_multipliers"]]
         tables.append(multiplier_table(multipliers, objective))
     if sizing.get("sensitivities"):
         tables.append(sensitivity_table(_sensitivities(sizing["sensitivities"]), objective))
     blocks += [Tables((table,)) for table in tables]
-    if not tables and not objective.of_range:
+    if sizing.get("sensitivities") is None and not objective.of_range:
         blocks.append(Text("Sensitivities were not asked for: size --sensitivities.", "faint"))
     check = sizing.get("cross_check")
     if check is not None:
@@ -207,6 +212,21 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     elif not objective.of_range:
         blocks.append(Text("The optimum was not cross-checked: size --cross-check.", "faint"))
     return Section("sizing", "Sizing", blocks)
+
+
+def _with_margin(
+    sizing: Mapping[str, Any], guarded: Mapping[str, Any], objective: Objective
+) -> Table:
+    """The optimum beside the one that keeps the requirement with one RMS error less sun."""
+    was = {
+        **sizing,
+        objective.variable: sizing["objective"]["value"],
+        "excess_time_h": sizing["simulated"]["excess_time_h"],
+        "least_excess_time_h": sizing["uncertainty"]["excess_time_low_h"],
+    }
+    now = {**guarded, objective.variable: guarded["objective_value"]}
+    solar = SolarModel(sizing["model"], sizing["correction"])
+    return margin_table(objective, solar, was, now)
 
 
 def _reliability(found: Mapping[str, Any]) -> Text:

@@ -77,6 +77,7 @@ def _designed(case: Case, options: Size) -> SizingStudy:
             correction=case.solar.correction,
             with_sensitivities=options.with_sensitivities,
             with_cross_check=options.with_cross_check,
+            with_margin=True,
             reliability=options.reliability,
         )
     weather = load_weather(options.weather_file)
