@@ -11,17 +11,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from missions.dates import date_label
 from missions.mission import latitude_label
+from missions.weather.record import runs_of
 from sizing.energy.cycle import Status
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS, WINGSPAN
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
+from solar.types import BoolArray, IntArray
 from studies.maps.feasibility import perpetual_cells
 from studies.output.columns import SIZED, SizingStatus, extrapolations_of
 from studies.output.gridded import OnGrid
 
-__all__ = ["designs_record", "designs_table", "seasons_record", "seasons_table"]
+__all__ = ["designs_record", "designs_table", "season_text", "seasons_record", "seasons_table"]
+
+_ROWS = 16  # latitudes of a table
+_DAYS = 365
+_RUNS = 2  # seasons of a latitude
 
 
 def seasons_record(data: OnGrid) -> dict[str, Any]:
@@ -48,11 +55,17 @@ def seasons_table(data: OnGrid) -> Table:
     """Days of perpetual flight at each latitude, and the largest excess time."""
     record = seasons_record(data)
     _, most = _range_of_days(data["excess_time"].to_numpy())
+    days = data["day"].to_numpy()
     columns: tuple[Column, ...] = (
-        Column("perpetual_days", f"days of {len(record['days'])} mapped"),
+        Column("season", "perpetual flight"),
         Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
     )
-    rows: list[tuple[Any, ...]] = list(zip(record["perpetual_days"], most, strict=True))
+    seasons = (season_text(days, perpetual) for perpetual in perpetual_cells(data))
+    rows: list[tuple[Any, ...]] = list(zip(seasons, most, strict=True))
+    if len(days) == _DAYS:  # else a number of mapped days says little
+        columns = (columns[0], Column("perpetual_days", "days"), columns[1])
+        counts = record["perpetual_days"]
+        rows = [(season, count, h) for (season, h), count in zip(rows, counts, strict=True)]
     if "endurance" in data:
         columns += (Column("endurance_h", "endurance on the other days", "h", to_right=True),)
         ends = zip(record["least_endurance_h"], record["largest_endurance_h"], strict=True)
@@ -60,7 +73,23 @@ def seasons_table(data: OnGrid) -> Table:
             (*row, _range(*(math.nan if end is None else end for end in both)))
             for row, both in zip(rows, ends, strict=True)
         ]
-    return _table(data, f"{_subject(data)}: days of perpetual flight", record, columns, rows)
+    return _table(data, f"{_subject(data)}: seasons of perpetual flight", record, columns, rows)
+
+
+def season_text(days: IntArray, perpetual: BoolArray) -> str:
+    """First and last of the mapped days with perpetual flight; the year is a circle if mapped."""
+    if perpetual.all() or not perpetual.any():
+        return "on all mapped days" if perpetual.all() else "none"
+    starts, stops = runs_of(perpetual)
+    ends = [[int(days[a]), int(days[b - 1])] for a, b in zip(starts, stops, strict=True)]
+    gaps = np.diff(days, append=days[0] + 365)
+    if len(ends) > 1 and perpetual[0] and perpetual[-1] and gaps[-1] <= gaps[:-1].max():
+        ends[0][0] = ends.pop()[0]
+    spans = [
+        date_label(first) if first == last else f"{date_label(first)} to {date_label(last)}"
+        for first, last in ends
+    ]
+    return ", ".join(spans[:_RUNS]) + (", ..." if len(spans) > _RUNS else "")
 
 
 def designs_record(data: OnGrid) -> dict[str, Any]:
@@ -139,14 +168,30 @@ def _table(
 ) -> Table:
     """Table of one row for each latitude; failed days have a column where there are any."""
     failed = record["failed_days"] if any(record["failed_days"]) else None
-    latitudes = map(latitude_label, record["latitude_deg"])
+    latitude_deg = record["latitude_deg"]
+    shown = _shown_latitudes(latitude_deg)
     every = [
-        (latitude, *row, *([] if failed is None else [failed[i]]))
-        for i, (latitude, row) in enumerate(zip(latitudes, rows, strict=True))
+        (latitude_label(latitude_deg[i]), *rows[i], *([] if failed is None else [failed[i]]))
+        for i in shown
     ]
     heads = (Column("latitude"), *columns, *([] if failed is None else [Column("failed")]))
     notes = (_model(data), *extrapolation_lines(extrapolations_of(data)))
+    if len(shown) < len(rows):
+        part = f"{len(shown)} of {len(rows)} latitudes; --json and --out FILE have all"
+        notes = (part, *notes)
     return Table(title, heads, tuple(every), notes)
+
+
+def _shown_latitudes(latitude_deg: Sequence[float]) -> list[int]:
+    """Places of the latitudes that a table shows: of many, those at a round number of degrees."""
+    every = list(range(len(latitude_deg)))
+    if len(every) <= _ROWS:
+        return every
+    for step in (1.0, 2.0, 5.0, 10.0, 15.0, 30.0):
+        round_ones = [i for i in every if latitude_deg[i] % step == 0.0]
+        if 0 < len(round_ones) <= _ROWS:
+            return round_ones
+    return every[:: math.ceil(len(every) / _ROWS)]
 
 
 def _range(least: float, largest: float) -> str:

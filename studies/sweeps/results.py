@@ -20,7 +20,7 @@ from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.ranking import MORE_IS_BETTER, best_first, pareto_table, sorted_by
 from studies.sweeps.study import to_table
 
-_ROWS = 40
+_ROWS = 15
 # Results that are the same as a varied key.
 _VARIED_AS = {
     **{one.variable: one.name for one in (WINGSPAN, BATTERY_MASS)},

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
 _MOST_SAMPLES = 1_000_000
-_TOP = 40
+_TOP = 15
 
 
 @dataclass(frozen=True)

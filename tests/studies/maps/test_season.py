@@ -1,5 +1,7 @@
 """Seasons: windows around the solstice, and days found with few simulations."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from missions.mission import UncertaintyMargins
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
 from sizing.sunlight import SolarModel, solar_day
+from studies.maps.results import season_text
 from studies.maps.season import Season, perpetual_flags, season_of
 from studies.models.solar_models import combinations
 
@@ -92,3 +95,23 @@ def test_without_a_path_only_horizontal_models_are_left() -> None:
     assert {(s.model, s.correction) for s in left} == {
         (m, c) for m in ("CDM", "CAM") for c in ("none", "report")
     }
+
+
+@pytest.mark.parametrize(
+    ("days", "perpetual", "text"),
+    [
+        (range(1, 366), lambda day: True, "on all mapped days"),
+        (range(1, 366), lambda day: False, "none"),
+        (range(1, 366), lambda day: 91 <= day <= 212, "1 Apr to 31 Jul"),
+        # The southern summer goes through the end of the year.
+        (range(1, 366, 4), lambda day: day < 60 or day > 300, "28 Oct to 26 Feb"),
+        # A part of the year is no circle.
+        (range(100, 201, 10), lambda day: day in (100, 200), "10 Apr, 19 Jul"),
+        (range(1, 366), lambda day: day % 100 == 50, "19 Feb, 30 May, ..."),
+    ],
+)
+def test_a_season_is_told_by_its_ends(
+    days: range, perpetual: Callable[[int], bool], text: str
+) -> None:
+    marks = np.array([perpetual(day) for day in days])
+    assert season_text(np.array(days), marks) == text
