@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,6 +49,7 @@ _LARGEST_REYNOLDS, _SMALLEST_REYNOLDS = 300_000.0, 2_000.0
 # Drag of a plate across the flow.
 _PLATE_DRAG = 2.0
 
+_ANGLE_TOLERANCE = 1e-11
 _HUB = 0.1
 _ELEMENTS = 24
 # Above this advance ratio over pitch/diameter every propeller of such a section brakes.
@@ -127,6 +128,8 @@ class BladeElementPropeller:
     pitch_m: float
     blades: int = 2
     chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
+    # It knows every speed of rotation, and thrust rises with it.
+    trials: ClassVar[int] = 9
 
     def __post_init__(self) -> None:
         """Refuse what is no propeller."""
@@ -211,7 +214,10 @@ class BladeElementPropeller:
         lifts = self._excess(undisturbed, *given) < 0.0
         lower = np.where(lifts, undisturbed, -undisturbed + 1e-12)
         upper = np.where(lifts, np.pi / 2, np.maximum(undisturbed, lower + 1e-12))
-        return np.asarray(elementwise.find_root(self._excess, (lower, upper), args=given).x)
+        found = elementwise.find_root(
+            self._excess, (lower, upper), args=given, tolerances={"xrtol": _ANGLE_TOLERANCE}
+        )
+        return np.asarray(found.x)
 
     def _excess(self, psi: FloatArray, *given: FloatArray) -> FloatArray:
         """Circulation by momentum above that by lift [m2/s]."""

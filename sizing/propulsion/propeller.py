@@ -7,7 +7,7 @@ speed of rotation ``n`` in revolutions per second, so that the efficiency is ``J
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +35,11 @@ class Propeller(Protocol):
     @property
     def diameter_m(self) -> float:
         """Diameter [m]."""
+        ...
+
+    @property
+    def trials(self) -> int:
+        """Speeds of rotation to be tried before the one of a thrust is searched for."""
         ...
 
     def coefficients(
@@ -116,6 +121,8 @@ class PropellerTable:
     curves: tuple[SpeedCurve, ...]
     source: str
     any_speed: bool = False
+    # Its curves end at different advance ratios, and outside there is nothing to search.
+    trials: ClassVar[int] = 97
 
     def coefficients(
         self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air | None = None
