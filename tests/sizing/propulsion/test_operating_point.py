@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 from pathlib import Path
 
 import numpy as np
 import pytest
 from builders import SKY_SAILOR
+from documented import DOCS, blocks
 from pydantic import ValidationError
 
 from missions.air import standard_air
@@ -235,10 +238,19 @@ def test_motor_without_its_constants(key: str) -> None:
         Motor(**values)
 
 
+def test_example_of_the_page() -> None:
+    example = blocks(DOCS / "propulsion.md")[0]
+    page = (DOCS / "propulsion.md").read_text(encoding="utf-8")
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(example.text, {})
+    assert printed.getvalue() in page
+
+
 # AtlantikSolar needs 35.8 W at 1.10 kg/m3; published are controller 0.97, motor 0.82, gearbox 0.96
 # and propeller 0.82. Drag: 20.2 W of thrust power by the wing polar with nothing fitted
 # (docs/aerodynamics.md), 22.4 W if those efficiencies are right; flown at 8.4 m/s.
-@pytest.mark.parametrize(("thrust_power", "low", "high"), [(20.2, 29.5, 31.5), (22.4, 32.5, 35.0)])
+@pytest.mark.parametrize(("thrust_power", "low", "high"), [(20.2, 31.0, 31.5), (22.4, 34.1, 34.6)])
 def test_power_of_atlantiksolar(thrust_power: float, low: float, high: float) -> None:
     air = standard_air(1090.0)
     assert air.density_kg_per_m3 == pytest.approx(1.10, abs=0.002)
@@ -266,7 +278,7 @@ def test_power_of_sky_sailor() -> None:
     v = float(np.sqrt(2 * 2.44 * 9.81 / (air.density_kg_per_m3 * 0.776 * lift)))
     drag_coefficient = 0.0126 + 0.006 + lift**2 / (np.pi * 0.9 * 13.2)
     thrust = 2.44 * 9.81 * drag_coefficient / lift
-    assert thrust * v / (0.95 * 0.85 * 0.97 * 0.85) + 2.0 / 0.65 == pytest.approx(16.0, abs=0.3)
+    assert thrust * v / (0.95 * 0.85 * 0.97 * 0.85) + 2.0 / 0.65 == pytest.approx(16.1, abs=0.05)
     # Its propeller's efficiency of 0.85 is beyond any of model propellers' sections of its size.
     best = max(
         float(
@@ -283,5 +295,5 @@ def test_power_of_sky_sailor() -> None:
         for d in (0.4, 0.5, 0.6, 0.7)
         for ratio in (0.8, 1.0, 1.2, 1.4)
     )
-    assert 0.77 < best < 0.82
-    assert thrust * v / (0.95 * 0.85 * 0.97 * best) + 2.0 / 0.65 == pytest.approx(16.8, abs=0.5)
+    assert best == pytest.approx(0.797, abs=2e-3)
+    assert thrust * v / (0.95 * 0.85 * 0.97 * best) + 2.0 / 0.65 == pytest.approx(17.0, abs=0.05)
