@@ -35,6 +35,11 @@ class Propulsor:
         From the bus to the controller and back [ohm].
     maximum_tip_mach : float
         Largest Mach number of the tips [-]; the models know no compressible flow.
+
+    Raises
+    ------
+    ValueError
+        For a resistance below 0 or a Mach number that is not between 0 and 1.
     """
 
     propeller: Propeller
@@ -43,6 +48,17 @@ class Propulsor:
     gear: Gear = Gear()  # noqa: RUF009 (frozen)
     wiring_resistance_ohm: float = 0.0
     maximum_tip_mach: float = 0.7
+
+    def __post_init__(self) -> None:
+        """Refuse a wiring that gives power and tips that stand still."""
+        if not 0.0 <= self.wiring_resistance_ohm < np.inf:
+            raise ValueError(
+                f"wiring_resistance_ohm must be 0 or more (got {self.wiring_resistance_ohm!r})"
+            )
+        if not 0.0 < self.maximum_tip_mach < 1.0:
+            raise ValueError(
+                f"maximum_tip_mach must be above 0 and below 1 (got {self.maximum_tip_mach!r})"
+            )
 
 
 @dataclass(frozen=True)
@@ -193,8 +209,8 @@ def _at(
         ),
         (
             bus < needed_v,
-            "bus voltage {:.3g} V is below {:.3g} V, which {:.4g} rpm of the motor need",
-            (bus, needed_v, motor_rpm),
+            "bus voltage {:.4g} V is below {:.2f} V, which {:.4g} rpm of the motor need",
+            (bus, np.ceil(100.0 * needed_v) / 100.0, motor_rpm),
         ),
         _over(propulsor.motor.maximum_current_a, motor.current_a, "motor current", "A"),
         _over(propulsor.motor.maximum_power_w, motor_w, "motor power", "W"),
@@ -310,6 +326,10 @@ def _no_rotation(thrust: float, v: float, pull: FloatArray, propeller: Propeller
     known = pull[np.isfinite(pull)]
     if not known.size:
         return f"an airspeed of {v:.3g} m/s lies outside {data}"
+    if known.max() <= 0.0:
+        return f"the propeller brakes at {v:.3g} m/s, at every speed of rotation in {data}"
+    if known.min() <= thrust <= known.max():
+        return f"thrust {thrust:.3g} N at {v:.3g} m/s lies in a gap of {data}"
     if thrust > known.max():
         return (
             f"thrust {thrust:.3g} N is above {known.max():.3g} N, the most at {v:.3g} m/s in {data}"

@@ -91,6 +91,8 @@ def read_propeller(
         With file and line of every mistake.
     """
     paths = [files] if isinstance(files, str | os.PathLike) else list(files)
+    if not paths:
+        raise file_error("files", "must name at least one file (got none)")
     found = _Read(diameter_m=diameter_m)
     for path in paths:
         name = os.fspath(path)
@@ -253,7 +255,7 @@ def _rows(
         values = [_number(word) for word in line.split()]
         if len(values) != columns or any(map(math.isnan, values)):
             got = shortened(printable(" ".join(line.split())))
-            message = f"{columns} numbers are needed (got {got!r})"
+            message = f"{columns} finite numbers are needed (got {got!r})"
             found.problems.append(Problem(file, number, None, "", message))
         else:
             yield number, values

@@ -96,7 +96,7 @@ def test_part_load_of_the_controller_costs_at_high_voltage() -> None:
             2.67,
             8.4,
             12.0,
-            "bus voltage 12 V is below 15.3 V, which 4592 rpm of the motor",
+            "bus voltage 12 V is below 15.26 V, which 4592 rpm of the motor",
         ),
         (
             Propulsor(SIZE, motor(maximum_current_a=1.0), CONTROLLER, GEAR),
@@ -137,6 +137,13 @@ def test_part_load_of_the_controller_costs_at_high_voltage() -> None:
             "from 4003 to 6701 rpm)",
         ),
         (
+            PROPULSOR,
+            1.0,
+            200.0,
+            22.0,
+            "the propeller brakes at 200 m/s, at every speed of rotation",
+        ),
+        (
             Propulsor(read_propeller(sorted(UIUC.glob("apce_9x6_rd*.txt"))), RE40, CONTROLLER),
             0.2,
             5.0,
@@ -155,10 +162,37 @@ def test_what_cannot_be_done_has_a_reason(
     assert np.isnan(point.efficiency)
 
 
+def test_a_gap_between_two_speeds_is_told(tmp_path: Path) -> None:
+    # At 3000 and 6000 rpm no advance ratio is common: between them the table has nothing.
+    slow, middle = ".1,.10,.05,3000\n.3,.09,.05,3000\n", ".5,.06,.05,6000\n.9,.01,.02,6000\n"
+    path = tmp_path / "gap.csv"
+    fast = ".05,.11,.05,9000\n.9,.11,.12,9000\n"
+    path.write_text(f"J,CT,CP,rpm\n{slow}{middle}{fast}", encoding="utf-8")
+    propulsor = Propulsor(read_propeller(path, diameter_m=0.25), RE40, CONTROLLER)
+    v = 0.3 * 50.0 * 0.25
+    point = operating_point(propulsor, [3.0, 500.0], v, AIR, 220.0)
+    assert point.reason[0].startswith(
+        "thrust 3 N at 3.75 m/s lies in a gap of the propeller's data"
+    )
+    assert point.reason[1].startswith("thrust 500 N is above 10.7 N, the most at 3.75 m/s")
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"wiring_resistance_ohm": -1.0}, r"wiring_resistance_ohm must be 0 or more \(got -1.0\)"),
+        ({"maximum_tip_mach": 1.5}, r"maximum_tip_mach must be above 0 and below 1 \(got 1.5\)"),
+    ],
+)
+def test_what_is_no_propulsor_is_refused(values: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Propulsor(SIZE, RE40, CONTROLLER, **values)
+
+
 def test_the_voltage_told_is_the_least_that_does() -> None:
     point = operating_point(PROPULSOR, 2.67, 8.4, AIR, 12.0)
     needed = float(str(point.reason).split("below ")[1].split(" V")[0])
-    bus = np.array([needed - 0.06, needed + 0.06])
+    bus = np.array([needed - 0.01, needed])
     assert list(operating_point(PROPULSOR, 2.67, 8.4, AIR, bus).feasible) == [False, True]
 
 

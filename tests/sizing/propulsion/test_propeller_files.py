@@ -112,8 +112,12 @@ ROWS = "# diameter_m: 0.66\nJ,CT,CP,rpm\n.5,.08,.05,900\n.9,.02,.03,900\n"
     [
         (ROWS, "t.csv", "t.csv: has 900 rpm alone: two speeds or more are needed"),
         ("J CT CP eta\n.1 .1 .05 .2\n.2 .1 .05 .4\n", "x_9x6.txt", "names no speed of rotation"),
-        (ROWS + ".5,x,.05,1200\n", "t.csv", "t.csv:5: 4 numbers are needed (got '.5 x .05 1200')"),
-        (ROWS + ".5,nan,.05,1200\n", "t.csv", "t.csv:5: 4 numbers are needed"),
+        (
+            ROWS + ".5,x,.05,1200\n",
+            "t.csv",
+            "t.csv:5: 4 finite numbers are needed (got '.5 x .05 1200')",
+        ),
+        (ROWS + ".5,nan,.05,1200\n", "t.csv", "t.csv:5: 4 finite numbers are needed"),
         (ROWS + "-.5,.1,.05,1200\n", "t.csv", "t.csv:5: J must be from 0 to 5 (got -0.5)"),
         (ROWS + ".5,.1,.05,-3\n", "t.csv", "t.csv:5: rpm must be above 0"),
         (
@@ -157,3 +161,8 @@ def test_low_and_high_advance_ratios_of_one_nominal_speed_are_one_curve(tmp_path
     assert len(table.curves) == 2
     assert list(table.curves[0].advance_ratio) == [0.1, 0.5, 0.8]
     assert table.curves[0].thrust[1] == pytest.approx(0.055)
+
+
+def test_no_file_is_refused() -> None:
+    with pytest.raises(InputError, match="files: must name at least one file"):
+        read_propeller([])
