@@ -3,6 +3,7 @@ from .aircraft import DesignSpace as DesignSpace
 from .aircraft import MeasuredAirframe as MeasuredAirframe
 from .aircraft import ParametricAirframe as ParametricAirframe
 from .altitude.ceiling import highest_perpetual_altitude as highest_perpetual_altitude
+from .cruise_propulsion import with_operating_point as with_operating_point
 from .design import Design as Design
 from .design import DesignVariables as DesignVariables
 from .design import ImpossibleDesignError as ImpossibleDesignError
