@@ -3,6 +3,7 @@ from .aircraft import DesignSpace as DesignSpace
 from .aircraft import MeasuredAirframe as MeasuredAirframe
 from .aircraft import ParametricAirframe as ParametricAirframe
 from .altitude.ceiling import highest_perpetual_altitude as highest_perpetual_altitude
+from .cruise_propulsion import with_operating_point as with_operating_point
 from .design import Design as Design
 from .design import DesignVariables as DesignVariables
 from .design import ImpossibleDesignError as ImpossibleDesignError
@@ -21,6 +22,16 @@ from .optimisation.result import SizingStatus as SizingStatus
 from .performance import Performance as Performance
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days
+from .propulsion.blade_elements import BladeElementPropeller as BladeElementPropeller
+from .propulsion.electric import BatteryVoltage as BatteryVoltage
+from .propulsion.electric import Controller as Controller
+from .propulsion.electric import Gear as Gear
+from .propulsion.electric import Motor as Motor
+from .propulsion.operating_point import OperatingPoint as OperatingPoint
+from .propulsion.operating_point import Propulsor as Propulsor
+from .propulsion.operating_point import operating_point as operating_point
+from .propulsion.propeller import PropellerTable as PropellerTable
+from .propulsion.propeller_files import read_propeller as read_propeller
 from .replay import CalendarRun as CalendarRun
 from .replay import calendar_run as calendar_run
 from .results.analysis import Analysis as Analysis

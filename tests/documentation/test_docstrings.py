@@ -17,6 +17,7 @@ FORMULAS = (
     "missions/loiter_power.py",
     "sizing/aerodynamics",
     "sizing/energy",
+    "sizing/propulsion",
     "sizing/structures",
 )
 SECTION = re.compile(r"^(Parameters|Returns|Raises|Yields|Attributes)\n-{4,}$", re.M)

@@ -1,0 +1,256 @@
+"""Coefficients of a propeller of which diameter, pitch and number of blades are known.
+
+Blade elements and momentum in the form of Drela's QPROP (Drela, M. (2006), QPROP Formulation, MIT
+Aero & Astro): the velocity at a blade station is a function of one angle, in which the circulation
+by momentum and that by the section's lift have one difference with a bracketed root. It holds at
+rest, in flight, and where the propeller brakes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import elementwise
+
+from missions.air import Air
+from sizing.propulsion.propeller import Coefficients
+from solar.types import FloatArray
+
+__all__ = ["BladeElementPropeller", "section_coefficients"]
+
+# Chord over radius at r/R of 0.15 to 1 in steps of 0.05, as measured: UIUC Propeller Database
+# (Brandt & Selig et al.), the mean of APC Thin Electric 9x6, 11x5.5 and 11x8, and of APC Slow Flyer
+# 10x4.7 and 10x7.
+_STATIONS = np.linspace(0.15, 1.0, 18)
+# fmt: off
+_CHORDS = {
+    "thin_electric": (
+        0.131, 0.146, 0.171, 0.188, 0.198, 0.201, 0.200, 0.195, 0.187,
+        0.175, 0.162, 0.147, 0.131, 0.115, 0.099, 0.084, 0.062, 0.040,
+    ),
+    "slow_flyer": (
+        0.109, 0.132, 0.156, 0.176, 0.193, 0.206, 0.216, 0.223, 0.226,
+        0.225, 0.219, 0.210, 0.197, 0.180, 0.158, 0.132, 0.090, 0.046,
+    ),
+}
+# fmt: on
+# Section of a propeller of 6 inches in the example of the QPROP User Guide (Drela, 2007).
+_LIFT_AT_ZERO, _LIFT_SLOPE = 0.5, 5.8
+_LEAST_LIFT, _GREATEST_LIFT = -0.3, 1.2
+_LEAST_DRAG, _LIFT_OF_LEAST_DRAG = 0.028, 0.5
+_DRAG_ABOVE, _DRAG_BELOW = 0.050, 0.020
+_REYNOLDS, _REYNOLDS_EXPONENT = 70_000.0, -0.7
+# The exponent is one of laminar flow with separation bubbles; above, drag is held.
+_LARGEST_REYNOLDS, _SMALLEST_REYNOLDS = 300_000.0, 2_000.0
+# Drag of a plate across the flow.
+_PLATE_DRAG = 2.0
+
+_ANGLE_TOLERANCE = 1e-11
+_HUB = 0.1
+_ELEMENTS = 24
+# Above this advance ratio over pitch/diameter every propeller of such a section brakes.
+_LARGEST_ADVANCE_OVER_PITCH, _ADVANCE_BEYOND_PITCH = 1.3, 0.3
+
+
+def section_coefficients(
+    angle_rad: ArrayLike, reynolds: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Lift and drag of the blade section.
+
+    ``c_l = 0.5 + 5.8 alpha`` from -0.3 to 1.2, beyond them the limit times the cosine of the
+    excess of the angle; ``c_d = (0.028 + k (c_l - 0.5)^2) (Re / 70000)^-0.7``, with k 0.050 above
+    and 0.020 below 0.5, and beyond the limits ``2 sin^2`` of the excess more. Above a Reynolds
+    number of 300 000 drag is held.
+
+    Parameters
+    ----------
+    angle_rad : array_like
+        Angle between chord and flow [rad].
+    reynolds : array_like
+        Reynolds number of the chord [-].
+
+    Returns
+    -------
+    lift, drag : ndarray
+        Coefficients [-].
+    """
+    angle = np.asarray(angle_rad, float)
+    upper = (_GREATEST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
+    lower = (_LEAST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
+    excess = angle - np.clip(angle, lower, upper)
+    lift = (_LIFT_AT_ZERO + _LIFT_SLOPE * (angle - excess)) * np.cos(excess)
+    off = lift - _LIFT_OF_LEAST_DRAG
+    bounded = np.clip(reynolds, _SMALLEST_REYNOLDS, _LARGEST_REYNOLDS)
+    factor = (bounded / _REYNOLDS) ** _REYNOLDS_EXPONENT
+    drag = (_LEAST_DRAG + np.where(off > 0.0, _DRAG_ABOVE, _DRAG_BELOW) * off**2) * factor
+    return np.asarray(lift), np.asarray(drag + _PLATE_DRAG * np.sin(excess) ** 2)
+
+
+class _Flow(NamedTuple):
+    """Flow at blade stations: velocities [m/s], circulation by momentum [m2/s], coefficients."""
+
+    axial: FloatArray
+    tangential: FloatArray
+    speed: FloatArray
+    circulation: FloatArray
+    lift: FloatArray
+    drag: FloatArray
+
+
+@dataclass(frozen=True)
+class BladeElementPropeller:
+    """A propeller by its diameter, pitch and number of blades.
+
+    Its blades have the chords of a family of model propellers, scaled with the diameter, a section
+    of Drela's, and the twist of its pitch, ``atan(pitch / (2 pi r))``, from a tenth of the radius
+    to the tip. The tips' Mach number plays no part.
+
+    Attributes
+    ----------
+    diameter_m, pitch_m : float
+        Diameter and geometric pitch [m].
+    blades : int
+        Number of blades.
+    chords : {"thin_electric", "slow_flyer"}
+        Family of model propellers that the chords are those of.
+
+    Raises
+    ------
+    ValueError
+        For a diameter or pitch that is not above 0, fewer than 2 blades or an unknown family.
+    """
+
+    diameter_m: float
+    pitch_m: float
+    blades: int = 2
+    chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
+    # It knows every speed of rotation, and thrust rises with it.
+    trials: ClassVar[int] = 9
+
+    def __post_init__(self) -> None:
+        """Refuse what is no propeller."""
+        for name in ("diameter_m", "pitch_m"):
+            value = getattr(self, name)
+            if not 0.0 < value < 100.0:
+                raise ValueError(f"{name} must be above 0 (got {value!r})")
+        if self.blades != int(self.blades) or not 2 <= self.blades <= 12:
+            raise ValueError(f"blades must be a whole number from 2 to 12 (got {self.blades!r})")
+        if self.chords not in _CHORDS:
+            raise ValueError(f"chords must be one of {', '.join(_CHORDS)} (got {self.chords!r})")
+
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
+        ratio = self.pitch_m / self.diameter_m
+        return (0.0, _LARGEST_ADVANCE_OVER_PITCH * ratio + _ADVANCE_BEYOND_PITCH), (0.0, np.inf)
+
+    @cached_property
+    def _blade(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Place [-], width of the element [m], chord [m] and twist [rad], denser at the tip."""
+        edges = _HUB + (1.0 - _HUB) * np.sin(np.linspace(0.0, np.pi / 2, _ELEMENTS + 1))
+        place = (edges[1:] + edges[:-1]) / 2.0
+        radius = self.diameter_m / 2.0
+        chord = np.interp(place, _STATIONS, _CHORDS[self.chords]) * radius
+        twist = np.arctan(self.pitch_m / (np.pi * self.diameter_m * place))
+        return place, np.diff(edges) * radius, chord, twist
+
+    def coefficients(
+        self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air
+    ) -> Coefficients:
+        """Coefficients of thrust and power.
+
+        ``dT = B rho W c (c_l W_t - c_d W_a) dr / 2`` and ``dQ = B rho W c (c_l W_a + c_d W_t) r dr
+        / 2``, with the velocities at the station that make the circulation of the lift,
+        ``W c c_l / 2``, that of the momentum.
+
+        Parameters
+        ----------
+        airspeed_m_per_s, rotation_per_s : array_like
+            True airspeed, 0 or more [m/s], and speed of rotation, above 0 [1/s].
+        air : Air
+            Its density and viscosity count.
+
+        Returns
+        -------
+        Coefficients
+            Of the broadcast shape of the arguments. Below zero where the propeller brakes, the
+            power where the air turns it.
+        """
+        v, n, density, viscosity = np.broadcast_arrays(
+            *(
+                np.asarray(one, float)[..., np.newaxis]
+                for one in (
+                    airspeed_m_per_s,
+                    rotation_per_s,
+                    air.density_kg_per_m3,
+                    air.dynamic_viscosity_pa_s,
+                )
+            )
+        )
+        place, width, chord, twist = self._blade
+        tangential = np.pi * n * self.diameter_m * place
+        given = np.broadcast_arrays(v, tangential, density / viscosity, place, chord, twist)
+        flow = self._flow(self._angle(given), *given)
+        force = 0.5 * self.blades * density * flow.speed * chord * width
+        thrust = force * (flow.lift * flow.tangential - flow.drag * flow.axial)
+        torque = force * (flow.lift * flow.axial + flow.drag * flow.tangential)
+        scale = density[..., 0] * n[..., 0] ** 2 * self.diameter_m**4
+        arm = place * self.diameter_m / 2.0
+        return Coefficients(
+            np.asarray(thrust.sum(-1) / scale),
+            np.asarray(2.0 * np.pi * (torque * arm).sum(-1) / (scale * self.diameter_m)),
+        )
+
+    def _angle(self, given: tuple[FloatArray, ...]) -> FloatArray:
+        """Angle psi of every station [rad].
+
+        Without induced velocity psi is the angle of the free flow. There the circulation by
+        momentum is zero: a section that lifts has its root above, one that brakes below.
+        """
+        undisturbed = np.arctan2(given[0], given[1])
+        lifts = self._excess(undisturbed, *given) < 0.0
+        lower = np.where(lifts, undisturbed, -undisturbed + 1e-12)
+        upper = np.where(lifts, np.pi / 2, np.maximum(undisturbed, lower + 1e-12))
+        found = elementwise.find_root(
+            self._excess, (lower, upper), args=given, tolerances={"xrtol": _ANGLE_TOLERANCE}
+        )
+        return np.asarray(found.x)
+
+    def _excess(self, psi: FloatArray, *given: FloatArray) -> FloatArray:
+        """Circulation by momentum above that by lift [m2/s]."""
+        flow = self._flow(psi, *given)
+        return np.asarray(flow.circulation - 0.5 * flow.speed * given[4] * flow.lift)
+
+    def _flow(
+        self,
+        psi: FloatArray,
+        v: FloatArray,
+        rotation: FloatArray,
+        inverse_viscosity: FloatArray,
+        place: FloatArray,
+        chord: FloatArray,
+        twist: FloatArray,
+    ) -> _Flow:
+        """Flow at an angle psi.
+
+        ``W_a = (V + U sin psi) / 2`` and ``W_t = (Omega r + U cos psi) / 2`` with ``U^2 = V^2 +
+        (Omega r)^2``, so that the induced velocity is at right angles to the flow; circulation
+        ``4 pi r / B v_t F sqrt(1 + (4 l R / (pi B r))^2)`` with Prandtl's ``F = 2/pi
+        acos(exp(-B (1 - r/R) / (2 l)))`` and ``l = (r/R) W_a / W_t``.
+        """
+        free = np.hypot(v, rotation)
+        axial = 0.5 * (v + free * np.sin(psi))
+        tangential = 0.5 * (rotation + free * np.cos(psi))
+        speed = np.hypot(axial, tangential)
+        advance = np.maximum(place * axial / tangential, 1e-9)
+        tip = np.minimum(0.5 * self.blades * (1.0 - place) / advance, 700.0)
+        loss = 2.0 / np.pi * np.arccos(np.exp(-tip))
+        between = np.hypot(1.0, 4.0 * advance / (np.pi * self.blades * place))
+        arm = place * self.diameter_m / 2.0
+        momentum = 4.0 * np.pi * arm / self.blades * (rotation - tangential) * loss * between
+        angle = twist - np.arctan2(axial, tangential)
+        lift, drag = section_coefficients(angle, inverse_viscosity * speed * chord)
+        return _Flow(axial, tangential, speed, np.asarray(momentum), lift, drag)

@@ -1,0 +1,337 @@
+"""Propeller, gear, motor, controller and wiring at a thrust, an airspeed and an air."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import elementwise
+
+from missions.air import Air
+from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
+from sizing.propulsion.propeller import Propeller, tip_mach
+from solar.types import BoolArray, FloatArray
+
+__all__ = ["OperatingPoint", "Propulsor", "operating_point"]
+
+_FASTEST_TIP_MACH = 0.95
+_SLOWEST_SHARE = 1e-3
+_WIRING_ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Propulsor:
+    """One propeller and what drives it.
+
+    Attributes
+    ----------
+    propeller : PropellerTable or BladeElementPropeller
+    motor : Motor
+    controller : Controller
+    gear : Gear
+        None by default: ratio and efficiency 1.
+    wiring_resistance_ohm : float
+        From the bus to the controller and back [ohm].
+    maximum_tip_mach : float
+        Largest Mach number of the tips [-]; the models know no compressible flow.
+
+    Raises
+    ------
+    ValueError
+        For a resistance below 0 or a Mach number that is not between 0 and 1.
+    """
+
+    propeller: Propeller
+    motor: Motor
+    controller: Controller
+    gear: Gear = Gear()  # noqa: RUF009 (frozen)
+    wiring_resistance_ohm: float = 0.0
+    maximum_tip_mach: float = 0.7
+
+    def __post_init__(self) -> None:
+        """Refuse a wiring that gives power and tips that stand still."""
+        if not 0.0 <= self.wiring_resistance_ohm < np.inf:
+            raise ValueError(
+                f"wiring_resistance_ohm must be 0 or more (got {self.wiring_resistance_ohm!r})"
+            )
+        if not 0.0 < self.maximum_tip_mach < 1.0:
+            raise ValueError(
+                f"maximum_tip_mach must be above 0 and below 1 (got {self.maximum_tip_mach!r})"
+            )
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """What a propulsor does, in arrays of the shape of what was asked.
+
+    Attributes
+    ----------
+    rotation_rpm, motor_rpm
+        Speeds of propeller and motor [rpm].
+    tip_mach, advance_ratio
+        Of the propeller [-].
+    propeller_torque_nm, motor_torque_nm
+        At the two shafts [N m].
+    motor_current_a, motor_voltage_v
+        At the motor's terminals, means of the chopped ones [A, V].
+    duty
+        Of the controller [-].
+    bus_current_a, bus_power_w
+        What the bus delivers [A, W].
+    thrust_power_w
+        Thrust times airspeed [W].
+    propeller_efficiency, gear_efficiency, motor_efficiency, controller_efficiency, \
+wiring_efficiency, efficiency
+        Of every link, and their product: thrust power over bus power [-].
+    reason
+        Why it cannot be done, with what would do; empty where it can. Duty, bus current and power
+        and efficiencies are NaN where it cannot, all else where the propeller's data end.
+    """
+
+    rotation_rpm: FloatArray
+    motor_rpm: FloatArray
+    tip_mach: FloatArray
+    advance_ratio: FloatArray
+    propeller_torque_nm: FloatArray
+    motor_torque_nm: FloatArray
+    motor_current_a: FloatArray
+    motor_voltage_v: FloatArray
+    duty: FloatArray
+    bus_current_a: FloatArray
+    bus_power_w: FloatArray
+    thrust_power_w: FloatArray
+    propeller_efficiency: FloatArray
+    gear_efficiency: FloatArray
+    motor_efficiency: FloatArray
+    controller_efficiency: FloatArray
+    wiring_efficiency: FloatArray
+    efficiency: FloatArray
+    reason: NDArray[np.str_]
+
+    @property
+    def feasible(self) -> BoolArray:
+        """Whether it can be done."""
+        return np.asarray(self.reason == "")
+
+    def budget_w(self) -> dict[str, FloatArray]:
+        """Where the power goes.
+
+        Returns
+        -------
+        dict of ndarray
+            Thrust power and the losses of propeller, gear, motor, controller and wiring [W]; their
+            sum is the bus power.
+        """
+        shares, after = {"thrust": self.thrust_power_w}, self.bus_power_w
+        for name in ("wiring", "controller", "motor", "gear", "propeller"):
+            before, after = after, after * getattr(self, f"{name}_efficiency")
+            shares[name] = before - after
+        return {name: shares[name] for name in ("thrust", *reversed(list(shares)[1:]))}
+
+
+def operating_point(
+    propulsor: Propulsor,
+    thrust_n: ArrayLike,
+    airspeed_m_per_s: ArrayLike,
+    air: Air,
+    bus_voltage_v: ArrayLike,
+) -> OperatingPoint:
+    """Speed of rotation, currents, voltages and efficiencies at a thrust.
+
+    The slowest rotation at which the propeller pulls so much gives the torque, ``Q = C_P rho n^2
+    D^5 / (2 pi)``; the gear passes ``Q / (g eta_g)`` on to the motor, which turns ``g`` times
+    as fast; motor and controller give current, voltage and power (:class:`Motor`,
+    :class:`Controller`); the wiring takes ``I^2 R`` of the bus.
+
+    Parameters
+    ----------
+    propulsor : Propulsor
+    thrust_n : array_like
+        Thrust of this one propulsor, above 0 [N].
+    airspeed_m_per_s : array_like
+        True airspeed, 0 or more [m/s].
+    air : Air
+        For instance of :func:`missions.standard_air`.
+    bus_voltage_v : array_like
+        Voltage of the bus, above 0 [V].
+
+    Returns
+    -------
+    OperatingPoint
+        Of the broadcast shape of the arguments; what cannot be done has a reason.
+
+    Raises
+    ------
+    ValueError
+        For thrusts, airspeeds or voltages out of range.
+    """
+    given = np.broadcast_arrays(
+        *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, bus_voltage_v, *air))
+    )
+    for name, values, holds in (
+        ("thrust_n must be above 0", given[0], given[0] > 0.0),
+        ("airspeed_m_per_s must be 0 or more", given[1], given[1] >= 0.0),
+        ("bus_voltage_v must be above 0", given[2], given[2] > 0.0),
+        ("the density of the air must be above 0", given[5], given[5] > 0.0),
+    ):
+        if not np.all(holds & np.isfinite(values)):
+            raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
+    shape = given[0].shape
+    thrust, v, bus, *state = (np.ravel(one) for one in given)
+    flat = _at(propulsor, thrust, v, Air(*state), bus)
+    return OperatingPoint(
+        *(np.reshape(getattr(flat, field.name), shape) for field in fields(OperatingPoint))
+    )
+
+
+def _at(
+    propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air, bus: FloatArray
+) -> OperatingPoint:
+    """Operating points in a row."""
+    propeller, gear, controller = propulsor.propeller, propulsor.gear, propulsor.controller
+    d, rho = propeller.diameter_m, air.density_kg_per_m3
+    n, reason = _rotation(propeller, thrust, v, air)
+    shaft_w = propeller.coefficients(v, n, air).power * rho * n**3 * d**5
+    torque = shaft_w / (2.0 * np.pi * n)
+    motor_rpm, motor_torque = 60.0 * n * gear.ratio, torque / (gear.ratio * gear.efficiency)
+    motor = propulsor.motor.state(motor_rpm, motor_torque)
+    motor_w = motor.current_a * motor.voltage_v
+    inlet_v, needed_v = _inlet(propulsor, motor, bus)
+    inlet_w = controller.input_power_w(motor, inlet_v)
+    bus_w = inlet_w * bus / inlet_v
+    mach = tip_mach(v, n, d, air)
+    for wrong, text, values in (
+        (
+            mach > propulsor.maximum_tip_mach,
+            "tip Mach number {:.3g} is above {:.3g}: a larger propeller turns slower",
+            (mach, np.full_like(bus, propulsor.maximum_tip_mach)),
+        ),
+        (
+            bus < needed_v,
+            "bus voltage {:.4g} V is below {:.2f} V, which {:.4g} rpm of the motor need",
+            (bus, np.ceil(100.0 * needed_v) / 100.0, motor_rpm),
+        ),
+        _over(propulsor.motor.maximum_current_a, motor.current_a, "motor current", "A"),
+        _over(propulsor.motor.maximum_power_w, motor_w, "motor power", "W"),
+    ):
+        for place in np.flatnonzero(wrong & (reason == "")):
+            reason[place] = text.format(*(one[place] for one in values))
+    good = np.where(reason == "", 1.0, np.nan)
+    thrust_w = thrust * v
+    return OperatingPoint(
+        rotation_rpm=60.0 * n,
+        motor_rpm=motor_rpm,
+        tip_mach=mach,
+        advance_ratio=v / (n * d),
+        propeller_torque_nm=torque,
+        motor_torque_nm=motor_torque,
+        motor_current_a=motor.current_a,
+        motor_voltage_v=motor.voltage_v,
+        duty=good * controller.duty(motor, inlet_v),
+        bus_current_a=good * bus_w / bus,
+        bus_power_w=good * bus_w,
+        thrust_power_w=thrust_w,
+        propeller_efficiency=good * thrust_w / shaft_w,
+        gear_efficiency=good * gear.efficiency,
+        motor_efficiency=good * shaft_w / gear.efficiency / motor_w,
+        controller_efficiency=good * motor_w / inlet_w,
+        wiring_efficiency=good * inlet_v / bus,
+        efficiency=good * thrust_w / bus_w,
+        reason=np.asarray(reason, dtype=np.str_),
+    )
+
+
+def _over(
+    limit: float | None, values: FloatArray, name: str, unit: str
+) -> tuple[BoolArray, str, tuple[FloatArray, ...]]:
+    """Where a limit of the motor is passed, and how that is told."""
+    text = f"{name} {{:.3g}} {unit} is above {limit} {unit}, the motor's limit"
+    return np.asarray(values > (np.inf if limit is None else limit)), text, (values,)
+
+
+def _inlet(
+    propulsor: Propulsor, motor: MotorState, bus: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Voltage at the controller, and the least bus voltage that suffices [V].
+
+    ``V = V_bus - R P(V) / V``; at the least the bus is on all the time.
+    """
+    resistance = propulsor.wiring_resistance_ohm
+    least = motor.voltage_v + motor.current_a * propulsor.controller.resistance_ohm
+    needed = least + resistance * propulsor.controller.input_power_w(motor, least) / least
+    voltage = bus
+    for _ in range(_WIRING_ROUNDS if resistance else 0):
+        power = propulsor.controller.input_power_w(motor, voltage)
+        voltage = np.maximum(bus - resistance * power / voltage, least)
+    return np.asarray(voltage), np.asarray(needed)
+
+
+def _rotation(
+    propeller: Propeller, thrust: FloatArray, v: FloatArray, air: Air
+) -> tuple[FloatArray, NDArray[np.object_]]:
+    """Slowest rotation [1/s] of a thrust, NaN with a reason where the propeller has none.
+
+    Of the speeds tried between the ends of its data, the thrust lies between two.
+    """
+    d = propeller.diameter_m
+    (least_j, largest_j), (slowest, fastest) = propeller.limits()
+    per_mach = tip_mach(0.0, 1.0, d, air)
+    upper = np.minimum(fastest, _FASTEST_TIP_MACH / per_mach)
+    if least_j > 0.0:
+        upper = np.where(v > 0.0, np.minimum(upper, v / (least_j * d)), upper)
+    lower = np.maximum(np.maximum(slowest, v / (largest_j * d)), _SLOWEST_SHARE * upper)
+    lower = np.minimum(lower, upper)
+    trial = lower[:, None] * (upper / lower)[:, None] ** np.linspace(0.0, 1.0, propeller.trials)
+    pull = _thrust(trial, v[:, None], *(one[:, None] for one in air), propeller=propeller)
+    crosses = (pull[:, :-1] <= thrust[:, None]) & (pull[:, 1:] >= thrust[:, None])
+    found = np.flatnonzero(crosses.any(axis=1))
+    first = np.argmax(crosses[found], axis=1)
+    ends = trial[found, first], trial[found, first + 1]
+    n = np.full(len(v), np.nan)
+
+    def excess(rotation: FloatArray, *given: FloatArray) -> FloatArray:
+        return _thrust(rotation, given[1], *given[2:], propeller=propeller) - given[0]
+
+    if found.size:
+        given = tuple(one[found] for one in (thrust, v, *air))
+        n[found] = elementwise.find_root(excess, ends, args=given).x
+    reason = np.full(len(v), "", dtype=object)
+    for place in np.flatnonzero(np.isnan(n)):
+        reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller)
+    return n, reason
+
+
+def _thrust(
+    rotation: FloatArray,
+    v: FloatArray,
+    temperature: FloatArray,
+    pressure: FloatArray,
+    density: FloatArray,
+    viscosity: FloatArray,
+    *,
+    propeller: Propeller,
+) -> FloatArray:
+    """Thrust at a speed of rotation [N]; NaN outside the propeller's data."""
+    air = Air(temperature, pressure, density, viscosity)
+    coefficient = propeller.coefficients(v, rotation, air).thrust
+    return np.asarray(coefficient * density * rotation**2 * propeller.diameter_m**4)
+
+
+def _no_rotation(thrust: float, v: float, pull: FloatArray, propeller: Propeller) -> str:
+    """Why the propeller has no speed of rotation for a thrust, with what it has."""
+    (least_j, largest_j), (slowest, fastest) = propeller.limits()
+    rpm = "" if fastest == np.inf else f" and from {60.0 * slowest:.4g} to {60.0 * fastest:.4g} rpm"
+    data = f"the propeller's data (J from {least_j:.3g} to {largest_j:.3g}{rpm})"
+    known = pull[np.isfinite(pull)]
+    if not known.size:
+        return f"an airspeed of {v:.3g} m/s lies outside {data}"
+    if known.max() <= 0.0:
+        return f"the propeller brakes at {v:.3g} m/s, at every speed of rotation in {data}"
+    if known.min() <= thrust <= known.max():
+        return f"thrust {thrust:.3g} N at {v:.3g} m/s lies in a gap of {data}"
+    if thrust > known.max():
+        return (
+            f"thrust {thrust:.3g} N is above {known.max():.3g} N, the most at {v:.3g} m/s in {data}"
+        )
+    return f"thrust {thrust:.3g} N is below {known.min():.3g} N, the least at {v:.3g} m/s in {data}"

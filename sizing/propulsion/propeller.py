@@ -1,0 +1,193 @@
+"""Coefficients of propellers, and those that are given as tables.
+
+Everywhere ``J = V / (n D)``, ``C_T = T / (rho n^2 D^4)`` and ``C_P = P / (rho n^3 D^5)``, with the
+speed of rotation ``n`` in revolutions per second, so that the efficiency is ``J C_T / C_P``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.air import GAS_CONSTANT_AIR, Air
+from solar.types import FloatArray
+
+__all__ = ["Coefficients", "Propeller", "PropellerTable", "SpeedCurve", "tip_mach"]
+
+_HEAT_CAPACITY_RATIO = 1.4
+# Rounding of an advance ratio that lies on the edge of a table.
+_EDGE = 1e-9
+
+
+class Coefficients(NamedTuple):
+    """Coefficients of thrust and power [-]; NaN where the propeller's data end."""
+
+    thrust: FloatArray
+    power: FloatArray
+
+
+class Propeller(Protocol):
+    """What an operating point asks of a propeller."""
+
+    @property
+    def diameter_m(self) -> float:
+        """Diameter [m]."""
+        ...
+
+    @property
+    def trials(self) -> int:
+        """Speeds of rotation to be tried before the one of a thrust is searched for."""
+        ...
+
+    def coefficients(
+        self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air
+    ) -> Coefficients:
+        """Coefficients at airspeeds [m/s] and speeds of rotation [1/s]; NaN outside the data."""
+        ...
+
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
+        ...
+
+
+def tip_mach(
+    airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, diameter_m: float, air: Air
+) -> FloatArray:
+    """Mach number of the blade tips.
+
+    ``sqrt(V^2 + (pi n D)^2) / sqrt(1.4 R T)``.
+
+    Parameters
+    ----------
+    airspeed_m_per_s, rotation_per_s : array_like
+        True airspeed [m/s] and speed of rotation [1/s].
+    diameter_m : float
+        Diameter [m].
+    air : Air
+        Its temperature counts.
+
+    Returns
+    -------
+    ndarray
+        Mach number [-].
+    """
+    sound = np.sqrt(_HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k)
+    tip = np.pi * np.asarray(rotation_per_s, float) * diameter_m
+    return np.asarray(np.hypot(np.asarray(airspeed_m_per_s, float), tip) / sound)
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedCurve:
+    """Coefficients at one speed of rotation, over a rising advance ratio.
+
+    Attributes
+    ----------
+    speed_rpm : float
+        Speed of rotation [rpm]; NaN where a table names none.
+    advance_ratio, thrust, power : ndarray
+        J, C_T and C_P [-].
+    """
+
+    speed_rpm: float
+    advance_ratio: FloatArray
+    thrust: FloatArray
+    power: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PropellerTable:
+    """A propeller by measured or published coefficients.
+
+    Linear in the advance ratio, and between two speeds of rotation in the speed. Nothing is
+    extrapolated: outside, the coefficients are NaN.
+
+    Attributes
+    ----------
+    diameter_m : float
+        Diameter [m].
+    curves : tuple of SpeedCurve
+        By rising speed of rotation.
+    source : str
+        Files that it was read from.
+    any_speed : bool
+        Beyond the slowest and the fastest curve these two are used, at any speed of rotation. On
+        request only: the Reynolds number changes both coefficients.
+    """
+
+    diameter_m: float
+    curves: tuple[SpeedCurve, ...]
+    source: str
+    any_speed: bool = False
+    # Its curves end at different advance ratios, and outside there is nothing to search.
+    trials: ClassVar[int] = 97
+
+    def coefficients(
+        self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air | None = None
+    ) -> Coefficients:
+        """Coefficients of thrust and power.
+
+        Parameters
+        ----------
+        airspeed_m_per_s, rotation_per_s : array_like
+            True airspeed [m/s] and speed of rotation [1/s].
+        air : Air, optional
+            Plays no part: the table is of the air that it was measured in.
+
+        Returns
+        -------
+        Coefficients
+            Of the broadcast shape of the arguments; NaN outside the table.
+        """
+        v, n = np.broadcast_arrays(
+            np.asarray(airspeed_m_per_s, float), np.asarray(rotation_per_s, float)
+        )
+        advance = v / (n * self.diameter_m)
+        speeds = np.array([curve.speed_rpm for curve in self.curves])
+        if len(speeds) == 1:
+            place, weight = np.zeros(v.shape, int), np.zeros(v.shape)
+        else:
+            rpm = 60.0 * n
+            place = np.clip(np.searchsorted(speeds, rpm, side="right") - 1, 0, len(speeds) - 2)
+            weight = (rpm - speeds[place]) / (speeds[place + 1] - speeds[place])
+            beyond = (weight < -_EDGE) | (weight > 1.0 + _EDGE)
+            weight = np.clip(weight, 0.0, 1.0)
+            weight = weight if self.any_speed else np.where(beyond, np.nan, weight)
+        upper = np.minimum(place + 1, len(speeds) - 1)
+        columns = (
+            np.array([_on(advance, curve.advance_ratio, values) for curve, values in named])
+            for named in (
+                [(curve, curve.thrust) for curve in self.curves],
+                [(curve, curve.power) for curve in self.curves],
+            )
+        )
+        return Coefficients(*(_between(column, place, upper, weight) for column in columns))
+
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
+        advance = (
+            min(float(curve.advance_ratio[0]) for curve in self.curves),
+            max(float(curve.advance_ratio[-1]) for curve in self.curves),
+        )
+        if self.any_speed:
+            return advance, (0.0, np.inf)
+        return advance, (self.curves[0].speed_rpm / 60.0, self.curves[-1].speed_rpm / 60.0)
+
+
+def _on(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
+    """Values of a curve, NaN beyond its ends."""
+    near = np.where(np.abs(advance - known[0]) < _EDGE, known[0], advance)
+    near = np.where(np.abs(near - known[-1]) < _EDGE, known[-1], near)
+    return np.asarray(np.interp(near, known, values, left=np.nan, right=np.nan))
+
+
+def _between(
+    curves: FloatArray, lower: np.ndarray, upper: np.ndarray, weight: FloatArray
+) -> FloatArray:
+    """Mean of two curves by weight; a curve without weight need not reach so far."""
+    low = np.take_along_axis(curves, lower[np.newaxis], axis=0)[0]
+    high = np.take_along_axis(curves, upper[np.newaxis], axis=0)[0]
+    mean = (1.0 - weight) * low + weight * high
+    return np.asarray(np.where(weight == 0.0, low, np.where(weight == 1.0, high, mean)))

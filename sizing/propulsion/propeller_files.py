@@ -1,0 +1,314 @@
+"""Tables of propellers in files: APC's, those of the UIUC database, and CSV tables of one's own."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from missions.files.errors import InputError, Problem, file_error, printable, shortened
+from missions.files.texts import read_text
+from sizing.propulsion.propeller import PropellerTable, SpeedCurve
+
+__all__ = ["read_propeller"]
+
+_INCH_M = 0.0254
+_MPH_M_PER_S = 0.44704
+# Names of propellers are in inches, of some in millimetres; no model propeller has 40 inches.
+_LARGEST_INCHES = 40.0
+_LARGEST_ADVANCE, _LARGEST_COEFFICIENT, _LARGEST_RPM = 5.0, 2.0, 1e5
+# Runs of a wind tunnel at one nominal speed, one at low and one at high advance ratios.
+_SAME_SPEED = 0.01
+# Rounding of the coefficients may lift the efficiency that follows from them this much.
+_ROUNDING = 0.02
+
+_BLOCK = re.compile(r"^\s*PROP RPM\s*=\s*(\S+)", re.IGNORECASE)
+_SIZE = re.compile(r"(?:^|[\s_])(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)")
+_RUN = re.compile(r"_(\d{3,6})\.txt$", re.IGNORECASE)
+_MANY_SPEEDS = "two speeds or more are needed (any_speed=True uses one curve at every speed)"
+
+
+@dataclass
+class _Point:
+    file: str
+    line: int
+    speed_rpm: float
+    advance: float
+    thrust: float
+    power: float
+
+    def problem(self, message: str) -> Problem:
+        return Problem(self.file, self.line, None, "", message)
+
+
+@dataclass
+class _Read:
+    """What was found in the files so far."""
+
+    points: list[_Point] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    diameter_m: float | None = None
+    static: list[_Point] = field(default_factory=list)
+
+
+def read_propeller(
+    files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    diameter_m: float | None = None,
+    *,
+    any_speed: bool = False,
+) -> PropellerTable:
+    """Read the table of a propeller from one file or several.
+
+    * APC's performance files (``PER3_*.dat``): blocks ``PROP RPM =`` with columns V (mph), J, Ct,
+      Cp. The diameter is that of the first line, in inches.
+    * Tables of the UIUC propeller database: columns ``J CT CP eta``, a file for each run, whose
+      name ends with the speed in rpm and has the size in inches (``apce_9x6_rd0988_4003.txt``).
+      Static runs (``RPM CT CP``) give the value at ``J = 0`` of the speeds that they cover.
+    * CSV with columns ``J``, ``CT``, ``CP`` and ``rpm``, in any order and case; lines that begin
+      with ``#`` are comments, of which ``# diameter_m: 0.66`` gives the diameter.
+
+    Parameters
+    ----------
+    files : path or sequence of paths
+        All of one propeller.
+    diameter_m : float, optional
+        Diameter [m], where the files or their names do not tell it; else it wins.
+    any_speed : bool
+        Use the slowest and fastest curve beyond their speeds as well, or a table that names no
+        speed at all. Without it such a table is refused.
+
+    Returns
+    -------
+    PropellerTable
+
+    Raises
+    ------
+    InputError
+        With file and line of every mistake.
+    """
+    paths = [files] if isinstance(files, str | os.PathLike) else list(files)
+    if not paths:
+        raise file_error("files", "must name at least one file (got none)")
+    found = _Read(diameter_m=diameter_m)
+    for path in paths:
+        name = os.fspath(path)
+        _read_file(found, read_text(name), printable(name))
+    names = ", ".join(printable(os.fspath(path)) for path in paths)
+    found.problems += [one for point in found.points for one in _wrong(point)]
+    if not found.problems:
+        found.problems += _missing(found, names, any_speed)
+    if found.problems:
+        raise InputError(found.problems[:20])
+    assert found.diameter_m is not None
+    curves = tuple(_curve(points, found.static) for points in _by_speed(found.points))
+    return PropellerTable(found.diameter_m, curves, names, any_speed)
+
+
+def _missing(found: _Read, names: str, any_speed: bool) -> list[Problem]:
+    """What the files lack as a whole."""
+    if not found.points:
+        return [file_error(names, "holds no row of J, CT and CP").problems[0]]
+    if found.diameter_m is None:
+        return [file_error(names, "does not tell the diameter: give diameter_m").problems[0]]
+    if not 0.0 < found.diameter_m <= 100.0:
+        return [
+            Problem("diameter_m", None, None, "", f"must be above 0 (got {found.diameter_m:g})")
+        ]
+    if len({math.isnan(point.speed_rpm) for point in found.points}) > 1:
+        return [file_error(names, "names a speed of rotation for some rows alone").problems[0]]
+    speeds = list(_by_speed(found.points))
+    if len(speeds) < 2 and not any_speed:
+        rpm = speeds[0][0].speed_rpm
+        have = "names no speed of rotation" if math.isnan(rpm) else f"has {rpm:g} rpm alone"
+        return [file_error(names, f"{have}: {_MANY_SPEEDS}").problems[0]]
+    short = [points for points in speeds if len({point.advance for point in points}) < 2]
+    return [
+        points[0].problem("the only advance ratio at this speed; two are needed")
+        for points in short
+    ]
+
+
+def _read_file(found: _Read, text: str, file: str) -> None:
+    """Add what a file has, in whichever of the formats it is."""
+    lines = text.splitlines()
+    head = [line.lower().replace(",", " ").split() for line in lines if line.strip()][:40]
+    if any(_BLOCK.match(line) for line in lines):
+        _read_apc(found, lines, file)
+    elif head and head[0][:3] == ["j", "ct", "cp"] and "," not in lines[0]:
+        _read_uiuc(found, lines, file)
+    elif head and head[0] == ["rpm", "ct", "cp"] and "," not in lines[0]:
+        rows = _rows(found, lines[1:], file, 3)
+        found.static += [_Point(file, line, row[0], 0.0, row[1], row[2]) for line, row in rows]
+    elif any({"j", "ct", "cp"} <= set(words) for words in head):
+        _read_csv(found, lines, file)
+    else:
+        message = "is no table of a propeller: neither 'PROP RPM =' nor columns J, CT and CP"
+        found.problems.append(file_error(file, message).problems[0])
+
+
+def _size(found: _Read, text: str) -> None:
+    """Take the diameter from a name such as 11x5.5E, if none is given."""
+    size = _SIZE.search(text)
+    if found.diameter_m is None and size and float(size[1]) <= _LARGEST_INCHES:
+        found.diameter_m = float(size[1]) * _INCH_M
+
+
+def _read_uiuc(found: _Read, lines: Sequence[str], file: str) -> None:
+    name = file.replace("\\", "/").rpartition("/")[2]
+    _size(found, name)
+    run = _RUN.search(name)
+    speed = float(run[1]) if run else math.nan
+    for line, row in _rows(found, lines[1:], file, len(lines[0].split())):
+        found.points.append(_Point(file, line, speed, *row[:3]))
+
+
+def _read_apc(found: _Read, lines: Sequence[str], file: str) -> None:
+    _size(found, next(line for line in lines if line.strip()))
+    speed = math.nan
+    order: list[str] = []
+    for number, line in enumerate(lines, 1):
+        words = line.split()
+        if block := _BLOCK.match(line):
+            speed = _number(block[1])
+            order = []
+            if not 0.0 < speed <= _LARGEST_RPM:
+                message = (
+                    f"PROP RPM must be above 0 and at most {_LARGEST_RPM:g} (got {block[1]!r})"
+                )
+                found.problems.append(Problem(file, number, None, "", message))
+        elif words[:2] == ["V", "J"]:
+            order = [word.lower() for word in words]
+        elif order and words and "(" not in line:
+            _apc_row(found, speed, dict(zip(order, words, strict=False)), (file, number))
+
+
+def _apc_row(found: _Read, speed: float, row: dict[str, str], place: tuple[str, int]) -> None:
+    """A row; of J and V, both rounded, the finer one counts, and they must agree."""
+    values = {key: _number(row.get(key, "")) for key in ("v", "j", "ct", "cp")}
+    wrong = [key for key, value in values.items() if math.isnan(value)]
+    if wrong:
+        # Where its computation does not converge APC prints NaN.
+        if not any("nan" in row.get(key, "").lower() for key in wrong):
+            message = f"{wrong[0].upper()} must be a number (got {row.get(wrong[0], '')!r})"
+            found.problems.append(Problem(*place, None, "", shortened(printable(message))))
+        return
+    advance = values["j"]
+    if found.diameter_m is not None and speed > 0.0:
+        per_speed = 60.0 * _MPH_M_PER_S / (speed * found.diameter_m)
+        by_speed = values["v"] * per_speed
+        step_j, step_v = _step(row["j"]), _step(row["v"]) * per_speed
+        if abs(by_speed - advance) > step_j + step_v + 0.02 * advance:
+            message = (
+                f"J {row['j']} is not V/(nD) of {row['v']} mph, {speed:g} rpm and a diameter of "
+                f"{found.diameter_m:g} m, which is {by_speed:.3f}"
+            )
+            found.problems.append(Problem(*place, None, "", message))
+        advance = by_speed if step_v < step_j else advance
+    found.points.append(_Point(*place, speed, advance, values["ct"], values["cp"]))
+
+
+def _step(text: str) -> float:
+    """Last digit of a printed number."""
+    return 10.0 ** -len(text.partition(".")[2])
+
+
+def _read_csv(found: _Read, lines: Sequence[str], file: str) -> None:
+    names: list[str] = []
+    for number, line in enumerate(lines, 1):
+        if line.lstrip().startswith("#"):
+            key, _, value = line.lstrip("# \t").partition(":")
+            if key.strip().lower() == "diameter_m" and found.diameter_m is None:
+                found.diameter_m = _number(value.strip())
+        elif not line.strip():
+            continue
+        elif not names:
+            names = [name.strip().lower() for name in line.split(",")]
+            odd = sorted(set(names) - {"j", "ct", "cp", "rpm", "eta"})
+            if odd or len(set(names)) < len(names) or not {"j", "ct", "cp"} <= set(names):
+                message = f"columns must be J, CT, CP and rpm, each once (got {line.strip()!r})"
+                found.problems.append(Problem(file, number, None, "", shortened(message)))
+                return
+        else:
+            for place, row in _rows(found, [line.replace(",", " ")], file, len(names), number):
+                by = dict(zip(names, row, strict=True))
+                found.points.append(
+                    _Point(file, place, by.get("rpm", math.nan), by["j"], by["ct"], by["cp"])
+                )
+                if "rpm" in by and not 0.0 < by["rpm"] <= _LARGEST_RPM:
+                    message = (
+                        f"rpm must be above 0 and at most {_LARGEST_RPM:g} (got {by['rpm']:g})"
+                    )
+                    found.problems.append(Problem(file, place, None, "", message))
+
+
+def _rows(
+    found: _Read, lines: Iterable[str], file: str, columns: int, first: int = 2
+) -> Iterator[tuple[int, list[float]]]:
+    """Rows of numbers with their lines; others are told."""
+    for number, line in enumerate(lines, first):
+        if not line.strip():
+            continue
+        values = [_number(word) for word in line.split()]
+        if len(values) != columns or any(map(math.isnan, values)):
+            got = shortened(printable(" ".join(line.split())))
+            message = f"{columns} finite numbers are needed (got {got!r})"
+            found.problems.append(Problem(file, number, None, "", message))
+        else:
+            yield number, values
+
+
+def _number(text: str) -> float:
+    """Number of a text; NaN for what is none, or not finite."""
+    try:
+        value = float(text)
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
+
+
+def _wrong(point: _Point) -> Iterator[Problem]:
+    """What no propeller does."""
+    if not 0.0 <= point.advance <= _LARGEST_ADVANCE:
+        yield point.problem(f"J must be from 0 to {_LARGEST_ADVANCE:g} (got {point.advance:g})")
+        return
+    for name, value in (("CT", point.thrust), ("CP", point.power)):
+        if abs(value) > _LARGEST_COEFFICIENT:
+            yield point.problem(f"{name} must be within {_LARGEST_COEFFICIENT:g} (got {value:g})")
+            return
+    if point.thrust > 0.0 and point.advance * point.thrust > (1.0 + _ROUNDING) * point.power:
+        yield point.problem(
+            f"CT {point.thrust:g} and CP {point.power:g} at J {point.advance:g} are an efficiency "
+            "J CT / CP above 1"
+        )
+
+
+def _by_speed(points: Sequence[_Point]) -> Iterator[list[_Point]]:
+    """Rows of one speed of rotation each, runs of nearly the same speed together."""
+    ordered = sorted(points, key=lambda point: (point.speed_rpm, point.advance))
+    group: list[_Point] = []
+    for point in ordered:
+        if group and point.speed_rpm > group[0].speed_rpm * (1.0 + _SAME_SPEED):
+            yield group
+            group = []
+        group.append(point)
+    yield group
+
+
+def _curve(points: Sequence[_Point], static: Sequence[_Point]) -> SpeedCurve:
+    """Curve of one speed; rows of equal J are their mean, and J = 0 is that of the static runs."""
+    speed = float(np.mean([point.speed_rpm for point in points]))
+    advance, place = np.unique([point.advance for point in points], return_inverse=True)
+    count = np.bincount(place)
+    thrust = np.bincount(place, [point.thrust for point in points]) / count
+    power = np.bincount(place, [point.power for point in points]) / count
+    still = sorted(static, key=lambda point: point.speed_rpm)
+    if still and advance[0] > 0.0 and still[0].speed_rpm <= speed <= still[-1].speed_rpm:
+        speeds = [point.speed_rpm for point in still]
+        advance = np.append(0.0, advance)
+        thrust = np.append(np.interp(speed, speeds, [one.thrust for one in still]), thrust)
+        power = np.append(np.interp(speed, speeds, [one.power for one in still]), power)
+    return SpeedCurve(speed, advance, thrust, power)

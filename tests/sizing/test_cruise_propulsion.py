@@ -1,0 +1,74 @@
+"""Tests of aircraft with the efficiencies of their operating point."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from builders import AS2, DESIGN
+
+import sizing
+from missions.library import load_mission
+
+MISSION = load_mission("rafz-july")
+PROPULSOR = sizing.Propulsor(
+    propeller=sizing.BladeElementPropeller(0.66, 0.60),
+    motor=sizing.Motor.from_catalogue("maxon-re40-148867"),
+    controller=sizing.Controller(resistance_ohm=0.02, freewheel_voltage_v=0.7),
+    gear=sizing.Gear(ratio=5.0, efficiency=0.96),
+    wiring_resistance_ohm=0.03,
+)
+
+
+def test_bus_power_is_that_of_level_flight() -> None:
+    aircraft, point = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)
+    design = sizing.design_of(aircraft, MISSION)
+    assert design.propulsion_power_w == pytest.approx(float(point.bus_power_w), rel=1e-8)
+    assert aircraft.airframe.propulsion.efficiency == pytest.approx(float(point.efficiency))
+    # The thrust is the drag of this design, at its airspeed.
+    assert point.thrust_power_w == pytest.approx(
+        float(design.propulsion_power_w) * aircraft.airframe.propulsion.efficiency
+    )
+    # Better than the constants of the file, so lighter: the rated power is less.
+    before = sizing.design_of(DESIGN, MISSION)
+    assert DESIGN.airframe.propulsion.efficiency < float(point.efficiency)
+    assert design.total_mass_kg < before.total_mass_kg
+    assert (
+        sizing.analyse(aircraft, MISSION).excess_time_h
+        > sizing.analyse(DESIGN, MISSION).excess_time_h
+    )
+
+
+def test_what_the_file_says_of_the_chain_plays_no_part() -> None:
+    worse = DESIGN.airframe.propulsion.model_copy(update={"propeller_efficiency": 0.5})
+    airframe = DESIGN.airframe.model_copy(update={"propulsion": worse})
+    other = DESIGN.model_copy(update={"airframe": airframe})
+    one = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)[1]
+    same = sizing.with_operating_point(other, MISSION, PROPULSOR, 22.2)[1]
+    assert same.bus_power_w == pytest.approx(float(one.bus_power_w), rel=1e-7)
+
+
+def test_two_propulsors_share_the_thrust() -> None:
+    one = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)[1]
+    aircraft, two = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2, propulsors=2)
+    assert two.thrust_power_w == pytest.approx(float(one.thrust_power_w) / 2, rel=0.03)
+    power_w = sizing.design_of(aircraft, MISSION).propulsion_power_w
+    assert power_w == pytest.approx(2.0 * float(two.bus_power_w), rel=1e-8)
+    # Both motors have their no-load loss, at a quarter of their duty.
+    assert two.motor_efficiency < one.motor_efficiency
+
+
+def test_what_cannot_fly_has_a_reason() -> None:
+    motor = PROPULSOR.motor.model_copy(update={"speed_constant_rpm_per_v": 150.0})
+    weak = dataclasses.replace(PROPULSOR, motor=motor)
+    with pytest.raises(
+        sizing.ImpossibleDesignError, match=r"bus voltage 22.2 V is below 3\d\.\d\d V"
+    ):
+        sizing.with_operating_point(DESIGN, MISSION, weak, 22.2)
+
+
+def test_measured_aircraft_and_no_propulsor_are_refused() -> None:
+    with pytest.raises(ValueError, match="is a measured aircraft"):
+        sizing.with_operating_point(AS2, MISSION, PROPULSOR, 22.2)
+    with pytest.raises(ValueError, match=r"propulsors must be 1 or more \(got 0\)"):
+        sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2, propulsors=0)
