@@ -14,6 +14,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
 from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
@@ -35,8 +36,12 @@ _TOTAL_MASS = (
     "airframe.avionics_mass_kg, airframe.other_mass_kg and what the models compute"
 )
 _NO_TOTAL_MASS = dict.fromkeys(("mass_kg", "total_mass_kg", "mass"), _TOTAL_MASS)
-_CHORD = "the aspect ratio gives it: wingspan over mean chord, or wingspan squared over wing area"
+# What may stand in place of the aspect ratio, and the power of the wingspan over it.
+_CHORDWISE = {"chord_m": 1, "wing_area_m2": 2}
 ENTRY_KEYS.update(
+    aspect_ratio=tuple(_CHORDWISE),
+    chord_m=("aspect_ratio", "wing_area_m2"),
+    wing_area_m2=("aspect_ratio", "chord_m"),
     airfoil=(),
     cell=(
         "efficiency_stc",
@@ -173,9 +178,9 @@ Aerodynamics = Annotated[
 class ParametricAirframe(Record):
     """An aircraft to be sized: masses and power follow from geometry and technology."""
 
-    explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS | dict.fromkeys(
-        ("chord_m", "mean_chord_m", "wing_area_m2"), _CHORD
-    )
+    explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS | {
+        "mean_chord_m": "the mean chord is airframe.chord_m, in place of aspect_ratio"
+    }
 
     unaccounted_mass_key: ClassVar[str] = "other_mass_kg"
 
@@ -189,6 +194,36 @@ class ParametricAirframe(Record):
     other_mass_kg: NonNegativeReal = 0.0
     distributed_battery_fraction: Annotated[float, Strict(), Field(ge=0.0, le=1.0)] = 1.0
     maximum_module_coverage: Fraction = 0.85
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_chord(cls, data: Any) -> Any:
+        """Aspect ratio from a mean chord or a wing area, where the file gives that instead."""
+        if not isinstance(data, Mapping):
+            return data
+        keys = [key for key in ("aspect_ratio", *_CHORDWISE) if key in data]
+        if keys in ([], ["aspect_ratio"]):
+            return data
+        value, span_m = data[keys[-1]], data.get("wingspan_m", 0.0)
+        if len(keys) > 1:
+            said = {"key": keys[-1], "keys": " and ".join(keys)}
+            raise PydanticCustomError(
+                "chordwise", "give one of aspect_ratio, chord_m, wing_area_m2 (got {keys})", said
+            )
+        if not _is_positive(value):
+            said = {"key": keys[0], "value": shown(value)}
+            raise PydanticCustomError(
+                "chordwise", "must be a number greater than 0 (got {value})", said
+            )
+        # Of a wingspan that is none, its own error says so.
+        ratio = span_m ** _CHORDWISE[keys[0]] / value if _is_positive(span_m) else 1.0
+        rest = {key: one for key, one in data.items() if key not in _CHORDWISE}
+        return {**rest, "aspect_ratio": ratio}
+
+
+def _is_positive(value: Any) -> bool:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and 0.0 < value < float("inf")
 
 
 Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator="kind")]
@@ -491,8 +526,8 @@ class Aircraft(FileRecord):
         if self.modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
             raise PydanticCustomError(
                 "module_area",
-                "must not exceed the wing area of {wing_area} m2, wingspan squared over "
-                "aspect_ratio (got {area})",
+                "must not exceed the wing area of {wing_area} m², wingspan squared over "
+                "aspect_ratio or wingspan times chord_m (got {area})",
                 {
                     "key": "modules.area_m2",
                     "wing_area": f"{wing_area_m2:.3g}",

@@ -95,7 +95,7 @@ def _with_override(document: Document, parts: Sequence[str], value: Any, name: s
 
 def _drop_replaced(data: Any, parts: Sequence[str], value: Any, *, keep: Collection[str]) -> None:
     """Take out what an entry of a catalogue replaces, in place, but for keys that are to stay."""
-    if not isinstance(value, str) or parts[-1] not in ENTRY_KEYS:
+    if value is None or isinstance(value, dict | list) or parts[-1] not in ENTRY_KEYS:
         return
     holder = data
     for part in parts[:-1]:

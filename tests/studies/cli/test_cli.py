@@ -229,12 +229,42 @@ def test_a_known_total_mass_is_met(run: Run) -> None:
     assert "--mass: a total mass of 3 kg is less than the" in light.err
 
 
+@pytest.mark.parametrize("chordwise", ["aspect_ratio=12.5", "chord_m=0.4", "wing_area_m2=2.0"])
+def test_chord_or_area_stand_for_the_aspect_ratio(run: Run, chordwise: str) -> None:
+    wing = ("--set", "airframe.wingspan_m=5", "--set", f"airframe.{chordwise}")
+    record = run("analyse", DESIGN, *wing, "--json").json()
+    assert record["total_mass_kg"] == pytest.approx(
+        run("analyse", DESIGN, *wing[:2], "--set", "airframe.aspect_ratio=12.5", "--json").json()[
+            "total_mass_kg"
+        ],
+        rel=1e-12,
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        (("chord_m=-0.2",), "--set airframe.chord_m: must be a number greater than 0 (got -0.2)"),
+        (("chord_m=wide",), "--set airframe.chord_m: must be a number greater than 0 (got 'wide')"),
+        (
+            ("chord_m=0.3", "wing_area_m2=2"),
+            "--set airframe.wing_area_m2: give one of aspect_ratio, chord_m, wing_area_m2",
+        ),
+        (("chord_m=0.1",), "must not exceed the wing area of 0.565 m², wingspan squared over"),
+    ],
+)
+def test_wrong_chords_are_refused(run: Run, values: tuple[str, ...], said: str) -> None:
+    outcome = run("analyse", DESIGN, *(w for v in values for w in ("--set", f"airframe.{v}")))
+    assert outcome.code == 2
+    assert said in outcome.err
+
+
 @pytest.mark.parametrize(
     ("key", "said"),
     [
         ("mass_kg", "a known total mass is --mass of analyse"),
         ("airframe.total_mass_kg", "a known total mass is --mass of analyse"),
-        ("airframe.chord_m", "the aspect ratio gives it: wingspan over mean chord"),
+        ("airframe.mean_chord_m", "the mean chord is airframe.chord_m, in place of aspect_ratio"),
     ],
 )
 def test_keys_that_people_look_for_are_answered(run: Run, key: str, said: str) -> None:
