@@ -17,6 +17,7 @@ from sizing.design import (
     Design,
     DesignVariables,
     FlightConditions,
+    Masses,
     parametric_design,
     structure_assessment,
 )
@@ -268,29 +269,28 @@ class SizingStudy(Result):
         return [(one, float(known[one.name])) for one in q.SIZED_TABLE]
 
     def to_frame(self) -> pd.DataFrame:
-        """Design as rows of quantity, value and unit.
-
-        Raises
-        ------
-        ValueError
-            Where no optimum was found.
-        """
-        rows = [(one.label, value, one.unit) for one, value in self.design_values()]
+        """Design as rows of quantity, value and unit; values are NaN without an optimum."""
+        values = self.design_values() if self.feasible else [(o, np.nan) for o in q.SIZED_TABLE]
+        rows = [(one.label, value, one.unit) for one, value in values]
         return data_frame(rows, columns=["quantity", "value", "unit"])
 
+    @property
+    def masses_kg(self) -> dict[str, float] | None:
+        """Mass budget of the optimum [kg]; None without one."""
+        return None if self.design is None else self.design.masses._asdict()
+
     def masses(self) -> pd.DataFrame:
-        """Mass budget, one row per item."""
-        masses = self._optimum().masses._asdict()
+        """Mass budget, one row per item; NaN without an optimum."""
+        masses = self.masses_kg or dict.fromkeys(Masses._fields, np.nan)
         return data_frame({"item": list(masses), "mass_kg": list(masses.values())})
 
     def scenarios(self) -> pd.DataFrame:
-        """Metrics of the optimum in every scenario, one row each."""
-        self._optimum()
+        """Metrics of the optimum in every scenario, one row each; NaN without an optimum."""
         perf = self.result.simulated
-        assert perf is not None
-        scenarios = perf.day.scenarios
+        scenarios = self.mission.scenarios() if perf is None else perf.day.scenarios
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        return data_frame(places | {one.name: one.of(perf) for one in q.REACHED_FRAME})
+        reached = {o.name: np.nan if perf is None else o.of(perf) for o in q.REACHED_FRAME}
+        return data_frame(places | reached)
 
 
 def size(
