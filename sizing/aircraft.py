@@ -338,6 +338,10 @@ class DesignSpace(Record):
         }
         return named | self.limits
 
+    def own_requirements(self, it: Any) -> list[Any]:
+        """Requirements of the user's own on a design in flight; a file has none."""
+        return []
+
     def key_of_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> str:
         """Key by which a limit was given.
 
