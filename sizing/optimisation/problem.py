@@ -33,7 +33,7 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from sizing.aerodynamics.parabolic import DragPolar
+from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import DesignInFlight, Requirement, design_requirements
@@ -303,7 +303,7 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
 
 def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
     """Keys of the numbers that are parameters, or play no part in any formula of the program."""
-    tabulated = not isinstance(getattr(aircraft.airframe, "aerodynamics", None), DragPolar)
+    tabulated = not isinstance(getattr(aircraft.airframe, "aerodynamics", None), AtLiftCoefficient)
     return tuple(
         key
         for key, one in catalogue().items()
