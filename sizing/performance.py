@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import (
@@ -307,14 +308,14 @@ def perpetual_days(
     latitude_deg : float
         Latitude [deg].
     days : array_like of int, optional
-        Days to look at, 1 to 365; all by default.
+        Days to look at, 1 to 365, or dates; all by default.
 
     Returns
     -------
     ndarray of int
         Those of them, in their order.
     """
-    every = np.arange(1, 366) if days is None else np.asarray(days, int)
+    every = np.arange(1, 366) if days is None else np.asarray(days_of_year(days), int)
     scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)
     lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
     return every[performance(aircraft, mission, solar, day=lit).cycle.perpetual]
