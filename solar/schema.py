@@ -29,6 +29,9 @@ __all__ = [
 ]
 
 
+_UNCHECKED = "_changed_copy"
+
+
 class Record(BaseModel):
     """Immutable description that refuses unknown keys and non-finite numbers.
 
@@ -63,6 +66,17 @@ class Record(BaseModel):
         copied = super().__copy__()
         object.__setattr__(copied, "__dict__", _declared(copied))
         return copied
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Changed copy, as pydantic makes it: not validated, but known to be so."""
+        copied = super().model_copy(update=update, deep=deep)
+        if update or self.is_unchecked():
+            vars(copied)[_UNCHECKED] = True
+        return copied
+
+    def is_unchecked(self) -> bool:
+        """Whether the record itself is a changed copy, which nothing has validated."""
+        return _UNCHECKED in vars(self)
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         """Deep copy of the declared fields alone."""

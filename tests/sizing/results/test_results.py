@@ -295,3 +295,29 @@ def test_frames_of_an_infeasible_sizing_hold_nan(design: Aircraft) -> None:
     assert none.to_frame()["value"].isna().all()
     assert none.masses()["mass_kg"].isna().all()
     assert none.scenarios()["excess_time_h"].isna().all()
+
+
+@pytest.mark.parametrize(
+    ("part", "update", "said"),
+    [
+        ("battery", {"mass_kg": -1.0}, "Battery: mass_kg: must be greater than 0"),
+        ("battery", {"mass_kg": "heavy"}, "Battery: mass_kg: must be a number"),
+        ("modules", {"aera_m2": 1.0}, "aera_m2"),
+        ("", {"battery": 3}, "Aircraft: battery: must be a mapping"),
+    ],
+)
+def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(
+    design: Aircraft, part: str, update: dict[str, object], said: str
+) -> None:
+    mission = missions.load_mission("rafz-july")
+    changed = getattr(design, part).model_copy(update=update) if part else None
+    wrong = design.model_copy(update={part: changed} if part else update)
+    for use in (sizing.analyse, sizing.size):
+        with pytest.raises(missions.InputError, match=said):
+            use(wrong, mission)
+    right = design.model_copy(
+        update={"battery": design.battery.model_copy(update={"mass_kg": 3.0})}
+    )
+    assert sizing.analyse(right, mission).masses_kg["battery"] == 3.0
+    with pytest.raises(missions.InputError, match="clearness"):
+        sizing.analyse(design, mission.model_copy(update={"clearness": -1.0}))
