@@ -235,3 +235,20 @@ def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown() -> None
         canvas.draw()
         assert {text.get_color() for text in given.texts} <= {"red"}
         assert given.axes[0].xaxis.label.get_fontsize() == 22.0
+
+
+def test_a_figure_takes_the_place_of_given_axes(analysis: sizing.Analysis) -> None:
+    whole = Figure(figsize=(12, 5), layout="constrained")
+    left, right = whole.subplots(1, 2)
+    right.plot([0, 1], [0, 1])
+    part = studies.plot_cycle(analysis, ax=left)
+    masses = studies.plot_masses({"battery": 2.0, "wing": 1.0}, "masses", figure=Figure())
+    assert left not in whole.axes
+    assert right in whole.axes
+    assert part.axes
+    FigureCanvasAgg(whole).draw()
+    for axes in part.axes:
+        assert axes.get_window_extent().x1 < right.get_window_extent().x0
+    assert masses.axes
+    with pytest.raises(ValueError, match="ax must be axes of a grid"):
+        studies.plot_cycle(analysis, ax=Figure().add_axes((0, 0, 1, 1)))
