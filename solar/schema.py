@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
 from html import escape
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
@@ -29,10 +30,43 @@ __all__ = [
 ]
 
 
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
 _UNCHECKED = "_changed_copy"
 
 
-class Record(BaseModel):
+class _Described(ModelMetaclass):
+    """Class whose ``help`` and ``dir`` are about the record, not about how it is validated."""
+
+    def __dir__(self) -> list[str]:
+        own = (one for one in self.__mro__ if one is not object and one is not BaseModel)
+        names = {name for one in own for name in vars(one)} - {"model_config"}
+        return sorted(name for name in names if not name.startswith("_"))
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        one = inspect.Parameter
+        parameters = [
+            one(
+                field.alias or name,
+                one.KEYWORD_ONLY,
+                default=one.empty
+                if field.is_required()
+                else field.get_default(call_default_factory=True),
+            )
+            for name, field in self.model_fields.items()  # type: ignore[attr-defined]
+        ]
+        return inspect.Signature(parameters)
+
+    @__signature__.setter
+    def __signature__(self, value: object) -> None:
+        """Pydantic's own, which spells every check, is not kept."""
+
+
+class Record(BaseModel, metaclass=_Described):
     """Immutable description that refuses unknown keys and non-finite numbers.
 
     A record is what its declared fields say: what it derives from them and keeps (cached
