@@ -7,16 +7,13 @@ symbols alike: simulator and optimiser call the same one.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from sizing.smooth import Value
 
-if TYPE_CHECKING:
-    from sizing.structures.loads import StructureInputs
-
 F = TypeVar("F")
 
-StructureFunction: TypeAlias = "Callable[[StructureInputs], Value]"
+StructureFunction: TypeAlias = Callable[[Any], Value]  # of StructureInputs
 DragFunction: TypeAlias = Callable[[Value, Value, Value], Value]
 PropulsionMassFunction: TypeAlias = Callable[[Value], Value]
 
