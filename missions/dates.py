@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import datetime
 import re
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 DAYS_PER_YEAR = 365
 _MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
@@ -35,6 +40,28 @@ def day_of_year(date: str) -> int:
     if not 1 <= day <= length:
         raise ValueError(f"month {month:02d} has days 01 to {length} (got {date!r})")
     return sum(_MONTH_LENGTHS[: month - 1]) + day
+
+
+def days_of_year(days: Any) -> NDArray[Any]:
+    """Days of year of days however they are given, one or many.
+
+    ``days``: numbers, which stay as they are, dates as :func:`day_of_year` reads them, dates of
+    Python, NumPy or pandas, such as a ``DatetimeIndex``. Returns an array of one dimension.
+    """
+    import numpy as np  # dates are read for --help as well
+
+    given = np.atleast_1d(np.asarray(days))
+    if given.dtype.kind == "M":
+        given = np.datetime_as_string(given, unit="D")
+    if given.dtype.kind not in "UO":
+        return given
+    return np.array([_one_day(day) for day in given])
+
+
+def _one_day(day: Any) -> Any:
+    if isinstance(day, datetime.date):
+        return day_of_year(f"{day:%m-%d}")
+    return day_of_year(str(day)) if isinstance(day, str) else day
 
 
 def _month_and_day_written(date: str) -> tuple[int, int] | None:

@@ -433,10 +433,17 @@ class Mission(FileRecord):
 
 @dataclass(frozen=True)
 class Scenarios:
-    """Latitude and day of year of each scenario, two arrays of one length."""
+    """Latitude and day of year of each scenario, two arrays of one length.
+
+    The days may be given as dates, ``["06-21"]`` or a ``DatetimeIndex``.
+    """
 
     latitude_deg: FloatArray
     day_of_year: IntArray
+
+    def __post_init__(self) -> None:
+        if getattr(self.day_of_year, "dtype", np.dtype(object)).kind in "MUO":  # dates
+            object.__setattr__(self, "day_of_year", dates.days_of_year(self.day_of_year))
 
     def __len__(self) -> int:
         return len(self.latitude_deg)

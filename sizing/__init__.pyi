@@ -19,6 +19,9 @@ from .optimisation.cells import size_cells as size_cells
 from .optimisation.objectives import Objective as Objective
 from .optimisation.result import SizingResult as SizingResult
 from .optimisation.result import SizingStatus as SizingStatus
+from .own_models import register_drag as register_drag
+from .own_models import register_propulsion_mass as register_propulsion_mass
+from .own_models import register_structure as register_structure
 from .performance import Performance as Performance
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     ModelWrapValidatorHandler,
@@ -18,10 +19,11 @@ from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
 from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
-from sizing.aerodynamics.parabolic import DragPolar
+from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
+from sizing.own_models import propulsion_mass_function
 from sizing.smooth import Value
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
@@ -104,7 +106,8 @@ class Propulsion(Record):
     flight, ``P_level + m g v_climb / efficiency``. One of the two, not both.
 
     ``motor`` names an entry of the catalogue of motors, which gives the motor's best efficiency at
-    ``motor_voltage_v``.
+    ``motor_voltage_v``. ``mass_model`` names a model of the user's own for the mass, instead of
+    ``mass_kg_per_w``: see :func:`sizing.register_propulsion_mass`.
     """
 
     motor: Text | None = None
@@ -116,6 +119,9 @@ class Propulsion(Record):
     mass_kg_per_w: NonNegativeReal = 0.0011
     climb_power_ratio: Annotated[float, Strict(), Field(ge=1.0)] | None = None
     climb_rate_m_per_s: PositiveReal | None = None
+    mass_model: (
+        Annotated[Text, AfterValidator(lambda name: propulsion_mass_function(name) and name)] | None
+    ) = None
 
     @model_validator(mode="wrap")
     @classmethod
@@ -150,6 +156,12 @@ class Propulsion(Record):
         ratio = self.climb_power_ratio
         return (_CLIMB_POWER_RATIO if ratio is None else ratio) * level_w
 
+    def mass_kg(self, rated_w: Value) -> Value:
+        """Mass of the propulsion group for its rated electric power [kg]."""
+        if self.mass_model is not None:
+            return propulsion_mass_function(self.mass_model)(rated_w)
+        return self.mass_kg_per_w * rated_w
+
     @property
     def efficiency(self) -> float:
         """Efficiency of the whole chain [-]."""
@@ -169,7 +181,7 @@ def _parabolic_by_default(value: Any) -> Any:
 
 
 Aerodynamics = Annotated[
-    DragPolar | WingPolar,
+    DragPolar | WingPolar | OwnDragPolar,
     Field(discriminator="model"),
     BeforeValidator(_parabolic_by_default),
 ]
@@ -384,6 +396,10 @@ class DesignSpace(Record):
             if getattr(self, key) is not None
         }
         return named | self.limits
+
+    def own_requirements(self, it: Any) -> list[Any]:
+        """Requirements of the user's own on a design in flight; a file has none."""
+        return []
 
     def key_of_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> str:
         """Key by which a limit was given.

@@ -19,7 +19,13 @@ from numpy.typing import ArrayLike
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import DragPolar, Polar, level_flight_power_w, scaled_power_w
+from sizing.aerodynamics.parabolic import (
+    DragPolar,
+    OwnDragPolar,
+    Polar,
+    level_flight_power_w,
+    scaled_power_w,
+)
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import catalogue, replaced
@@ -243,7 +249,9 @@ def parametric_design(
     )
 
 
-def flown_at(aerodynamics: DragPolar | WingPolar, lift_coefficient: Value | None) -> Polar:
+def flown_at(
+    aerodynamics: DragPolar | OwnDragPolar | WingPolar, lift_coefficient: Value | None
+) -> Polar:
     """Polar in level flight at a chosen lift coefficient.
 
     ``lift_coefficient``: lift coefficient of level flight [-]; None leaves the polar's own. Returns
@@ -272,8 +280,9 @@ def _masses(
         structure=airframe.structure.mass_kg(
             _structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
         ),
-        propulsion=propulsion.mass_kg_per_w
-        * propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2),
+        propulsion=propulsion.mass_kg(
+            propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
+        ),
         battery=variables.battery_mass_kg,
         modules=modules_kg,
         mppt=modules.mppt_mass_kg_per_w * rated_w,

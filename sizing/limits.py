@@ -159,7 +159,7 @@ def design_requirements(
         if limit.maximum is not None:
             text = f"{label(name)} exceeds its maximum {limit.maximum:g}{of} by {{missed}}"
             rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
-    return rows
+    return [*rows, *aircraft.design_space.own_requirements(it)]
 
 
 def meets_requirements(aircraft: Aircraft, mission: Mission, design: Design) -> NDArray[np.bool_]:

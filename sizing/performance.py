@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import (
@@ -27,6 +31,27 @@ from solar.types import BoolArray, FloatArray
 
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048
+
+
+class _CalledBefore(np.ndarray[Any, Any]):
+    """Array of an attribute that was a method until 1.0: a call returns it, with a warning."""
+
+    name = ""
+
+    @classmethod
+    def of(cls, values: ArrayLike, name: str) -> FloatArray:
+        array = np.asarray(values).view(cls)
+        array.name = name
+        return array
+
+    def __call__(self) -> FloatArray:
+        told = f"Performance.{self.name} is an attribute: leave the parentheses out"
+        warnings.warn(told, DeprecationWarning, stacklevel=2)
+        return np.asarray(self)
+
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
+        """Plain arrays from all arithmetic."""
+        return np.asarray(array)[()] if return_scalar else np.asarray(array)
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,10 +93,12 @@ class Performance:
             )
         ]
 
+    @cached_property
     def endurance_h(self) -> FloatArray:
         """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
-        return self._longest_flights().endurance_h
+        return _CalledBefore.of(self._longest_flights().endurance_h, "endurance_h")
 
+    @cached_property
     def worst_endurance_h(self) -> FloatArray:
         """Longest flight of each design in its scenario of least excess time [h].
 
@@ -83,7 +110,8 @@ class Performance:
         asked = (np.arange(shape[-1]) == worst) & flies
         hours = self._longest_flights(asked & ~self.cycle.perpetual).endurance_h
         hours = np.where(flies, hours, np.nan)
-        return np.asarray(np.take_along_axis(hours, worst, axis=-1)[..., 0])
+        hours = np.take_along_axis(hours, worst, axis=-1)[..., 0]
+        return _CalledBefore.of(hours, "worst_endurance_h")
 
     def flight_time_h(self, scenario: int, launch_h: ArrayLike) -> FloatArray:
         """Flight times in a scenario of a single design from launches with a full battery.
@@ -105,19 +133,21 @@ class Performance:
         store = self.store.flat(self.cycle.status.shape).select(one)
         return flight_time_h(balance, store, np.asarray(launch_h, float)[:, np.newaxis])[:, 0]
 
+    @cached_property
     def days_to_settle(self) -> FloatArray:
         """Days that the repeated day needs from an empty battery, in every scenario.
 
         Infinite beyond 366, and NaN where there is no equal power in the morning: see
         :func:`sizing.energy.settling.days_to_settle`.
         """
-        return days_to_settle(
+        days = days_to_settle(
             self.day.time_h,
             self.solar_power_w,
             self.load_w,
             self.store,
             nominal_load_w=self.nominal_load_w,
         )
+        return _CalledBefore.of(days, "days_to_settle")
 
     def _longest_flights(self, limited: BoolArray | None = None) -> Endurance:
         """Longest flights where they are limited, or where asked; infinite elsewhere."""
@@ -298,14 +328,14 @@ def perpetual_days(
     latitude_deg : float
         Latitude [deg].
     days : array_like of int, optional
-        Days to look at, 1 to 365; all by default.
+        Days to look at, 1 to 365, or dates; all by default.
 
     Returns
     -------
     ndarray of int
         Those of them, in their order.
     """
-    every = np.arange(1, 366) if days is None else np.asarray(days, int)
+    every = np.arange(1, 366) if days is None else np.asarray(days_of_year(days), int)
     scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)
     lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
     return every[performance(aircraft, mission, solar, day=lit).cycle.perpetual]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
 from html import escape
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
@@ -29,7 +30,43 @@ __all__ = [
 ]
 
 
-class Record(BaseModel):
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+_UNCHECKED = "_changed_copy"
+
+
+class _Described(ModelMetaclass):
+    """Class whose ``help`` and ``dir`` are about the record, not about how it is validated."""
+
+    def __dir__(self) -> list[str]:
+        own = (one for one in self.__mro__ if one is not object and one is not BaseModel)
+        names = {name for one in own for name in vars(one)} - {"model_config"}
+        return sorted(name for name in names if not name.startswith("_"))
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        one = inspect.Parameter
+        parameters = [
+            one(
+                field.alias or name,
+                one.KEYWORD_ONLY,
+                default=one.empty
+                if field.is_required()
+                else field.get_default(call_default_factory=True),
+            )
+            for name, field in self.model_fields.items()  # type: ignore[attr-defined]
+        ]
+        return inspect.Signature(parameters)
+
+    @__signature__.setter
+    def __signature__(self, value: object) -> None:
+        """Pydantic's own, which spells every check, is not kept."""
+
+
+class Record(BaseModel, metaclass=_Described):
     """Immutable description that refuses unknown keys and non-finite numbers.
 
     A record is what its declared fields say: what it derives from them and keeps (cached
@@ -63,6 +100,17 @@ class Record(BaseModel):
         copied = super().__copy__()
         object.__setattr__(copied, "__dict__", _declared(copied))
         return copied
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Changed copy, as pydantic makes it: not validated, but known to be so."""
+        copied = super().model_copy(update=update, deep=deep)
+        if update or self.is_unchecked():
+            vars(copied)[_UNCHECKED] = True
+        return copied
+
+    def is_unchecked(self) -> bool:
+        """Whether the record itself is a changed copy, which nothing has validated."""
+        return _UNCHECKED in vars(self)
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         """Deep copy of the declared fields alone."""

@@ -6,13 +6,14 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 from __future__ import annotations
 
 from math import pi
-from typing import Literal, Protocol
+from typing import Annotated, Literal, Protocol, Self
 
-from pydantic import model_validator
+from pydantic import AfterValidator, model_validator
 
 from missions.air import GRAVITY_M_PER_S2
+from sizing.own_models import drag_function
 from sizing.smooth import Value
-from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record
+from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
 
 
 class Polar(Protocol):
@@ -63,25 +64,15 @@ class Polar(Protocol):
         ...
 
 
-class DragPolar(Record):
-    """Parabolic polar with a profile drag that depends on the Reynolds number of the wing.
+class AtLiftCoefficient(Record):
+    """Polar of an aircraft that holds one lift coefficient in level flight."""
 
-    ``C_D = C_Dp (Re / Re_ref)^-n + C_Dpar + C_L^2 / (pi e AR)`` at the lift coefficient of level
-    flight, which a solar aircraft holds near its least power: for high aspect ratios that optimum
-    lies beyond the stall margin, so that the margin sets it.
-    """
-
-    model: Literal["parabolic"] = "parabolic"
+    model: str
     lift_coefficient: LiftCoefficient
     maximum_lift_coefficient: LiftCoefficient
-    profile_drag_coefficient: PositiveReal
-    reference_reynolds: PositiveReal
-    reynolds_exponent: NonNegativeReal = 0.35
-    parasitic_drag_coefficient: NonNegativeReal = 0.006
-    span_efficiency: Fraction = 0.9
 
     @model_validator(mode="after")
-    def _check_stall(self) -> DragPolar:
+    def _check_stall(self) -> Self:
         if self.lift_coefficient >= self.maximum_lift_coefficient:
             raise ValueError(
                 "lift_coefficient must be below maximum_lift_coefficient "
@@ -93,6 +84,44 @@ class DragPolar(Record):
     def flight_lift_coefficient(self) -> Value:
         """Lift coefficient of level flight [-]."""
         return self.lift_coefficient
+
+    def airspeed_m_per_s(
+        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+    ) -> Value:
+        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``.
+
+        Parameters
+        ----------
+        mass_kg, wing_area_m2, density_kg_per_m3
+            Mass [kg], wing area [m2] and air density [kg/m3].
+
+        Returns
+        -------
+        Value
+            At ``lift_coefficient`` [m/s].
+        """
+        weight = mass_kg * GRAVITY_M_PER_S2
+        return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
+
+    def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
+        """Stall speed [m/s] that belongs to an airspeed of level flight."""
+        return airspeed_m_per_s * (self.lift_coefficient / self.maximum_lift_coefficient) ** 0.5
+
+
+class DragPolar(AtLiftCoefficient):
+    """Parabolic polar with a profile drag that depends on the Reynolds number of the wing.
+
+    ``C_D = C_Dp (Re / Re_ref)^-n + C_Dpar + C_L^2 / (pi e AR)`` at the lift coefficient of level
+    flight, which a solar aircraft holds near its least power: for high aspect ratios that optimum
+    lies beyond the stall margin, so that the margin sets it.
+    """
+
+    model: Literal["parabolic"] = "parabolic"
+    profile_drag_coefficient: PositiveReal
+    reference_reynolds: PositiveReal
+    reynolds_exponent: NonNegativeReal = 0.35
+    parasitic_drag_coefficient: NonNegativeReal = 0.006
+    span_efficiency: Fraction = 0.9
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
         """Drag coefficient of the aircraft in level flight [-], by the formula of the class.
@@ -116,27 +145,16 @@ class DragPolar(Record):
         induced = self.lift_coefficient**2 / (pi * self.span_efficiency * aspect_ratio)
         return profile + self.parasitic_drag_coefficient + induced
 
-    def airspeed_m_per_s(
-        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
-    ) -> Value:
-        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``.
 
-        Parameters
-        ----------
-        mass_kg, wing_area_m2, density_kg_per_m3
-            Mass [kg], wing area [m2] and air density [kg/m3].
+class OwnDragPolar(AtLiftCoefficient):
+    """A drag model of the user's own, by its name: see :func:`sizing.register_drag`."""
 
-        Returns
-        -------
-        Value
-            At ``lift_coefficient`` [m/s].
-        """
-        weight = mass_kg * GRAVITY_M_PER_S2
-        return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
+    model: Literal["own"]
+    name: Annotated[Text, AfterValidator(lambda name: drag_function(name) and name)]
 
-    def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
-        """Stall speed [m/s] that belongs to an airspeed of level flight."""
-        return airspeed_m_per_s * (self.lift_coefficient / self.maximum_lift_coefficient) ** 0.5
+    def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
+        """Drag coefficient of the aircraft in level flight [-]."""
+        return drag_function(self.name)(self.lift_coefficient, aspect_ratio, reynolds)
 
 
 def level_flight_power_w(

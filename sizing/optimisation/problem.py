@@ -33,12 +33,13 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from sizing.aerodynamics.parabolic import DragPolar
+from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
-from sizing.limits import Requirement, design_requirements
+from sizing.limits import DesignInFlight, Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
 from sizing.optimisation.variables import (
+    OWN,
     SOLAR_TECHNOLOGY,
     WIND,
     WORST_EXCESS,
@@ -302,7 +303,7 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
 
 def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
     """Keys of the numbers that are parameters, or play no part in any formula of the program."""
-    tabulated = not isinstance(getattr(aircraft.airframe, "aerodynamics", None), DragPolar)
+    tabulated = not isinstance(getattr(aircraft.airframe, "aerodynamics", None), AtLiftCoefficient)
     return tuple(
         key
         for key, one in catalogue().items()
@@ -331,7 +332,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
 
     lit_area, capacity_wh, nominal_w, propulsion_w, values = design(free, conditions, numbers)
     rows = [
-        (Constraint(one.name, equation=one.name == "mass_budget"), values[k])
+        (Constraint(one.name, equation=one.name in ("mass_budget", OWN)), values[k])
         for k, one in enumerate(requirements)
     ]
     cycle = cycle_function(kind.battery.charge_limit)
@@ -422,6 +423,10 @@ def _design_function(
         else row
         for row in design_requirements(flown, design, conditions)
     ]
+    if OWN in values:
+        it = DesignInFlight(flown, design, conditions)
+        space: Any = kind.design_space
+        requirements.append(space.own_objective.row(it, values[OWN]))
     function = ca.Function(
         "design",
         [x, symbols, numbers],

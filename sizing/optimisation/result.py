@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from sizing.design import Design, Masses
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.objectives import SizingStatus as SizingStatus
+from sizing.optimisation.own_terms import OwnObjective
 from sizing.optimisation.solver import Solution, SolverReport
 from sizing.optimisation.variables import RELATIVE_STEP, Constraint
 from sizing.performance import Performance
@@ -114,7 +116,7 @@ class SizingResult:
         return self.status.sized
 
 
-def objective_value(objective: Objective, perf: Performance) -> FloatArray:
+def objective_value(objective: Objective | OwnObjective, perf: Performance) -> FloatArray:
     """Objective of simulated designs.
 
     ``perf``: of one design, or of a batch; the scenarios are the last axis. Returns of the shape of
@@ -123,7 +125,11 @@ def objective_value(objective: Objective, perf: Performance) -> FloatArray:
     if objective.of_range:
         raise ValueError(f"{objective.value} is no number of a single simulation")
     worst = np.min(perf.cycle.excess_time_h, axis=-1)
-    value = objective.value_of(perf.design) if objective.of_design else worst
+    value: Any
+    if isinstance(objective, OwnObjective):
+        value = objective.of_flight(perf)
+    else:
+        value = objective.value_of(perf.design) if objective.of_design else worst
     if value is None:  # the payload is not a variable: the mission's
         value = perf.mission.payload.power_w
     return np.array(np.broadcast_to(np.asarray(value, float), worst.shape))

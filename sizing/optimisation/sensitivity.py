@@ -25,7 +25,7 @@ from sizing.optimisation.problem import SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.solver import Solution
 from sizing.optimisation.variables import RELATIVE_STEP, Role
-from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
+from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
@@ -148,7 +148,7 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
 def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:
     """Keys whose values the optimiser chooses: no parameters."""
     space = aircraft.design_space
-    chosen = {parameter(objective.variable).key}
+    chosen = {one.key for one in catalogue().values() if objective.variable in (one.key, one.name)}
     if space.aspect_ratio is not None:
         chosen.add("airframe.aspect_ratio")
     if space.lift_coefficient is not None:

@@ -16,7 +16,7 @@ from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
-from sizing.optimisation.variables import WIND, WORST_EXCESS, Constraint, Role, Variable
+from sizing.optimisation.variables import OWN, WIND, WORST_EXCESS, Constraint, Role, Variable
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
@@ -43,7 +43,7 @@ _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity"
 _OTHER_SLACK_WEIGHT = 100.0
 
 # What an hour of excess time has a price in.
-_SIZES = {name for objective in Objective for name in objective.cost} - {WORST_EXCESS}
+_SIZES = {name for objective in Objective for name in objective.cost} - {WORST_EXCESS} | {OWN}
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,11 @@ class Solution:
         cost = sum(abs(m) / row.scale for row, m in rows if row.name == name)
         # The cost is a logarithm, or a payload over its scale.
         payload = [v for v in self.variables if v.name in self.instance.cost and v.scale]
-        whole = sum(max(self.value(v.name), _LEAST_PAYLOAD) / (v.scale or 1.0) for v in payload)
+        whole = sum(
+            max(abs(self.value(v.name)), _LEAST_PAYLOAD if v.role is Role.payload else 0.0)
+            / (v.scale or 1.0)
+            for v in payload
+        )
         return float(cost / (whole or 1.0))
 
     def free_bound_multipliers(self) -> dict[str, float]:

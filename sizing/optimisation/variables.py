@@ -30,6 +30,7 @@ WORST_EXCESS = "worst_excess_time_h"
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
 WIND = "mission.wind_m_per_s"
+OWN = "own_objective"  # what the user's own objective is, where there is one
 # What is relative is eased by this to tell what that gains.
 RELATIVE_STEP = 0.01
 
@@ -41,6 +42,7 @@ class Role(Enum):
     payload = auto()  # held at the mission's value unless it is freed
     technology = auto()  # relative to the aircraft's own value, held there unless it is freed
     limit = auto()  # of the design space, likewise
+    objective = auto()  # equal to the user's own, where there is one
     wind = auto()  # held at the mission's value unless it is freed
     dawn_state = auto()
     worst_excess = auto()
@@ -131,11 +133,15 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         for name, ends in ranges.items()
         if ends is not None
     )
-    always = (
+    always: tuple[Variable, ...] = (
         *found,
         Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
         Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
     )
+    own = getattr(space, "own_objective", None)
+    if own is not None:
+        value = Variable(OWN, "1", -math.inf, math.inf, own.scale, Role.objective, own.first)
+        always = (*always, value)
     if not eased:
         return always
     return (

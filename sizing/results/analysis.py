@@ -61,9 +61,31 @@ class LimitedFlight:
         return self.launch_h + self.endurance_h
 
 
+def _of_worst(one: q.Quantity) -> property:
+    """Quantity of the worst scenario, as an attribute under its key in records."""
+    unit = f" [{one.unit}]" if one.unit else ""
+    return property(
+        lambda analysis: analysis.value_in_worst(one),
+        doc=f"{one.meaning or one.label or one.name}{unit}, in the worst scenario.",
+    )
+
+
+def _of_design(one: q.Quantity) -> property:
+    """Quantity of the design, as an attribute under its key in records."""
+    return property(
+        lambda analysis: q.design_record(analysis.performance.design, [one])[one.name],
+        doc=f"{one.meaning or one.label} [{one.unit}].",
+    )
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Analysis(Result):
     """Performance of an aircraft in the scenarios of a mission.
+
+    The numbers at the top of :meth:`to_dict` are attributes of the same names: those of the worst
+    scenario (``excess_time_h``, ``endurance_h``, ``minimum_state_of_charge`` ...) and those of the
+    design (``total_mass_kg``, ``masses_kg`` ...). Where a number is unlimited the attribute is
+    infinite, as in :meth:`to_frame`, and where there is none NaN; both are null in the record.
 
     Attributes
     ----------
@@ -97,10 +119,25 @@ class Analysis(Result):
         """Index of the scenario with the least excess time."""
         return self.performance.worst_scenario()
 
-    @property
-    def excess_time_h(self) -> float:
-        """Excess time of the worst scenario [h]; infinite where it is unlimited."""
-        return float(self.performance.cycle.excess_time_h[self.worst])
+    excess_time_h = _of_worst(q.EXCESS_TIME)
+    charge_margin_h = _of_worst(q.CHARGE_MARGIN)
+    endurance_h = _of_worst(q.ENDURANCE)
+    best_launch_h = _of_worst(q.BEST_LAUNCH)
+    minimum_state_of_charge = _of_worst(q.MINIMUM_CHARGE)
+    status = _of_worst(q.STATUS)
+    sunrise_h = _of_worst(q.SUNRISE)
+    sunset_h = _of_worst(q.SUNSET)
+    equal_power_morning_h = _of_worst(q.EQUAL_POWER_MORNING)
+    equal_power_evening_h = _of_worst(q.EQUAL_POWER_EVENING)
+    full_charge_h = _of_worst(q.FULL_CHARGE)
+    power_out_w = _of_worst(q.LOAD)
+    solar_energy_wh = _of_worst(q.SOLAR_ENERGY)
+    load_energy_wh = _of_worst(q.LOAD_ENERGY)
+    curtailed_energy_wh = _of_worst(q.CURTAILED_ENERGY)
+    total_mass_kg = _of_design(q.TOTAL_MASS)
+    battery_energy_wh = _of_design(q.BATTERY_ENERGY)
+    propulsion_power_w = _of_design(q.PROPULSION_POWER)
+    airspeed_m_per_s = _of_design(q.AIRSPEED)
 
     @property
     def is_perpetual(self) -> bool:
@@ -200,18 +237,25 @@ class Analysis(Result):
         """
         if self.climb is not None or self.days is not None:
             return np.full(len(self.performance.cycle.status), np.nan)
-        return self.performance.days_to_settle()
+        return self.performance.days_to_settle
 
     @cached_property
     def values(self) -> dict[q.Quantity, Any]:
         """Quantities of all scenarios: infinite where unlimited, NaN where there is none."""
-        flights = self.endurances
-        known = {
-            q.ENDURANCE: [np.inf if one is None else float(one.endurance_h) for one in flights],
-            q.BEST_LAUNCH: [np.nan if one is None else float(one.launch_h) for one in flights],
-            q.DAYS_TO_SETTLE: self.days_to_settle,
-        }
-        return {one: known[one] if one in known else one.of(self.performance) for one in q.SCENARIO}
+        return {one: self._values_of(one) for one in q.SCENARIO}
+
+    def _values_of(self, one: q.Quantity) -> Any:
+        """One of them: the longest flights take a search, which the others need not wait for."""
+        if one is q.ENDURANCE:
+            return [np.inf if e is None else float(e.endurance_h) for e in self.endurances]
+        if one is q.BEST_LAUNCH:
+            return [np.nan if e is None else float(e.launch_h) for e in self.endurances]
+        return self.days_to_settle if one is q.DAYS_TO_SETTLE else one.of(self.performance)
+
+    def value_in_worst(self, one: q.Quantity) -> float | str:
+        """Quantity of the worst scenario: infinite where unlimited, NaN where there is none."""
+        value = self._values_of(one)[self.worst]
+        return value if isinstance(value, str) else float(value)
 
     def scenario(self, index: int | None = None) -> dict[q.Quantity, Any]:
         """Quantities of a scenario, by default of the worst."""

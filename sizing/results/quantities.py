@@ -152,7 +152,7 @@ MINIMUM_CHARGE = _of_cycle(
 )
 ENDURANCE = Quantity(
     *("endurance_h", "endurance", "h", ".2f"),
-    of=Performance.endurance_h,
+    of=attrgetter("endurance_h"),
     symbol=r"T_\mathrm{endur}",
     meaning="longest flight over all launch times; infinite where perpetual",
 )
@@ -177,7 +177,7 @@ EQUAL_POWER_EVENING = _of_cycle(
     "solar time at which solar power last equals the load",
 )
 FULL_CHARGE = _of_cycle("full_charge_h", "full charge", "", "solar time of the first full charge")
-DAYS_TO_SETTLE = Quantity("days_to_settle", of=Performance.days_to_settle)
+DAYS_TO_SETTLE = Quantity("days_to_settle", of=attrgetter("days_to_settle"))
 LOAD = Quantity(
     *("power_out_w", "load", "W", ".1f"),
     of=lambda found: np.broadcast_to(found.nominal_load_w, found.cycle.status.shape),

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_label
+from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import MISSING, UNLIMITED
+from solar.schema import Record
 from solar.types import FloatArray
 
 PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
@@ -28,6 +30,18 @@ def check_subjects(aircraft: object, mission: object) -> None:
                 f"expected {kind.__name__} (got {type(thing).__name__}); {load}(name or path) "
                 "reads one"
             )
+        _check_copies(thing)
+
+
+def _check_copies(record: Record) -> None:
+    """Validate what ``model_copy`` has changed, in a record and those inside it."""
+    for name in type(record).model_fields:
+        inner = getattr(record, name)
+        if isinstance(inner, Record):
+            _check_copies(inner)
+    if record.is_unchecked():
+        unknown = record.model_fields_set - type(record).model_fields.keys()
+        with_values(record, {name: getattr(record, name) for name in unknown})
 
 
 def finite(value: Any) -> float | None:

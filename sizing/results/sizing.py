@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -12,11 +13,12 @@ from missions.dates import date_code
 from missions.files.overrides import with_values
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
+from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import (
     Design,
     DesignVariables,
     FlightConditions,
+    Masses,
     parametric_design,
     structure_assessment,
 )
@@ -26,6 +28,7 @@ from sizing.margins.season_days import Survival
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
@@ -272,35 +275,34 @@ class SizingStudy(Result):
         return [(one, float(known[one.name])) for one in q.SIZED_TABLE]
 
     def to_frame(self) -> pd.DataFrame:
-        """Design as rows of quantity, value and unit.
-
-        Raises
-        ------
-        ValueError
-            Where no optimum was found.
-        """
-        rows = [(one.label, value, one.unit) for one, value in self.design_values()]
+        """Design as rows of quantity, value and unit; values are NaN without an optimum."""
+        values = self.design_values() if self.feasible else [(o, np.nan) for o in q.SIZED_TABLE]
+        rows = [(one.label, value, one.unit) for one, value in values]
         return data_frame(rows, columns=["quantity", "value", "unit"])
 
+    @property
+    def masses_kg(self) -> dict[str, float] | None:
+        """Mass budget of the optimum [kg]; None without one."""
+        return None if self.design is None else self.design.masses._asdict()
+
     def masses(self) -> pd.DataFrame:
-        """Mass budget, one row per item."""
-        masses = self._optimum().masses._asdict()
+        """Mass budget, one row per item; NaN without an optimum."""
+        masses = self.masses_kg or dict.fromkeys(Masses._fields, np.nan)
         return data_frame({"item": list(masses), "mass_kg": list(masses.values())})
 
     def scenarios(self) -> pd.DataFrame:
-        """Metrics of the optimum in every scenario, one row each."""
-        self._optimum()
+        """Metrics of the optimum in every scenario, one row each; NaN without an optimum."""
         perf = self.result.simulated
-        assert perf is not None
-        scenarios = perf.day.scenarios
+        scenarios = self.mission.scenarios() if perf is None else perf.day.scenarios
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        return data_frame(places | {one.name: one.of(perf) for one in q.REACHED_FRAME})
+        reached = {o.name: np.nan if perf is None else o.of(perf) for o in q.REACHED_FRAME}
+        return data_frame(places | reached)
 
 
 def size(
     aircraft: Aircraft,
     mission: Mission,
-    objective: Objective | str = Objective.min_mass,
+    objective: Objective | str | Callable[[Any], Any] = Objective.min_mass,
     *,
     required_excess_time_h: float | None = None,
     model: ModelName = "CAM",
@@ -309,6 +311,7 @@ def size(
     with_cross_check: bool = False,
     with_margin: bool = False,
     reliability: float | None = None,
+    constraints: Sequence[Callable[[Any], Any]] = (),
 ) -> SizingStudy:
     """Find the best design of a parametric aircraft for a mission, or say why there is none.
 
@@ -318,9 +321,13 @@ def size(
         A parametric one; its ``design_space`` bounds what is chosen.
     mission : Mission
         All of its latitudes and dates must be flown.
-    objective : Objective or str
+    objective : Objective, str or callable
         ``min_mass``, ``min_wingspan``, ``max_excess_time``, ``max_payload_mass``,
-        ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``.
+        ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``; or a function of the
+        design that is to be as small as possible, such as
+        ``lambda design: design.total_mass_kg + 0.5 * design.wingspan_m``. It is called once, with
+        symbols: arithmetic, NumPy's and CasADi's functions take them, ``if`` and ``max`` do not. A
+        wrong name is answered with all that there are.
     required_excess_time_h : float, optional
         Excess time that every scenario must have [h], instead of the mission's.
     model : {"CAM", "CDM", "VM", "FM"}
@@ -337,6 +344,10 @@ def size(
     reliability : float, optional
         Least probability that every scenario has the required excess time when the inputs scatter
         as the ``uncertainty`` of aircraft and mission says; above 0 and below 1.
+    constraints : sequence of callable
+        Further requirements on the design, functions that return one comparison by ``<=`` or
+        ``>=``: ``lambda design: design.wing_loading_kg_per_m2 <= 3``. Answers name a function by
+        its name, a lambda by what it compares.
 
     Returns
     -------
@@ -353,7 +364,8 @@ def size(
         reliability without uncertain inputs, of a range, or with sensitivities or a cross-check.
     """
     check_subjects(aircraft, mission)
-    wanted, solar = checked_objective(objective), SolarModel(model, correction)
+    solar, original = SolarModel(model, correction), aircraft
+    aircraft, wanted = _with_own(aircraft, mission, objective, constraints)
     if required_excess_time_h is not None:
         # The mission's rules for its own requirement hold for another one, too.
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
@@ -363,7 +375,7 @@ def size(
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
         wish = _Wish(wanted, required_excess_time_h, reliability)
-        return _reliable(aircraft, mission, solar, wish, problems)
+        return replace(_reliable(aircraft, mission, solar, wish, problems), aircraft=original)
     coverage = None
     options: dict[str, Any] = {
         "required_excess_time_h": required_excess_time_h,
@@ -384,7 +396,7 @@ def size(
         guarded = _with_margin(aircraft, mission, result, solar, problems)
     low, high = under_model_error(*asked)
     return SizingStudy(
-        *(aircraft, mission, solar, result, low, high, coverage, relaxed),
+        *(original, mission, solar, result, low, high, coverage, relaxed),
         sensitivities=sensitivities(*asked) if worth else None,
         multipliers=constraint_multipliers(result) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
@@ -412,6 +424,22 @@ def _with_margin(
     )
     plain = without_margins_of(aircraft, guarded, result, solar)
     return SizingStudy(aircraft, guarded, solar, result, without_margins=plain)
+
+
+def _with_own(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective | str | Callable[[Any], Any],
+    constraints: Sequence[Callable[[Any], Any]],
+) -> tuple[Aircraft, Objective]:
+    """Aircraft with the user's own terms in its design space, and the objective."""
+    own = objective if callable(objective) else None
+    named = Objective.min_mass if own is not None else checked_objective(objective)  # type: ignore[arg-type]
+    if (own is None and not constraints) or isinstance(aircraft.airframe, MeasuredAirframe):
+        return aircraft, named
+    aircraft, minimised = with_own_terms(aircraft, mission, own, constraints)
+    # It answers as an objective does.
+    return aircraft, named if minimised is None else cast(Objective, minimised)
 
 
 class _Wish(NamedTuple):

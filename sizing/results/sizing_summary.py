@@ -310,7 +310,7 @@ def with_unit(value: float | None, digits: str, objective: Objective) -> str:
     """Value of an objective with its unit; an excess time may be unlimited."""
     if value is None or math.isnan(value):
         return MISSING
-    return UNLIMITED if math.isinf(value) else f"{value:{digits}} {objective.unit}"
+    return UNLIMITED if math.isinf(value) else f"{value:{digits}} {objective.unit}".rstrip()
 
 
 def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Protocol
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
+from sizing.own_models import structure_function
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs, root_bending_moment_nm
 from sizing.structures.rib_wing import RibWingStructure
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, Text
 
 
 class StructureModel(Protocol):
@@ -128,7 +129,18 @@ class SparStructure(Record):
         return self.spar_density_kg_per_m3 * volume_m3
 
 
+class OwnStructure(Record):
+    """A model of the user's own, by its name: see :func:`sizing.register_structure`."""
+
+    model: Literal["own"]
+    name: Annotated[Text, AfterValidator(lambda name: structure_function(name) and name)]
+
+    def mass_kg(self, inputs: StructureInputs) -> Value:
+        """Structural mass [kg]."""
+        return structure_function(self.name)(inputs)
+
+
 Structure = Annotated[
-    PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure,
+    PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure | OwnStructure,
     Field(discriminator="model"),
 ]

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
-from studies.exchange.geometry import LiftingSurface, SectionShape, Surfaces, lifting_surfaces
+from studies.exchange.geometry import LiftingSurface, SectionShape, lifting_surfaces
 
 if TYPE_CHECKING:
     import aerosandbox as asb
@@ -209,12 +209,8 @@ def _drag_options(surface: LiftingSurface) -> dict[str, Any]:
 def _commented(text: str, mark: str, aircraft: Aircraft) -> str:
     """Text with notes behind its first line, which in AVL is the title."""
     first, _, rest = text.partition("\n")
-    notes = "".join(f"{mark} {note}\n" for note in _notes(lifting_surfaces(aircraft)))
+    notes = "".join(f"{mark} {note}\n" for note in lifting_surfaces(aircraft).notes)
     return f"{first}\n{notes}{rest}" if mark == "!" else f"{notes}{text}"
-
-
-def _notes(found: Surfaces) -> tuple[str, ...]:
-    return tuple(note.encode("ascii", "replace").decode() for note in found.notes)
 
 
 def _script_name(name: str) -> str:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sizing.aerodynamics.parabolic import OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from studies.report.geometry import Drawing, aircraft_drawing
@@ -98,6 +99,8 @@ def lifting_surfaces(aircraft: Aircraft) -> Surfaces:
         *(note for note in drawing.notes if note.startswith(("Tail", "Dihedral"))),
         "Drag: profile drag of the wing, all else as a constant, from the file's drag polar."
         if wing.drag is not None
+        else "Drag: induced drag alone, as the drag model of the user's own knows no parts."
+        if isinstance(aircraft.airframe, ParametricAirframe)
         else "Drag: induced drag alone, as a measured aircraft has no drag polar.",
         "No fuselage, no control surfaces, no centre of gravity: the models have none.",
     ]
@@ -160,13 +163,13 @@ def _tail_thickness(aircraft: Aircraft) -> float:
 
 
 def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
-    """Profile drag of the wing's section; none for a measured aircraft.
+    """Profile drag of the wing's section; none for a measured aircraft or a drag of the user's own.
 
     A parabolic polar has one for all lift, taken at its reference Reynolds number; a wing's polar
     is taken at zero lift, at its least drag and at the stall, at the design's Reynolds number.
     """
     polar = getattr(aircraft.airframe, "aerodynamics", None)
-    if polar is None:
+    if polar is None or isinstance(polar, OwnDragPolar):
         return None
     if not isinstance(polar, WingPolar):
         drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
@@ -184,7 +187,7 @@ def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
 def _other_drag(aircraft: Aircraft) -> float:
     """Drag coefficient of everything but the wing, on the wing area [-]; 0 where unknown."""
     polar = getattr(aircraft.airframe, "aerodynamics", None)
-    if polar is None:
+    if polar is None or isinstance(polar, OwnDragPolar):
         return 0.0
     if not isinstance(polar, WingPolar):
         return float(polar.parasitic_drag_coefficient)

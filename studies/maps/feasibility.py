@@ -79,7 +79,7 @@ def feasibility_map(
     latitudes : array_like, optional
         Latitudes [deg], north positive, ascending.
     days : array_like, optional
-        Days of year from 1 to 365, ascending.
+        Days of year from 1 to 365, or dates (``["06-21"]``, a ``DatetimeIndex``), ascending.
     model : {"CAM", "CDM", "VM", "FM"}, optional
         Solar power model.
     correction : {"none", "report", "loiter"}, optional

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.dates import DAYS_PER_YEAR
+from missions.dates import DAYS_PER_YEAR, days_of_year
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective
@@ -51,10 +51,10 @@ class Grid:
     def of(cls, latitudes: ArrayLike, days: ArrayLike) -> Grid:
         """Check a grid.
 
-        ``days``: days of year, whole numbers from 1 to 365.
+        ``days``: days of year, whole numbers from 1 to 365, or dates.
         """
         north = np.atleast_1d(np.asarray(latitudes, float))
-        date = np.atleast_1d(np.asarray(days, float))
+        date = np.asarray(days_of_year(days), float)
         for name, values, low, high in (
             ("latitudes", north, -90.0, 90.0),
             ("days", date, 1.0, float(DAYS_PER_YEAR)),

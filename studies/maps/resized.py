@@ -66,7 +66,7 @@ def resized_map(
     latitudes : array_like, optional
         Latitudes [deg], north positive, ascending.
     days : array_like, optional
-        Days of year from 1 to 365, ascending.
+        Days of year from 1 to 365, or dates (``["06-21"]``, a ``DatetimeIndex``), ascending.
     required_excess_time_h : float, optional
         Excess time that every design must have [h]; by default the mission's.
     model : {"CAM", "CDM", "VM", "FM"}, optional

@@ -203,7 +203,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         if isinstance(aircraft.airframe, MeasuredAirframe):
             found = performance(aircraft, mission, configuration.solar)
             outside = {"extrapolations": as_text(extrapolations(aircraft, found))}
-            row = _row_of_design(found, mission, (), {}, found.worst_endurance_h()) | outside
+            row = _row_of_design(found, mission, (), {}, found.worst_endurance_h) | outside
             for number in numbers:  # the same point, if it is there twice
                 rows[number] = row
             continue
@@ -214,7 +214,7 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         found = performance_of_designs(aircraft, mission, variables, configuration.solar, day=day)
         missed = _missed(aircraft, mission, found)
         texts = cell_texts(flight_checks(aircraft, found), len(numbers))
-        endurance_h = found.worst_endurance_h()
+        endurance_h = found.worst_endurance_h
         for place, number in enumerate(numbers):
             row = _row_of_design(found, mission, (place,), missed, endurance_h)
             flown = row["status"] is not Status.infeasible

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import datetime
 from datetime import date, timedelta
 from itertools import pairwise
 
+import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
+import missions
+import sizing
+import studies
+from missions import dates
 from missions.dates import (
     date_code,
     date_label,
@@ -115,3 +123,34 @@ def test_range_holds_consecutive_days_from_first_to_last(first: int, last: int) 
     assert len(set(days)) == len(days) <= 365
     for one, following in pairwise(days):
         assert following == (1 if one == 365 else one + 1)
+
+
+def test_days_are_read_however_they_are_given() -> None:
+    for days in (
+        ["06-21", "21 Dec", "2026-12-31"],
+        pd.DatetimeIndex(["2024-06-21", "2024-12-21 08:00", "2023-12-31"]),
+        pd.to_datetime(["2024-06-21", "2024-12-21", "2023-12-31"]).tz_localize("UTC"),
+        np.array(["2024-06-21", "2024-12-21", "2023-12-31"], "datetime64[D]"),
+        [datetime.date(2024, 6, 21), datetime.datetime(2024, 12, 21, 8), "12-31"],
+        [172, 355, 365],
+    ):
+        assert dates.days_of_year(days).tolist() == [172, 355, 365]
+    assert dates.days_of_year("03-01").tolist() == [60]
+    assert dates.days_of_year(pd.Timestamp("2024-03-01")).tolist() == [60]  # of a leap year
+    with pytest.raises(ValueError, match="month 02 has days 01 to 28"):
+        dates.days_of_year(pd.DatetimeIndex(["2024-02-29"]))
+
+
+def test_days_of_maps_seasons_and_scenarios_may_be_dates() -> None:
+    aircraft = sizing.load_aircraft("atlantiksolar-as2")
+    mission = missions.load_mission("rafz-july")
+    index = pd.DatetimeIndex(["2026-06-21", "2026-09-21"])
+    by_date, by_number = (
+        studies.feasibility_map(aircraft, mission, latitudes=[40, 50], days=days)
+        for days in (index, [172, 264])
+    )
+    xr.testing.assert_identical(by_date.drop_attrs(), by_number.drop_attrs())
+    assert sizing.perpetual_days(aircraft, mission, 47.6, days=["06-21", "12-21"]).tolist() == [172]
+    scenarios = missions.Scenarios(np.array([40.0, 50.0]), index)
+    assert scenarios.label(1) == "50 N, 21 Sep"
+    assert scenarios.day_of_year.tolist() == [172, 264]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import pydoc
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
+import solar
 from solar.schema import (
     Flag,
     Fraction,
@@ -140,3 +142,15 @@ def test_copies_are_equal(copied: Callable[[_Half], _Half]) -> None:
     assert hash(same) == hash(record)
     assert same.halved.tolist() == [1.0]
     assert same.model_fields_set == record.model_fields_set
+
+
+def test_help_is_about_the_record() -> None:
+    text = pydoc.render_doc(solar.SolarCell, renderer=pydoc.plaintext)
+    assert "SolarCell(*, efficiency_stc=0.237, camber_efficiency=0.97," in text
+    assert "temperature_efficiency(self, module_temperature_c" in text
+    for internal in ("__pydantic", "Strict(", "AfterValidator", "model_json_schema"):
+        assert internal not in text
+    assert len(text.splitlines()) < 80
+    # What pydantic offers is there all the same.
+    assert solar.SolarCell().model_dump()["efficiency_stc"] == 0.237
+    assert "efficiency_stc" in solar.SolarCell.model_json_schema()["properties"]

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import click
 
-from missions.files.writing import to_json, write_files_atomically, write_text_atomically
+from missions.files.writing import to_json, write_bytes_atomically, write_text_atomically
 from sizing.results.analysis import Analysis, analyse
 from studies.cli.checks import require_climber, require_path
 from studies.cli.commands.exchange import Diff, Export, Schema
 from studies.cli.files import load
-from studies.cli.options import CaseOptions, check_table
+from studies.cli.options import EXIT_FAILED, CaseOptions, check_table
 from studies.cli.outputs import print_json, table_of, write_results
 from studies.cli.targets import check_files
+from studies.cli.telling import tell_error
 from studies.exchange import files
 from studies.exchange.difference import compare_designs
 from studies.exchange.schema import file_schema
@@ -21,17 +23,34 @@ from studies.output.terminal import show, tell_line
 
 
 def export(options: Export) -> None:
-    """Write a design for other tools."""
+    """Write a design for other tools: of several files those that can be written."""
+    several, troubles = len(options.out_files) > 1, dict[str, Exception]()
     for path in options.out_files:
-        check_files({"--out": path})
+        try:
+            check_files({"--out": path})
+        except OSError as error:
+            troubles[path] = error
         check_table(path, files.design_format(path), files.DESIGN_FORMATS, "--out")
         missing = files.missing_for(path)
         if missing is not None:
-            raise click.BadParameter(missing, param_hint="--out")
+            troubles[path] = click.BadParameter(missing, param_hint="--out")
+    if len(troubles) == len(set(options.out_files)):
+        raise next(iter(troubles.values()))
     analysis = _analysed(options.case)
-    write_files_atomically({path: files.design_bytes(analysis, path) for path in options.out_files})
     for path in options.out_files:
-        tell_line(f"written to {path}")
+        if path not in troubles:
+            try:
+                write_bytes_atomically(path, files.design_bytes(analysis, path))
+                tell_line(f"written to {path}")
+            except OSError as error:
+                if not several:
+                    raise
+                troubles[path] = error
+    for path, trouble in troubles.items():
+        reason = trouble.message if isinstance(trouble, click.BadParameter) else str(trouble)
+        tell_error(f"solar-uav: {path} is not written: {reason}")
+    if troubles:
+        sys.exit(EXIT_FAILED)
 
 
 def diff(options: Diff) -> None:

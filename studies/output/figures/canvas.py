@@ -29,6 +29,11 @@ class StyledFigure(Figure):
         assert isinstance(engine, FittedLayout)
         engine.notes = notes
 
+    def draw(self, renderer: Any) -> None:
+        """Draw the figure in its style: its layout writes texts anew, in a notebook as well."""
+        with settings.in_style(self.options):
+            super().draw(renderer)
+
     def savefig(self, fname: Any, **kwargs: Any) -> None:
         """Write the figure as :meth:`matplotlib.figure.Figure.savefig` does, in its style.
 

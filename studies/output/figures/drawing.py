@@ -58,11 +58,15 @@ _NARROW_IN = 6.5  # in the usual type
 def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
     """Make a function draw in the style of its keyword ``figure``.
 
-    A figure that is given in its place is drawn on as it is, in the settings of its owner.
+    A figure that is given in its place is drawn on as it is, in the settings of its owner; so is
+    the place of axes that are given as ``ax``.
     """
 
     @functools.wraps(draw)
     def drawn(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Figure:
+        axes: Any = kwargs.pop("ax", None)
+        if axes is not None:
+            kwargs["figure"] = _in_place_of(axes)
         canvas = kwargs.get("figure", DEFAULT)
         if not isinstance(canvas, FigureOptions):
             return draw(*args, **kwargs)
@@ -70,6 +74,17 @@ def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
             return draw(*args, **kwargs)
 
     return drawn
+
+
+def _in_place_of(axes: Axes) -> Any:
+    """Part of a figure where axes were: a drawing may have panels, and a heading of its own."""
+    place = axes.get_subplotspec()
+    figure = axes.figure
+    if place is None or figure is None:
+        raise ValueError("ax must be axes of a grid, as plt.subplots makes them")
+    part = figure.add_subfigure(place)
+    axes.remove()
+    return part
 
 
 def new_figure(

@@ -13,6 +13,7 @@ import missions
 import sizing
 from sizing.aircraft import Aircraft
 from sizing.relaxation import Relaxation
+from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table
 from sizing.results.notes import relaxation_table
@@ -225,7 +226,7 @@ def test_an_infeasible_sizing_has_no_design_and_says_why(design: Aircraft) -> No
     assert not none.feasible
     assert "infeasible" in repr(none)
     with pytest.raises(ValueError, match="the sizing is infeasible: it has no design"):
-        none.to_frame()
+        none.sized_aircraft()
     assert none.to_dict()["violated_requirements"]
     text = " ".join(str(none).split())
     assert "(min_wingspan): infeasible" in text
@@ -296,3 +297,79 @@ def test_needed_values_of_relaxations_stand_to_the_right() -> None:
     text = relaxation_table([one, replace(one, value=100.5)]).to_text()
     ends = {line.index(" m ") for line in text.splitlines() if "at least" in line}
     assert len(ends) == 1
+
+
+def test_the_numbers_of_the_record_are_attributes_of_an_analysis() -> None:
+    aircraft = sizing.load_aircraft("atlantiksolar-as2")
+    for mission in ("rafz-july", "rafz-28h"):
+        on = {} if mission == "rafz-28h" else {"dates.on": "12-21"}
+        analysis = sizing.analyse(aircraft, missions.load_mission(mission, on), replay=False)
+        record = analysis.to_dict()
+        keys = [one.name for one in (*q.SCENARIO, q.TOTAL_MASS, *q.ANALYSED)]
+        for key in (*keys, "masses_kg"):
+            value, written = getattr(analysis, key), record[key]
+            if key == "days_to_settle":  # of every scenario
+                value = value[analysis.worst]
+            if isinstance(value, float) and not np.isfinite(value):
+                assert written is None
+            else:
+                assert value == written
+        assert np.isinf(analysis.endurance_h) == analysis.is_perpetual
+
+
+def test_numbers_of_a_performance_that_were_methods_may_still_be_called() -> None:
+    aircraft, mission = (
+        sizing.load_aircraft("atlantiksolar-as2"),
+        missions.load_mission("rafz-july", {"dates.on": "12-21"}),
+    )
+    found = sizing.analyse(aircraft, mission).performance
+    for name in ("endurance_h", "worst_endurance_h", "days_to_settle"):
+        value = getattr(found, name)
+        assert type(value + 0.0) is not type(value)  # plain arrays from arithmetic
+        with pytest.warns(DeprecationWarning, match=f"{name} is an attribute"):
+            called = value()
+        np.testing.assert_array_equal(called, value)
+    assert float(found.worst_endurance_h) == float(found.endurance_h[0])
+
+
+def test_frames_of_an_infeasible_sizing_hold_nan(design: Aircraft) -> None:
+    mission = missions.load_mission("central-europe-summer", {"clearness": 0.3})
+    none = sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
+    best = sizing.size(design, missions.load_mission("central-europe-summer"))
+    assert none.masses_kg is None
+    for frame, full in (
+        (none.to_frame(), best.to_frame()),
+        (none.masses(), best.masses()),
+        (none.scenarios(), best.scenarios()),
+    ):
+        assert list(frame.columns) == list(full.columns)
+        assert len(frame) == len(full)
+    assert none.to_frame()["value"].isna().all()
+    assert none.masses()["mass_kg"].isna().all()
+    assert none.scenarios()["excess_time_h"].isna().all()
+
+
+@pytest.mark.parametrize(
+    ("part", "update", "said"),
+    [
+        ("battery", {"mass_kg": -1.0}, "Battery: mass_kg: must be greater than 0"),
+        ("battery", {"mass_kg": "heavy"}, "Battery: mass_kg: must be a number"),
+        ("modules", {"aera_m2": 1.0}, "aera_m2"),
+        ("", {"battery": 3}, "Aircraft: battery: must be a mapping"),
+    ],
+)
+def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(
+    design: Aircraft, part: str, update: dict[str, object], said: str
+) -> None:
+    mission = missions.load_mission("rafz-july")
+    changed = getattr(design, part).model_copy(update=update) if part else None
+    wrong = design.model_copy(update={part: changed} if part else update)
+    for use in (sizing.analyse, sizing.size):
+        with pytest.raises(missions.InputError, match=said):
+            use(wrong, mission)
+    right = design.model_copy(
+        update={"battery": design.battery.model_copy(update={"mass_kg": 3.0})}
+    )
+    assert sizing.analyse(right, mission).masses_kg["battery"] == 3.0
+    with pytest.raises(missions.InputError, match="clearness"):
+        sizing.analyse(design, mission.model_copy(update={"clearness": -1.0}))

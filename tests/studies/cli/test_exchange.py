@@ -36,6 +36,36 @@ def test_export_of_a_workbook(run: Run, tmp_path: Path) -> None:
         assert f'name="{name}"' in sheets
 
 
+def test_export_of_several_files_writes_those_that_it_can(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        "studies.exchange.airplane.find_spec",
+        lambda name, *rest: None if name == "aerosandbox" else find(name, *rest),
+    )
+    names = ("w.avl", "d.csv", "nowhere/d.tex", "d.py")
+    done = run("export", DESIGN, *(word for name in names for word in ("--out", name)))
+    assert done.code == 1
+    assert done.out.splitlines() == ["written to d.csv", "written to d.py"]
+    assert "w.avl is not written: .avl needs AeroSandbox: pip install aerosandbox" in done.err
+    assert "nowhere/d.tex is not written: " in done.err
+    assert files(tmp_path) == {"d.csv", "d.py"}
+    # A name that no format has is a mistake, before anything is written.
+    assert run("export", DESIGN, "--out", "e.csv", "--out", "e.doc").code == 2
+    assert files(tmp_path) == {"d.csv", "d.py"}
+    assert run("export", DESIGN, "--out", "w.avl", "--out", "w.vspscript").code == 2
+
+
+@pytest.mark.extra
+def test_comments_keep_their_squares(run: Run, tmp_path: Path) -> None:
+    pytest.importorskip("aerosandbox")
+    names = ("w.avl", "w.vspscript", "w.py")
+    run("export", "sky-sailor", *(word for name in names for word in ("--out", name)))
+    for name in names:
+        assert "(areas 0.0679 and 0.00873 m²," in (tmp_path / name).read_text(encoding="utf-8")
+
+
 @pytest.mark.extra
 def test_export_for_avl(run: Run, tmp_path: Path) -> None:
     pytest.importorskip("aerosandbox")

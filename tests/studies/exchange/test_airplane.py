@@ -33,7 +33,7 @@ def avl(craft: Aircraft, folder: Path) -> Any:
     if link.is_symlink() and not link.exists():
         link.unlink(missing_ok=True)
     path = folder / "w.avl"
-    path.write_text(airplane_text(craft, "avl"), encoding="ascii")
+    path.write_text(airplane_text(craft, "avl"), encoding="utf-8")
     return optvl.OVLSolver(geo_file=str(path))
 
 

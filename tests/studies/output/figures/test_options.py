@@ -9,8 +9,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import pytest
 from command_line import Run
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import missions
 import sizing
@@ -202,3 +205,50 @@ def test_a_figure_too_small_for_its_axes_is_told(run: Run) -> None:
     assert outcome.code == 0
     assert "the figure is too small for its axes and texts: give a larger" in outcome.err
     assert "Warning" not in outcome.err
+
+
+def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown() -> None:
+    """Drawn by a canvas, as a notebook does; on the user's own figure they hold throughout."""
+    aircraft, mission = (
+        sizing.load_aircraft("atlantiksolar-as2"),
+        missions.load_mission("rafz-july"),
+    )
+    analysis = sizing.analyse(aircraft, mission)
+    data = studies.feasibility_map(aircraft, mission, latitudes=[40, 50, 60], days=[80, 172, 264])
+
+    def drawn() -> list[bytes]:
+        shown = []
+        for figure in (studies.plot_cycle(analysis), studies.plot_map(data)):
+            canvas = FigureCanvasAgg(figure)
+            canvas.draw()
+            shown.append(bytes(canvas.buffer_rgba()))
+        return shown
+
+    with mpl.rc_context({}):
+        plain = drawn()
+    own = {"font.size": 22.0, "text.color": "red", "image.cmap": "magma", "axes.grid": True}
+    with mpl.rc_context(own):
+        assert drawn() == plain
+        given = Figure()
+        studies.plot_cycle(analysis, figure=given)
+        canvas = FigureCanvasAgg(given)
+        canvas.draw()
+        assert {text.get_color() for text in given.texts} <= {"red"}
+        assert given.axes[0].xaxis.label.get_fontsize() == 22.0
+
+
+def test_a_figure_takes_the_place_of_given_axes(analysis: sizing.Analysis) -> None:
+    whole = Figure(figsize=(12, 5), layout="constrained")
+    left, right = whole.subplots(1, 2)
+    right.plot([0, 1], [0, 1])
+    part = studies.plot_cycle(analysis, ax=left)
+    masses = studies.plot_masses({"battery": 2.0, "wing": 1.0}, "masses", figure=Figure())
+    assert left not in whole.axes
+    assert right in whole.axes
+    assert part.axes
+    FigureCanvasAgg(whole).draw()
+    for axes in part.axes:
+        assert axes.get_window_extent().x1 < right.get_window_extent().x0
+    assert masses.axes
+    with pytest.raises(ValueError, match="ax must be axes of a grid"):
+        studies.plot_cycle(analysis, ax=Figure().add_axes((0, 0, 1, 1)))

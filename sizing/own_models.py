@@ -1,0 +1,109 @@
+"""Models of the user's own by name: structure, drag, and mass of the propulsion.
+
+Functions use arithmetic, or NumPy's and CasADi's functions, so that they take floats, arrays and
+symbols alike: simulator and optimiser call the same one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
+
+from sizing.smooth import Value
+
+F = TypeVar("F")
+
+StructureFunction: TypeAlias = Callable[[Any], Value]  # of StructureInputs
+DragFunction: TypeAlias = Callable[[Value, Value, Value], Value]
+PropulsionMassFunction: TypeAlias = Callable[[Value], Value]
+
+_STRUCTURES: dict[str, StructureFunction] = {}
+_DRAGS: dict[str, DragFunction] = {}
+_PROPULSION_MASSES: dict[str, PropulsionMassFunction] = {}
+
+
+def register_structure(name: str, mass_kg: StructureFunction) -> None:
+    """Make a model of the structure known by a name, for ``structure: {model: own, name: ...}``.
+
+    The name holds in this process alone, here as for the other models: the workers of a long map
+    must register it themselves.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    mass_kg : callable
+        From :class:`~sizing.structures.loads.StructureInputs` (``wingspan_m``, ``aspect_ratio``,
+        ``total_mass_kg``, ``span_load_kg``, ``airspeed_m_per_s`` ...) to the structural mass [kg].
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    _register(_STRUCTURES, "model of the structure", name, mass_kg)
+
+
+def register_drag(name: str, drag_coefficient: DragFunction) -> None:
+    """Make a drag model known by a name, for ``aerodynamics: {model: own, name: ...}``.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    drag_coefficient : callable
+        From lift coefficient, aspect ratio and Reynolds number of the mean chord to the drag
+        coefficient of the whole aircraft on its wing area [-].
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    _register(_DRAGS, "drag model", name, drag_coefficient)
+
+
+def register_propulsion_mass(name: str, mass_kg: PropulsionMassFunction) -> None:
+    """Make a mass model of the propulsion known by a name, for ``propulsion: {mass_model: ...}``.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    mass_kg : callable
+        From the rated electric power [W] to the mass of the propulsion group [kg].
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    _register(_PROPULSION_MASSES, "mass model of the propulsion", name, mass_kg)
+
+
+def structure_function(name: str) -> StructureFunction:
+    """Structure of that name; ValueError if there is none."""
+    return _named(_STRUCTURES, "register_structure", name)
+
+
+def drag_function(name: str) -> DragFunction:
+    """Drag of that name; ValueError if there is none."""
+    return _named(_DRAGS, "register_drag", name)
+
+
+def propulsion_mass_function(name: str) -> PropulsionMassFunction:
+    """Mass of the propulsion of that name; ValueError if there is none."""
+    return _named(_PROPULSION_MASSES, "register_propulsion_mass", name)
+
+
+def _register(known: dict[str, F], what: str, name: str, function: F) -> None:
+    if name in known:
+        raise ValueError(f"there is a {what} {name} already")
+    known[name] = function
+
+
+def _named(known: dict[str, F], register: str, name: str) -> F:
+    if name not in known:
+        there = f"known are {', '.join(known)}" if known else "none is registered"
+        raise ValueError(f"{name!r} is not registered by sizing.{register}: {there}")
+    return known[name]

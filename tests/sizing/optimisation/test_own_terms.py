@@ -1,0 +1,197 @@
+"""Objectives and constraints of the user's own, against shipped ones and a grid of simulations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+from sizing.aircraft import Aircraft
+from sizing.optimisation.own_terms import NAMES
+
+REQUIRED_H = 3.0
+MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": REQUIRED_H})
+
+
+@pytest.fixture(scope="module")
+def design() -> Aircraft:
+    return sizing.load_aircraft("atlantiksolar-design")
+
+
+@pytest.mark.parametrize(
+    ("shipped", "own"),
+    [
+        ("min_mass", lambda design: design.total_mass_kg),
+        ("min_wingspan", lambda design: design.wingspan_m),
+        ("min_wingspan", lambda design: design.wingspan_m**2 - 30.0),  # negative at the optimum
+    ],
+)
+def test_a_shipped_objective_written_as_a_function(
+    design: Aircraft, shipped: str, own: Callable[[Any], Any]
+) -> None:
+    expected, found = (sizing.size(design, MISSION, one) for one in (shipped, own))
+    assert found.feasible
+    assert found.variables is not None
+    assert expected.variables is not None
+    chosen = found.variables.chosen()
+    for name, value in expected.variables.chosen().items():
+        assert chosen[name] == pytest.approx(value, rel=1e-4, abs=1e-9)
+    assert found.design.total_mass_kg == pytest.approx(expected.design.total_mass_kg, rel=1e-5)
+    if shipped == "min_mass":
+        assert found.result.objective_value == pytest.approx(
+            expected.result.objective_value, rel=1e-6
+        )
+
+
+def test_a_weighted_objective_against_a_grid_of_simulated_designs(design: Aircraft) -> None:
+    found = sizing.size(design, MISSION, lambda it: it.battery_mass_kg + 0.8 * it.wingspan_m)
+    best = found.variables
+    assert best is not None
+    axes = [
+        value * np.linspace(0.75, 1.25, 41)
+        for value in (best.wingspan_m, best.battery_mass_kg, best.module_area_m2)
+    ]
+    span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
+    inside = area <= 0.9 * span**2 / best.aspect_ratio
+    designs = sizing.DesignVariables(span[inside], best.aspect_ratio, battery[inside], area[inside])
+    flown = sizing.performance_of_designs(design, MISSION, designs)
+    enough = flown.cycle.excess_time_h.min(axis=-1) >= REQUIRED_H
+    value = (battery[inside] + 0.8 * span[inside])[enough]
+    own = found.result.objective_value
+    assert own == pytest.approx(best.battery_mass_kg + 0.8 * best.wingspan_m, rel=1e-12)
+    assert value.size > 1000
+    # None of the grid is better; the best of it is next to the optimum.
+    assert own <= value.min() * (1.0 + 1e-3)
+    assert own == pytest.approx(value.min(), rel=0.02)
+    # Neither of its parts is the least, so that the weights decide.
+    assert (
+        best.wingspan_m > 1.01 * sizing.size(design, MISSION, "min_wingspan").variables.wingspan_m
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "limit", "constraint"),
+    [
+        ("wingspan_m.maximum", 4.5, lambda design: design.wingspan_m <= 4.5),
+        ("maximum_wing_loading_kg_per_m2", 3.3, lambda d: d.wing_loading_kg_per_m2 <= 3.3),
+        ("limits.airspeed_m_per_s.maximum", 7.5, lambda d: d.airspeed_m_per_s <= 7.5),
+        # Quantities on both sides.
+        (
+            "limits.battery_fraction.maximum",
+            0.35,
+            lambda d: d.battery_mass_kg <= 0.35 * d.total_mass_kg,
+        ),
+    ],
+)
+def test_a_constraint_is_a_bound_of_the_design_space(
+    design: Aircraft, key: str, limit: float, constraint: Callable[[Any], Any]
+) -> None:
+    bounded = sizing.load_aircraft("atlantiksolar-design", {f"design_space.{key}": limit})
+    expected = sizing.size(bounded, MISSION)
+    found = sizing.size(design, MISSION, constraints=[constraint])
+    free = sizing.size(design, MISSION)
+    assert found.result.objective_value == pytest.approx(expected.result.objective_value, rel=1e-5)
+    assert found.result.objective_value > 1.0005 * free.result.objective_value
+    assert any("<=" in one for one in found.result.active_constraints)
+    assert found.aircraft == design
+
+
+def test_an_infeasible_answer_names_the_constraint(design: Aircraft) -> None:
+    def fits_the_van(it: Any) -> Any:
+        return it.wingspan_m <= 3.0
+
+    for constraint, name in (
+        (fits_the_van, "fits_the_van"),
+        (lambda d: d.chord_m >= 2, "2<=chord_m"),
+    ):
+        found = sizing.size(design, MISSION, constraints=[constraint])
+        assert found.status is sizing.SizingStatus.infeasible
+        assert name in " ".join(str(found).split())
+        assert found.to_dict()["violated_requirements"]
+
+
+def test_what_is_asked_of_a_sizing_knows_own_terms(design: Aircraft) -> None:
+    found = sizing.size(
+        design,
+        MISSION,
+        lambda it: 2.0 * it.total_mass_kg,
+        constraints=[lambda it: it.wingspan_m <= 4.5],
+        with_sensitivities=True,
+        with_cross_check=True,
+    )
+    bounded = sizing.load_aircraft("atlantiksolar-design", {"design_space.wingspan_m.maximum": 4.5})
+    expected = sizing.size(bounded, MISSION, with_sensitivities=True)
+    assert found.cross_check is not None
+    assert found.cross_check.cross_checked
+    worth = {one.parameter: one.derivative for one in found.sensitivities or []}
+    for one in (expected.sensitivities or [])[:8]:
+        assert worth[one.parameter] == pytest.approx(2.0 * one.derivative, rel=1e-3)
+
+
+def test_the_function_counts_as_it_is_when_it_is_given(design: Aircraft) -> None:
+    weight = 0.0
+
+    def weighted(it: Any) -> Any:
+        return it.total_mass_kg + weight * it.wingspan_m
+
+    light = sizing.size(design, MISSION, weighted)
+    weight = 10.0
+    short = sizing.size(design, MISSION, weighted)
+    assert short.variables.wingspan_m < 0.95 * light.variables.wingspan_m
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (lambda d: d.mass, "a design has no mass; it has wingspan_m, aspect_ratio"),
+        (lambda d: max(d.wingspan_m, 3.0), "is called with symbols"),
+        (lambda d: 3.0, r"must return one number that depends on the design \(got 3.0\)"),
+        (lambda d: None, r"must return one number .* \(got None\)"),
+    ],
+)
+def test_wrong_functions(design: Aircraft, wrong: Callable[[Any], Any], said: str) -> None:
+    with pytest.raises(ValueError, match=f"the objective:? {said}"):
+        sizing.size(design, MISSION, wrong)
+    with pytest.raises(ValueError, match=f"a constraint:? {said}"):
+        sizing.size(design, MISSION, constraints=[wrong])
+
+
+def test_wrong_comparisons(design: Aircraft) -> None:
+    with pytest.raises(ValueError, match="the objective is a comparison"):
+        sizing.size(design, MISSION, lambda d: d.wingspan_m <= 3.0)
+    for wrong in (lambda d: d.wingspan_m, lambda d: d.wingspan_m == 4.0):
+        with pytest.raises(ValueError, match="must be one comparison by <= or >="):
+            sizing.size(design, MISSION, constraints=[wrong])
+
+    def excess_time(it: Any) -> Any:
+        return it.wingspan_m <= 5.0
+
+    with pytest.raises(ValueError, match="there is a excess_time already"):
+        sizing.size(design, MISSION, constraints=[excess_time])
+
+
+def test_the_documented_names_are_those_that_there_are() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "python-api.md").read_text(encoding="utf-8")
+    table = page.split("| quantity of a design | names |")[1].split("\n\n")[0]
+    assert set(re.findall(r"`(\w+)`", table)) == set(NAMES)
+
+
+@pytest.mark.slow
+def test_a_reliability_knows_own_terms(design: Aircraft) -> None:
+    bounded = sizing.load_aircraft("atlantiksolar-design", {"design_space.wingspan_m.maximum": 5.0})
+    expected = sizing.size(bounded, MISSION, "min_mass", reliability=0.9)
+    found = sizing.size(
+        design,
+        MISSION,
+        lambda it: it.total_mass_kg,
+        constraints=[lambda it: it.wingspan_m <= 5.0],
+        reliability=0.9,
+    )
+    assert found.reliability is not None
+    assert found.design.total_mass_kg == pytest.approx(expected.design.total_mass_kg, rel=1e-3)

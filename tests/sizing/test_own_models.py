@@ -1,0 +1,129 @@
+"""Structure, drag and propulsion of the user's own: like shipped ones, they give the same."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+from missions import InputError
+
+MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": 3.0})
+NAME = "atlantiksolar-design"
+PARABOLIC = {
+    "lift_coefficient": 1.0,
+    "maximum_lift_coefficient": 1.4,
+    "profile_drag_coefficient": 0.012,
+    "reference_reynolds": 2e5,
+    "parasitic_drag_coefficient": 0.008,
+}
+
+
+def _structure(inputs: Any) -> Any:
+    return 0.3 * inputs.wingspan_m**1.5 * inputs.aspect_ratio**-0.25
+
+
+def _drag(lift: Any, aspect_ratio: Any, reynolds: Any) -> Any:
+    return 0.012 * (reynolds / 2e5) ** -0.35 + 0.008 + lift**2 / (pi * 0.9 * aspect_ratio)
+
+
+def _propulsion(rated_w: Any) -> Any:
+    return 0.0011 * rated_w
+
+
+sizing.register_structure("own law", _structure)
+sizing.register_drag("own polar", _drag)
+sizing.register_propulsion_mass("own motor", _propulsion)
+
+POWER_LAW = {
+    "model": "power_law",
+    "coefficient_kg": 0.3,
+    "span_exponent": 1.5,
+    "aspect_ratio_exponent": -0.25,
+}
+SHIPPED_AND_OWN = {
+    "structure": (
+        {"airframe.structure": POWER_LAW},
+        {"airframe.structure": {"model": "own", "name": "own law"}},
+    ),
+    "drag": (
+        {"airframe.aerodynamics": PARABOLIC},
+        {
+            "airframe.aerodynamics": {
+                "model": "own",
+                "name": "own polar",
+                "lift_coefficient": 1.0,
+                "maximum_lift_coefficient": 1.4,
+            }
+        },
+    ),
+    "propulsion": (
+        {"airframe.propulsion.mass_kg_per_w": 0.0011},
+        {"airframe.propulsion.mass_model": "own motor", "airframe.propulsion.mass_kg_per_w": 0.5},
+    ),
+}
+
+
+@pytest.mark.parametrize("of", SHIPPED_AND_OWN)
+def test_a_model_written_like_a_shipped_one_gives_the_same(of: str) -> None:
+    shipped, own = (sizing.load_aircraft(NAME, some) for some in SHIPPED_AND_OWN[of])
+    flown, expected = (sizing.analyse(one, MISSION) for one in (own, shipped))
+    assert flown.total_mass_kg == pytest.approx(expected.total_mass_kg, rel=1e-12)
+    assert flown.power_out_w == pytest.approx(expected.power_out_w, rel=1e-12)
+    sized, best = (sizing.size(one, MISSION, "min_mass") for one in (own, shipped))
+    assert sized.feasible
+    assert sized.result.objective_value == pytest.approx(best.result.objective_value, rel=1e-6)
+    assert str(sized)
+    assert sizing.analyse(sized.sized_aircraft(), MISSION).excess_time_h == pytest.approx(
+        sized.scenarios()["excess_time_h"].min()
+    )
+
+
+def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients() -> None:
+    space = {"design_space.lift_coefficient": {"minimum": 0.7, "maximum": 1.2}}
+    shipped, own = (sizing.load_aircraft(NAME, some | space) for some in SHIPPED_AND_OWN["drag"])
+    found, best = (sizing.size(one, MISSION, with_sensitivities=True) for one in (own, shipped))
+    assert found.variables.lift_coefficient == pytest.approx(
+        best.variables.lift_coefficient, rel=1e-4
+    )
+    worth = {one.parameter: one.derivative for one in best.sensitivities or []}
+    for one in found.sensitivities or []:
+        assert one.derivative == pytest.approx(worth[one.parameter], rel=1e-3, abs=1e-6)
+
+
+def test_an_own_structure_sees_what_it_carries() -> None:
+    seen: list[Any] = []
+
+    def watched(inputs: Any) -> Any:
+        seen.append(inputs)
+        return 0.1 * inputs.total_mass_kg
+
+    sizing.register_structure("a tenth", watched)
+    aircraft = sizing.load_aircraft(
+        NAME, {"airframe.structure": {"model": "own", "name": "a tenth"}}
+    )
+    analysis = sizing.analyse(aircraft, MISSION)
+    assert analysis.masses_kg["structure"] == pytest.approx(0.1 * analysis.total_mass_kg)
+    assert np.all(np.asarray(seen[-1].wingspan_m) == 5.65)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("structure", {"model": "own", "name": "unheard of"}),
+        ("aerodynamics", PARABOLIC | {"model": "own", "name": "unheard of"}),
+        ("propulsion.mass_model", "unheard of"),
+    ],
+)
+def test_a_name_that_nobody_registered_is_refused(key: str, value: Any) -> None:
+    with pytest.raises(InputError, match=r"'unheard of' is not registered by sizing\.register_"):
+        sizing.load_aircraft(NAME, {f"airframe.{key}": value})
+
+
+def test_a_name_is_taken_once() -> None:
+    with pytest.raises(ValueError, match="there is a drag model own polar already"):
+        sizing.register_drag("own polar", _drag)
