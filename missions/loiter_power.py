@@ -102,14 +102,14 @@ def mean_power_on_path(
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
         seen = _seen(daylight, block, flown)
-        lit_c = temperature_c[block][seen.lit, np.newaxis]
+        lit_c = temperature_c[block][seen.sunlit, np.newaxis]
         if model == "VM":
             power = verification_model(
                 seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell, lit_c
             )
         else:
             power = _full_model(modules, seen, lit_c).specific_power_w_per_m2
-        result[block][seen.lit] = power @ flown.weights
+        result[block][seen.sunlit] = power @ flown.weights
     return result
 
 
@@ -134,7 +134,7 @@ def module_power_on_path(
     """
     flown = orbit(modules.path, modules.wind, samples=modules.samples)
     seen = _seen(daylight, slice(None), flown)
-    return seen.lit, flown, _full_model(modules, seen, ambient_temperature_c)
+    return seen.sunlit, flown, _full_model(modules, seen, ambient_temperature_c)
 
 
 def _full_model(modules: FlownModules, seen: _Seen, ambient_c: ArrayLike) -> ModulePower:
@@ -152,7 +152,7 @@ def _full_model(modules: FlownModules, seen: _Seen, ambient_c: ArrayLike) -> Mod
 class _Seen(NamedTuple):
     """Sun and light at the lit times, ready to meet the attitudes on the second axis."""
 
-    lit: BoolArray
+    sunlit: BoolArray
     sun: FloatArray
     light: Irradiance
     to_ned: FloatArray
@@ -165,12 +165,12 @@ def _seen(daylight: Daylight, block: slice, flown: Orbit) -> _Seen:
     latitude_deg, sun_declination = daylight.latitude_deg, declination(day)
     hour = hour_angle(time_h[block])
     cosine = cos_zenith(latitude_deg, sun_declination, hour)
-    lit = cosine > 0.0
-    sun = sun_vector_ned(latitude_deg, sun_declination[lit], hour[lit])[:, np.newaxis, :]
+    sunlit = cosine > 0.0
+    sun = sun_vector_ned(latitude_deg, sun_declination[sunlit], hour[sunlit])[:, np.newaxis, :]
     if daylight.irradiance is None:
-        clear = daylight.sky(day[lit], latitude_deg, cosine[lit], daylight.altitude_m)
+        clear = daylight.sky(day[sunlit], latitude_deg, cosine[sunlit], daylight.altitude_m)
         light = Irradiance(*(daylight.clearness * part[:, np.newaxis] for part in clear))
     else:
-        light = Irradiance(*(part[block][lit, np.newaxis] for part in daylight.irradiance))
+        light = Irradiance(*(part[block][sunlit, np.newaxis] for part in daylight.irradiance))
     to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
-    return _Seen(lit, sun, light, to_ned)
+    return _Seen(sunlit, sun, light, to_ned)

@@ -618,5 +618,5 @@ def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) 
     rise = np.asarray(sunrise_h, float)[..., np.newaxis]
     half = (np.asarray(sunset_h, float)[..., np.newaxis] - rise) / 2.0
     distance = np.abs(np.asarray(time_h, float) - (rise + half))
-    lit = half > 0.0
-    return np.where(lit, np.maximum(1.0 - distance / np.where(lit, half, 1.0), 0.0), 0.0)
+    sunlit = half > 0.0
+    return np.where(sunlit, np.maximum(1.0 - distance / np.where(sunlit, half, 1.0), 0.0), 0.0)

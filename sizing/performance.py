@@ -183,9 +183,9 @@ def performance(
     ``step_h``: largest step of the time axis [h]; that of ``day`` if it is given. Returns arrays of
     the scenarios.
     """
-    lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     flown = design_of(aircraft, mission) if design is None else design
-    return _simulate(aircraft, mission, solar, flown, lit, keep_trajectory=keep_trajectory)
+    return _simulate(aircraft, mission, solar, flown, sunlit, keep_trajectory=keep_trajectory)
 
 
 def performance_after_days(
@@ -242,9 +242,9 @@ def performance_of_designs(
         Arrays of the batch with a last axis of scenarios. A design that cannot carry itself has an
         excess time of -24 h.
     """
-    lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     design = closed_design(aircraft, mission, variables)
-    return _simulate(aircraft, mission, solar, design, lit, keep_trajectory=True)
+    return _simulate(aircraft, mission, solar, design, sunlit, keep_trajectory=True)
 
 
 def performance_of_pairs(
@@ -337,5 +337,5 @@ def perpetual_days(
     """
     every = np.arange(1, 366) if days is None else np.asarray(days_of_year(days), int)
     scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)
-    lit = solar_day(aircraft, mission, solar, scenarios=scenarios)
-    return every[performance(aircraft, mission, solar, day=lit).cycle.perpetual]
+    sunlit = solar_day(aircraft, mission, solar, scenarios=scenarios)
+    return every[performance(aircraft, mission, solar, day=sunlit).cycle.perpetual]

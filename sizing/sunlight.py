@@ -161,8 +161,8 @@ class Sunlight:
         modelled_wh, full_wh = (
             np.trapezoid(self.modelled_power(name), self.time_h, axis=-1) for name in (model, "FM")
         )
-        lit = modelled_wh > 0.0
-        return np.where(lit, full_wh / np.where(lit, modelled_wh, 1.0), 1.0)[:, np.newaxis]
+        sunlit = modelled_wh > 0.0
+        return np.where(sunlit, full_wh / np.where(sunlit, modelled_wh, 1.0), 1.0)[:, np.newaxis]
 
     def day(self, solar: SolarModel) -> SolarDay:
         """Specific power by a model, corrected and less the mission's margin."""
@@ -288,7 +288,9 @@ class Lit(NamedTuple):
     module_c: FloatArray
 
 
-def power_in_light(aircraft: Aircraft, mission: Mission, solar: SolarModel, lit: Lit) -> FloatArray:
+def power_in_light(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, sunlit: Lit
+) -> FloatArray:
     """Specific power in given light, such as a weather record's, corrected.
 
     The mission's own clearness plays no part; its margin of the model's error does.
@@ -302,21 +304,21 @@ def power_in_light(aircraft: Aircraft, mission: Mission, solar: SolarModel, lit:
             _flown_modules(aircraft, mission, solar.model),
             Daylight(
                 mission.latitudes()[0],
-                lit.day_of_year,
-                lit.time_solar_h,
-                irradiance=lit.irradiance,
+                sunlit.day_of_year,
+                sunlit.time_solar_h,
+                irradiance=sunlit.irradiance,
             ),
-            ambient_temperature_c=lit.ambient_c,
-            module_temperature_c=lit.module_c,
+            ambient_temperature_c=sunlit.ambient_c,
+            module_temperature_c=sunlit.module_c,
         )
     else:
         convert = HORIZONTAL_MODELS[solar.model]
-        up = lit.cos_zenith > 0.0
+        up = sunlit.cos_zenith > 0.0
         power = np.zeros(up.shape)
-        some = Irradiance(lit.irradiance.dni[up], lit.irradiance.dhi[up])
-        power[up] = convert(some, lit.cos_zenith[up], aircraft.modules, lit.module_c[up])
+        some = Irradiance(sunlit.irradiance.dni[up], sunlit.irradiance.dhi[up])
+        power[up] = convert(some, sunlit.cos_zenith[up], aircraft.modules, sunlit.module_c[up])
     if solar.correction == "loiter":
-        power = power * _loiter_ratio_on(aircraft, mission, solar.model, lit.day_of_year)
+        power = power * _loiter_ratio_on(aircraft, mission, solar.model, sunlit.day_of_year)
     return power * mission.pessimistic_power_factor(solar.model, solar.correction)
 
 

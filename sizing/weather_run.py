@@ -144,11 +144,11 @@ class WeatherDays:
     def specific_power_w_per_m2(self, sky: Irradiance) -> FloatArray:
         """Solar power per module area under a sky along the record [W/m2], ``(day, node)``."""
         light = self.light
-        lit = Lit(
+        sunlit = Lit(
             *(light.day_of_year, light.time_solar_h, light.cos_zenith, sky),
             *(self.ambient_c, self.module_c),
         )
-        power = power_in_light(self.aircraft, self.mission, self.solar, lit)
+        power = power_in_light(self.aircraft, self.mission, self.solar, sunlit)
         return np.asarray(power[self.axis.nodes])
 
     def load_w(self, design: Design) -> FloatArray:

@@ -174,5 +174,5 @@ def _balanced_power(
 
 def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
     """Quotient, zero where there is no light at all."""
-    lit = denominator > 0.0
-    return np.where(lit, numerator / np.where(lit, denominator, 1.0), 0.0)
+    sunlit = denominator > 0.0
+    return np.where(sunlit, numerator / np.where(sunlit, denominator, 1.0), 0.0)

@@ -274,15 +274,15 @@ def _fill(
         hours = cos_hour if first is None else _cut(cos_hour, first, cut)
         block = result if first is None else _cut(result, first, cut)
         cosine = np.asarray(some.mean + some.amplitude * hours)
-        lit = cosine > 0.0
+        sunlit = cosine > 0.0
         if time_axis is not None and cosine.ndim:
             others = tuple(a for a in range(-cosine.ndim, 0) if a != time_axis)
-            nodes = np.flatnonzero(lit.any(axis=others))
+            nodes = np.flatnonzero(sunlit.any(axis=others))
             if not len(nodes):
                 continue
             day = slice(int(nodes[0]), int(nodes[-1]) + 1)
             cosine, block = _cut(cosine, time_axis, day), _cut(block, time_axis, day)
-        elif not np.any(lit):
+        elif not np.any(sunlit):
             continue
         block[...] = power(some, cosine)
 

@@ -506,9 +506,9 @@ def _covered_area(frame: _ModuleFrame, panels: Sequence[FloatArray], sun: FloatA
     """Area of the union of the shadows of at most two panels on a module [m2], shape ``(sun,)``."""
     covered = np.zeros(len(sun))
     local = sun @ frame.axes.T
-    lit = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
+    sunlit = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
     half = np.array((frame.half_span_m, frame.half_chord_m))
-    shadows = [_shadow_corners(panel, local[lit], half) for panel in panels]
+    shadows = [_shadow_corners(panel, local[sunlit], half) for panel in panels]
     parts = []
     for corners, reached in shadows:
         part = corners
@@ -516,11 +516,11 @@ def _covered_area(frame: _ModuleFrame, panels: Sequence[FloatArray], sun: FloatA
             part = _clipped(part, half[axis] - part[..., axis])
             part = _clipped(part, half[axis] + part[..., axis])
         parts.append(part)
-        covered[lit[reached]] += np.abs(_areas(part))
+        covered[sunlit[reached]] += np.abs(_areas(part))
     if len(panels) == 2:
         (_, reached), (other, also_reached) = shadows
         both, first, second = np.intersect1d(reached, also_reached, return_indices=True)
-        covered[lit[both]] -= np.abs(_areas(_common(parts[0][first], other[second])))
+        covered[sunlit[both]] -= np.abs(_areas(_common(parts[0][first], other[second])))
     return covered
 
 

@@ -301,11 +301,11 @@ def _first_known(values: FloatArray | None, otherwise: FloatArray) -> FloatArray
 
 def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
     """Share of diffuse in global light by the clearness index (Erbs et al., equation 1)."""
-    lit = horizontal > 1.0
-    kt = np.clip(ghi / np.where(lit, horizontal, 1.0), 0.0, 1.0)
+    sunlit = horizontal > 1.0
+    kt = np.clip(ghi / np.where(sunlit, horizontal, 1.0), 0.0, 1.0)
     middle = 0.9511 - 0.1604 * kt + 4.388 * kt**2 - 16.638 * kt**3 + 12.336 * kt**4
     fraction = np.where(kt <= 0.22, 1.0 - 0.09 * kt, np.where(kt <= 0.8, middle, 0.165))
-    return np.where(lit, fraction, 1.0)
+    return np.where(sunlit, fraction, 1.0)
 
 
 def _filled(

@@ -118,9 +118,9 @@ def _shared(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> FloatArr
     above the horizon; without any it is dropped, for no surface that lies level sees it.
     """
     clear_mean = clear.mean(axis=1)
-    lit = cosine > 0.0
-    count = lit.sum(axis=1)
-    even = np.where(lit, (lit.shape[1] / np.maximum(count, 1))[:, np.newaxis], 0.0)
+    sunlit = cosine > 0.0
+    count = sunlit.sum(axis=1)
+    even = np.where(sunlit, (sunlit.shape[1] / np.maximum(count, 1))[:, np.newaxis], 0.0)
     usable = clear_mean > _LEAST_MEAN
     shape = np.where(
         usable[:, np.newaxis], clear / np.where(usable, clear_mean, 1.0)[:, np.newaxis], even

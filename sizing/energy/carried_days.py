@@ -272,11 +272,11 @@ def _march_open_days(
     capacity = _next_over_own(store.battery_energy_wh, days)
     while not known.all():
         ready = known[:, :-1] & ~known[:, 1:]
-        craft, number = np.nonzero(ready)
-        cells = craft * days + number
-        end = day.select_lit(cells).end_wh(store.select(cells), energy_wh[craft, number])
-        energy_wh[craft, number + 1] = end * capacity[craft, number]
-        known[craft, number + 1] = True
+        aircraft, number = np.nonzero(ready)
+        cells = aircraft * days + number
+        end = day.select_lit(cells).end_wh(store.select(cells), energy_wh[aircraft, number])
+        energy_wh[aircraft, number + 1] = end * capacity[aircraft, number]
+        known[aircraft, number + 1] = True
 
 
 def _next_over_own(full_wh: FloatArray, days: int) -> FloatArray:

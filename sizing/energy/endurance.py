@@ -266,8 +266,12 @@ class _Flights:
         energy, settled = flying.energy_wh.copy(), flying.settled_deficit_wh.copy()
         lowest = energy.copy()
         # After the last surplus of the day nothing but the deficit is left.
-        lit = np.flatnonzero(self.deficit_at_nightfall_wh[flying.cell] > flying.settled_deficit_wh)
-        level[lit], energy[lit], settled[lit], lowest[lit] = self._lit_day(flying.select(lit))
+        sunlit = np.flatnonzero(
+            self.deficit_at_nightfall_wh[flying.cell] > flying.settled_deficit_wh
+        )
+        level[sunlit], energy[sunlit], settled[sunlit], lowest[sunlit] = self._lit_day(
+            flying.select(sunlit)
+        )
         store = self.store.select(flying.cell)
         deficit = self.day.cumulative_deficit_wh[-1][flying.cell]
         midnight = energy - (deficit - settled) / store.discharge_efficiency

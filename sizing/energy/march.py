@@ -178,15 +178,15 @@ class ChargingDay:
         """Reduce a balance with a batch of one dimension."""
         charging = balance.surplus_wh > 0.0
         rows = np.flatnonzero(charging.any(axis=1))
-        lit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
+        sunlit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
         cumulative = running_sum(balance.deficit_wh)
-        falls_first = balance.net_w[:-1][lit] < 0.0
-        before_surplus = np.where(falls_first, cumulative[1:][lit], cumulative[:-1][lit])
-        np.copyto(before_surplus, -np.inf, where=~charging[lit])
+        falls_first = balance.net_w[:-1][sunlit] < 0.0
+        before_surplus = np.where(falls_first, cumulative[1:][sunlit], cumulative[:-1][sunlit])
+        np.copyto(before_surplus, -np.inf, where=~charging[sunlit])
         return cls(
-            first=lit.start,
-            hours=np.diff(balance.time_h)[lit],
-            surplus_wh=balance.surplus_wh[lit],
+            first=sunlit.start,
+            hours=np.diff(balance.time_h)[sunlit],
+            surplus_wh=balance.surplus_wh[sunlit],
             deficit_before_surplus_wh=before_surplus,
             cumulative_deficit_wh=cumulative,
         )
@@ -211,13 +211,13 @@ class ChargingDay:
         What becomes of the batteries is the same to the last bit.
         """
         rows = np.flatnonzero((self.surplus_wh[:, cells] > 0.0).any(axis=1))
-        lit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
+        sunlit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
         return replace(
             self,
-            first=self.first + lit.start,
-            hours=self.hours[lit],
-            surplus_wh=self.surplus_wh[lit, cells],
-            deficit_before_surplus_wh=self.deficit_before_surplus_wh[lit, cells],
+            first=self.first + sunlit.start,
+            hours=self.hours[sunlit],
+            surplus_wh=self.surplus_wh[sunlit, cells],
+            deficit_before_surplus_wh=self.deficit_before_surplus_wh[sunlit, cells],
             cumulative_deficit_wh=self.cumulative_deficit_wh[:, cells],
         )
 
@@ -305,9 +305,9 @@ class DayRun:
         for energy in (self.drained_wh, self.after_charge_wh):
             energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])
         first = waiting.sum(axis=0)
-        lit = first < len(waiting)
+        sunlit = first < len(waiting)
         more_wh = start_wh - self.start_wh[cells]
-        self.drained_wh[first[lit], cells[lit]] += more_wh[lit]
+        self.drained_wh[first[sunlit], cells[sunlit]] += more_wh[sunlit]
         self.start_wh[cells] = start_wh
 
     def energy_at_nodes_wh(self) -> FloatArray:

@@ -322,13 +322,13 @@ class _ReliableSizing(MarginSearch):
 
     def _study(self, design: Design) -> tuple[Propagation, UncertainInputs]:
         """Flights of the draws of a design, and its uncertain inputs."""
-        craft, mission = self.aircraft, self.mission
+        aircraft, mission = self.aircraft, self.mission
         chosen = design.variables.chosen()
         for key, name in variable_keys().items():
             if name in chosen:
-                craft, mission = with_parameter(craft, mission, key, float(chosen[name]))
-        inputs = uncertain_inputs(craft, mission, self.solar)
-        return Propagation(craft, mission, self.solar, day=self.day.at(self.telling)), inputs
+                aircraft, mission = with_parameter(aircraft, mission, key, float(chosen[name]))
+        inputs = uncertain_inputs(aircraft, mission, self.solar)
+        return Propagation(aircraft, mission, self.solar, day=self.day.at(self.telling)), inputs
 
     def _flying(self, study: Propagation, values: dict[str, FloatArray]) -> BoolArray:
         """Draws with the required excess time in every scenario."""

@@ -155,12 +155,12 @@ def size_cells(
 class _CellSearch(Search):
     """Search for the design of one cell; what it misses whatever the design stays in ``missed``."""
 
-    def __init__(self, cells: _Cells, cell: int, lit: Sequence[int] = ()) -> None:
+    def __init__(self, cells: _Cells, cell: int, sunlit: Sequence[int] = ()) -> None:
         required_h = float(cells.required_h[cell])
         held = {name: float(values[cell]) for name, values in cells.payload.items()}
         instance = replace(ProblemInstance.of(cells.objective, required_h), held=held)
         super().__init__(
-            instance.always_lit(lit, all_of_them=len(lit) == cells.each),
+            instance.always_lit(sunlit, all_of_them=len(sunlit) == cells.each),
             required_h,
             range(cell * cells.each, (cell + 1) * cells.each),
             cells.solve,
@@ -191,9 +191,9 @@ class _Cells:
         searches = [_CellSearch(self, cell) for cell in range(self.count)]
         self._run(searches)
         best = {one.cell: one.best for one in searches if one.best is not None}
-        lit = self._lit_searches()
-        self._run(lit)
-        for one in lit:
+        sunlit = self._lit_searches()
+        self._run(sunlit)
+        for one in sunlit:
             own = best.get(one.cell)
             if one.best is not None and (own is None or one.best.found.merit > own.found.merit):
                 best[one.cell] = one.best

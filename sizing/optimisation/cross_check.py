@@ -194,7 +194,9 @@ class _Judge:
             *(SizingProblems(self.aircraft), self.mission, self.solar, self.day), by_model=True
         )
         asked = (self.objective, self.required_h, self.optimum)
-        found = (size_branch(solver, *asked, lit).simulated for lit in _some_branches(self.day))
+        found = (
+            size_branch(solver, *asked, sunlit).simulated for sunlit in _some_branches(self.day)
+        )
         return self._best_of_sized([one for one in found if one is not None])
 
     def _best_of_sized(self, found: Sequence[Performance]) -> float:

@@ -49,7 +49,7 @@ class NodeBalance(NamedTuple):
 Charger = Callable[[Any, Any], _Taken]
 
 
-def sun_parameters(day: SolarDay, mission: Mission, lit: Collection[int] = ()) -> FloatArray:
+def sun_parameters(day: SolarDay, mission: Mission, sunlit: Collection[int] = ()) -> FloatArray:
     """Sun, thermals, step and darkness of every scenario.
 
     ``lit``: scenarios in which the sun must carry the nominal load at all times. Returns specific
@@ -66,7 +66,7 @@ def sun_parameters(day: SolarDay, mission: Mission, lit: Collection[int] = ()) -
             for rows in zip(day.specific_power_w_per_m2, thermal, active, strict=True)
         ]
     )
-    some = list(lit)
+    some = list(sunlit)
     suns[some, -1] = lowest_power(day)[some]
     return suns
 
@@ -98,9 +98,9 @@ def growing_lit_sets(lowest_w_per_m2: FloatArray) -> list[list[int]]:
 def _one_scenario(
     time_h: FloatArray, power: FloatArray, thermal: FloatArray, active: Any
 ) -> FloatArray:
-    lit = np.flatnonzero(active)
-    first = max(int(lit[0]) - 1, 0) if len(lit) else 0
-    last = min(int(lit[-1]) + 1, len(time_h) - 1) if len(lit) else len(time_h) - 1
+    sunlit = np.flatnonzero(active)
+    first = max(int(sunlit[0]) - 1, 0) if len(sunlit) else 0
+    last = min(int(sunlit[-1]) + 1, len(time_h) - 1) if len(sunlit) else len(time_h) - 1
     nodes = np.linspace(time_h[first], time_h[last], NODES)
     lit_h = float(time_h[last] - time_h[first])
     return np.concatenate(

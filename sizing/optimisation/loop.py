@@ -117,7 +117,7 @@ class Search:
             self.best = Accepted(self.current, found)
         if accepted and found.worst in self.scenarios and not self._wasteful(found):
             return False
-        if accepted and self.instance.lit and np.isinf(found.excess_time_h):
+        if accepted and self.instance.sunlit and np.isinf(found.excess_time_h):
             return False  # nothing is worse than the others
         if found.worst in self.scenarios:
             bound = _Bound(self.instance.goal_h, self.instance.margin, found.excess_time_h)

@@ -349,13 +349,13 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
         # Where the sun carries the load at all times the excess time is unlimited, whatever the
         # battery holds at dawn.
         lowest = sun[-1, i]
-        lit = lowest > 0.0
+        sunlit = lowest > 0.0
         reserve = (dawn_soc[i] * usable_h - worst_h) / excess.scale
         spare_sun = lit_area * lowest / nominal_w - (1.0 + ALWAYS_LIT_MARGIN)
         rows += [
             (Constraint("battery_capacity", i), 1.0 - dawn_soc[i] - deficit),
             (Constraint("energy_balance", i), recharged),
-            (excess, (1.0 - lit) * reserve + lit * spare_sun),
+            (excess, (1.0 - sunlit) * reserve + sunlit * spare_sun),
         ]
     constraints = tuple(c for c, _ in rows)
     slacks = list(dict.fromkeys(c.slack for c in constraints))

@@ -271,9 +271,11 @@ def _full_h(net: Any, path: Sequence[Any], step_h: Any) -> Any:
     total = 0.0
     for k in range(NODES - 1):
         left, right = net[k], net[k + 1]
-        lit = (ca.fmax(left, 0.0) + ca.fmax(right, 0.0)) / (ca.fabs(left) + ca.fabs(right) + 1e-9)
+        sunlit = (ca.fmax(left, 0.0) + ca.fmax(right, 0.0)) / (
+            ca.fabs(left) + ca.fabs(right) + 1e-9
+        )
         after = (path[k + 1] - 1.0) / (path[k + 1] - path[k] + _NOTHING)
-        total += lit * ca.fmax(ca.fmin(after, 1.0), 0.0)
+        total += sunlit * ca.fmax(ca.fmin(after, 1.0), 0.0)
     return total * step_h
 
 

@@ -170,7 +170,7 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
         label = row.name
         if row.block is not None:
             scenario = solution.scenarios[row.block]
-            if label == "excess_time" and scenario in solution.instance.lit:
+            if label == "excess_time" and scenario in solution.instance.sunlit:
                 label = "always_lit"
             label += f" ({day.scenarios.label(scenario)})"
         active[label] = active.get(label, 0.0) + abs(multiplier) * row.step

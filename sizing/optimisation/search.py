@@ -83,8 +83,8 @@ def size_aircraft(
     problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
-    lit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    solver = ProgramSolver(problems, mission, solar, lit, by_model=day is None)
+    sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    solver = ProgramSolver(problems, mission, solar, sunlit, by_model=day is None)
     return _sized(solver, objective, required, start, explain=explain, enough_h=enough_h)
 
 
@@ -93,10 +93,10 @@ def size_branch(
     objective: Objective,
     required_h: float,
     start: DesignVariables,
-    lit: Sequence[int],
+    sunlit: Sequence[int],
 ) -> SizingResult:
     """Best design of the branch in which some scenarios are always lit."""
-    return _Sizing(solver, objective, required_h, start, explain=False, lit=lit).run()
+    return _Sizing(solver, objective, required_h, start, explain=False, sunlit=sunlit).run()
 
 
 def checked_problems(
@@ -135,8 +135,8 @@ def _sized(
     if not lit_sets:
         return _Sizing(*given, explain=explain, enough_h=enough_h).run()
 
-    def branch(lit: list[int]) -> _Sizing:
-        return _Sizing(*given, explain=False, enough_h=enough_h, lit=lit)
+    def branch(sunlit: list[int]) -> _Sizing:
+        return _Sizing(*given, explain=False, enough_h=enough_h, sunlit=sunlit)
 
     found: list[SizingResult] = []
     if len(lit_sets[-1]) == count:
@@ -175,9 +175,9 @@ class _Sizing:
         *,
         explain: bool = True,
         enough_h: float = math.inf,
-        lit: Sequence[int] = (),
+        sunlit: Sequence[int] = (),
     ) -> None:
-        self.explain, self.enough_h, self.lit = explain, enough_h, list(lit)
+        self.explain, self.enough_h, self.sunlit = explain, enough_h, list(sunlit)
         self.solver, self.aircraft, self.day = solver, solver.aircraft, solver.day
         self.objective, self.required_h = objective, required_h
         # That of another sizing may hold arrays.
@@ -243,24 +243,24 @@ class _Sizing:
             solution.scenarios[row.block]
             for row in limiting_rows(solution)
             if row.name == "excess_time" and row.block is not None
-        } - set(self.lit)
+        } - set(self.sunlit)
         places = range(place + 1, len(lit_sets))
         return next((i for i in places if not limiting.isdisjoint(lit_sets[i])), None)
 
     def _instance(self) -> ProblemInstance:
         instance = ProblemInstance.of(self.objective, self.required_h)
-        everywhere = len(self.lit) == len(self.day.scenarios)
-        return instance.always_lit(self.lit, all_of_them=everywhere)
+        everywhere = len(self.sunlit) == len(self.day.scenarios)
+        return instance.always_lit(self.sunlit, all_of_them=everywhere)
 
     def _first_scenarios(self, count: int) -> list[int]:
         """Scenarios to begin with; of those that must be always lit, the one with the least sun."""
         if count == len(self.day.scenarios):
             return list(range(count))
-        if not self.lit:
+        if not self.sunlit:
             return telling_scenarios(self.first, count)
         telling = telling_scenarios(self.first, len(self.day.scenarios))
-        others = [i for i in telling if i not in self.lit]
-        return list(dict.fromkeys([*others[:1], self.lit[-1], *others, *telling]))[:count]
+        others = [i for i in telling if i not in self.sunlit]
+        return list(dict.fromkeys([*others[:1], self.sunlit[-1], *others, *telling]))[:count]
 
     def _solve(
         self,
@@ -390,7 +390,7 @@ class _Sizing:
         assert largest.optimum is not None
         if self.objective is Objective.max_excess_time:
             return self._as_asked(largest)
-        self.lit = sorted(largest.optimum.instance.lit)
+        self.sunlit = sorted(largest.optimum.instance.sunlit)
         self.search.instance = self._instance()
         # Its own time step judges it: no finer one takes back what the largest excess time allows.
         found = self._simulated(largest.optimum)

@@ -188,12 +188,12 @@ class _Lagrangian:
     def _optimum_at(self, aircraft: Aircraft, mission: Mission) -> float:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
         problem = build_problem(aircraft, len(self.scenarios))
-        always = self.optimum.instance.lit
-        lit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
+        always = self.optimum.instance.sunlit
+        sunlit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
             self._weights(problem),
             FlightConditions.of(mission, aircraft),
-            sun_parameters(day, mission, lit),
+            sun_parameters(day, mission, sunlit),
             margin=self.optimum.instance.margin,
         )
         cost, rows = problem.program.rows(self._point(problem, mission), parameters)

@@ -69,7 +69,7 @@ class ProblemInstance:
     held: Mapping[str, float] = field(default_factory=dict)
     penalty: float | None = None
     margin: float = _FIRST_MARGIN
-    lit: frozenset[int] = frozenset()
+    sunlit: frozenset[int] = frozenset()
 
     @classmethod
     def of(cls, objective: Objective, required_h: float) -> ProblemInstance:
@@ -88,11 +88,11 @@ class ProblemInstance:
         ``all_of_them``: whether the mission has no others: no excess time is then required, and
         that of the lightest of the designs is as unlimited as that of any other.
         """
-        lit = replace(self, lit=frozenset(scenarios))
+        sunlit = replace(self, sunlit=frozenset(scenarios))
         if not all_of_them:
-            return lit
+            return sunlit
         cost = Objective.min_mass.cost if self.best_excess else self.cost
-        return replace(lit, cost=cost, goal_h=0.0, best_excess=False)
+        return replace(sunlit, cost=cost, goal_h=0.0, best_excess=False)
 
     def penalised(self, penalty: float) -> ProblemInstance:
         """The same where missing a requirement has a cost.
@@ -283,7 +283,7 @@ class ProgramSolver:
         upper[[problem.index[v.name] for v in problem.of_role(Role.slack)]] = 0.0
         # No excess time below zero: the same as no charge below zero, but for a sun that carries
         # the load. Of two equal requirements that is left whose name is told.
-        if not posed.instance.lit:
+        if not posed.instance.sunlit:
             lower[[problem.index[v.name] for v in problem.of_role(Role.dawn_state)]] = -1.0
         strict = posed._replace(limits=posed.limits | {"lbx": lower, "ubx": upper})
         start = strict.within(self._start(problem, posed.instance, variables))
@@ -329,8 +329,8 @@ class ProgramSolver:
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
-        lit = [i for i, scenario in enumerate(scenarios) if scenario in instance.lit]
-        suns[lit, -1] = self._lowest_power[[scenarios[i] for i in lit]]
+        sunlit = [i for i, scenario in enumerate(scenarios) if scenario in instance.sunlit]
+        suns[sunlit, -1] = self._lowest_power[[scenarios[i] for i in sunlit]]
         ends = self._ends(problem, instance)
         lower, upper = np.array(
             [[v.to_program(end) for end in ends[v.name]] for v in problem.variables]

@@ -8,7 +8,7 @@ from missions.mission import Mission
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.margins.seasons import check_survival, in_the_record, size_surviving
+from sizing.margins.survival import check_survival, in_the_record, size_surviving
 from sizing.optimisation.objectives import Objective
 from sizing.results.records import check_subjects
 from sizing.results.sizing import (

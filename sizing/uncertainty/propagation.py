@@ -132,10 +132,10 @@ class Propagation:
         value, and how many of the draws it is told of.
         """
         case = self._case(values)
-        craft, mission, design = case.craft, case.mission, case.design
+        aircraft, mission, design = case.aircraft, case.mission, case.design
         checks = [
-            *design_checks(craft, mission, design, self.solar),
-            *charge_rate_check(craft, mission, design, flights.peak_solar_w),
+            *design_checks(aircraft, mission, design, self.solar),
+            *charge_rate_check(aircraft, mission, design, flights.peak_solar_w),
         ]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
         return worst_of(
@@ -175,7 +175,7 @@ class Propagation:
         """
         case = self._case(values)
         solar_w, load_w = self._powers_of_draws(case, scenario)
-        battery = case.craft.battery
+        battery = case.aircraft.battery
         load = np.mean(load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
         energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
         income = np.mean(solar_w, axis=-1) * battery.mean_charge_efficiency / load
@@ -210,12 +210,12 @@ class Propagation:
         )
 
     def _case(self, values: dict[str, FloatArray]) -> _Case:
-        craft, mission = self.aircraft, self.mission
+        aircraft, mission = self.aircraft, self.mission
         for key, value in values.items():
             if key != SOLAR_MODEL:
-                craft, mission = with_parameter(craft, mission, key, value)
+                aircraft, mission = with_parameter(aircraft, mission, key, value)
         count = len(next(iter(values.values()))) if values else 1
-        design = _drawn_design(craft, mission, count)
+        design = _drawn_design(aircraft, mission, count)
 
         def each(value: object) -> FloatArray:
             return np.array(np.broadcast_to(np.asarray(value, float), (count,)))
@@ -227,9 +227,9 @@ class Propagation:
             constant_power_w=each(design.constant_power_w),
         )
         energy_wh = each(design.battery_energy_wh)
-        store = Store.of(craft.battery, energy_wh)
+        store = Store.of(aircraft.battery, energy_wh)
         return _Case(
-            craft,
+            aircraft,
             mission,
             design,
             store,
@@ -243,7 +243,7 @@ class Propagation:
     def _powers_of_draws(self, case: _Case, scenario: int) -> tuple[FloatArray, FloatArray]:
         """Solar power and load of every draw in a scenario [W], shape ``(sample, time)``."""
         day = self.day
-        area = np.asarray(case.craft.modules.area_m2, float)
+        area = np.asarray(case.aircraft.modules.area_m2, float)
         factors = self._light_factors(case)
         power = factors[0][:, np.newaxis] * day.specific_power_w_per_m2[scenario]
         if factors[1] is not None:
@@ -261,7 +261,7 @@ class Propagation:
         ``k (c D + f F) = k f (D + F) + k (c - f) D``: ``k`` from efficiencies, temperature and
         clearness, ``c`` from the camber, ``f`` from the efficiency of diffuse light.
         """
-        was, now = self.aircraft.modules, case.craft.modules
+        was, now = self.aircraft.modules, case.aircraft.modules
         warm_was = was.temperature_efficiency(self.mission.module_temperature_c())
         warm = now.temperature_efficiency(case.mission.module_temperature_c())
         k = (
@@ -284,11 +284,11 @@ class Propagation:
         if self._direct is None:
             # A diffuse efficiency that halves its part tells what that part is.
             half = 0.5 * self.aircraft.modules.diffuse_efficiency
-            craft, _ = with_parameter(
+            aircraft, _ = with_parameter(
                 self.aircraft, self.mission, "modules.diffuse_efficiency", half
             )
             scenarios = self.day.scenarios
-            halved = solar_day(craft, self.mission, self.solar, scenarios=scenarios)
+            halved = solar_day(aircraft, self.mission, self.solar, scenarios=scenarios)
             whole = self.day.specific_power_w_per_m2
             self._direct = 2.0 * halved.specific_power_w_per_m2 - whole
         return self._direct
@@ -298,7 +298,7 @@ class Propagation:
 class _Case:
     """Aircraft and mission of a batch of draws, and what follows from them."""
 
-    craft: Aircraft
+    aircraft: Aircraft
     mission: Mission
     design: Design
     store: Store

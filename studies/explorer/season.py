@@ -134,13 +134,13 @@ class SeasonMaps:
         return light
 
 
-def _fill(light: _Light, lit: Callable[[FloatArray], SolarDay], turn_s: float) -> None:
+def _fill(light: _Light, sunlit: Callable[[FloatArray], SolarDay], turn_s: float) -> None:
     """Add rows that are missing, as many as a turn allows and at least one."""
     end = time.monotonic() + turn_s
     for row in _spread_order(len(LATITUDES_DEG)):
         if row in light.rows:
             continue
-        light.add(row, lit(LATITUDES_DEG[row : row + 1]))
+        light.add(row, sunlit(LATITUDES_DEG[row : row + 1]))
         if time.monotonic() > end:
             return
 

@@ -192,13 +192,15 @@ def _check_kinds(
     measured: Document, technology: Document, built: Aircraft, models: Aircraft
 ) -> None:
     problems = []
-    for document, craft, wanted in (
+    for document, aircraft, wanted in (
         (measured, built, "measured"),
         (technology, models, "parametric"),
     ):
-        if craft.airframe.kind != wanted:
+        if aircraft.airframe.kind != wanted:
             line, column = document.value_marks.get(("airframe", "kind"), (None, None))
-            message = f"must be {wanted} (got {craft.airframe.kind}): the measured aircraft first"
+            message = (
+                f"must be {wanted} (got {aircraft.airframe.kind}): the measured aircraft first"
+            )
             problems.append(Problem(document.source, line, column, "airframe.kind", message))
     if problems:
         raise InputError(problems)

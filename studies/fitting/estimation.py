@@ -119,8 +119,8 @@ class _Problem:
     parameters: tuple[FitParameter, ...]
 
     def residual(self, values: FloatArray, light: float = 1.0) -> FloatArray:
-        craft = with_values(self.aircraft, self.parameters, tuple(values.tolist()))
-        return self.channel.residual(craft, light)
+        aircraft = with_values(self.aircraft, self.parameters, tuple(values.tolist()))
+        return self.channel.residual(aircraft, light)
 
     def start(self) -> FloatArray:
         return np.array([one.value(self.aircraft) for one in self.parameters])

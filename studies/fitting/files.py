@@ -34,8 +34,8 @@ def fitted_document(
         one.parameter.key: _digits(one.value, one.standard_error) for one in fit.fitted
     }
     if any(one.parameter.name == MPPT for one in fit.fitted):
-        craft = fit.fitted_aircraft()
-        values["modules.mppt"] = scaled_mppt(craft, 1.0).model_dump(mode="json")
+        aircraft = fit.fitted_aircraft()
+        values["modules.mppt"] = scaled_mppt(aircraft, 1.0).model_dump(mode="json")
     records = [
         {
             "key": one.parameter.key,

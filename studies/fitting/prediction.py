@@ -137,18 +137,18 @@ def predict_flight(
         raise file_error(log.source, "has no state_of_charge: there is no charge to predict")
     flown = Flown.of(verify(fit.aircraft, log, mission, correct=correct), mission)
     forecast = _Forecast.of(flown)
-    craft = fit.fitted_aircraft()
-    after = forecast.course(craft)
-    slopes = [forecast.course(craft, 1.0 + fit.light_sigma)]
+    aircraft = fit.fitted_aircraft()
+    after = forecast.course(aircraft)
+    slopes = [forecast.course(aircraft, 1.0 + fit.light_sigma)]
     spread = np.sqrt(np.diag(fit.covariance()))
     for one, error in zip(fit.fitted, spread.tolist(), strict=True):
-        moved = one.parameter.applied(craft, min(one.value + error, one.parameter.highest))
+        moved = one.parameter.applied(aircraft, min(one.value + error, one.parameter.highest))
         slopes.append(forecast.course(moved))
     shares = np.eye(len(slopes))
     if len(spread):
         shares[1:, 1:] = fit.covariance() / np.outer(spread, spread)
     minimum = np.array([one.minimum_charge - after.minimum_charge for one in slopes])
-    gusts_wh, full_wh, load_w = _noise_wh(fit, after), *forecast.size(craft)
+    gusts_wh, full_wh, load_w = _noise_wh(fit, after), *forecast.size(aircraft)
     empty = None
     if after.empty_h is not None and all(one.empty_h is not None for one in slopes):
         apart = np.array([(one.empty_h or 0.0) - after.empty_h for one in slopes])
@@ -206,7 +206,7 @@ class _Forecast:
     flown: Flown
     hours: FloatArray
     start_charge: float
-    lit: FloatArray
+    sunlit: FloatArray
     power: Any
     ends_dark: bool
 
@@ -222,30 +222,30 @@ class _Forecast:
             flown=flown,
             hours=np.linspace(0.0, (log.time_s[-1] - log.time_s[0]) / 3600.0, count),
             start_charge=float(np.median(known[:10])),
-            lit=(log.time_s[index] - log.time_s[0]) / 3600.0,
+            sunlit=(log.time_s[index] - log.time_s[0]) / 3600.0,
             power=solar_model(flown, index),
             ends_dark=bool(flown.found.samples.index[-1] < len(log) - 1),
         )
 
-    def size(self, craft: Aircraft) -> tuple[float, float]:
+    def size(self, aircraft: Aircraft) -> tuple[float, float]:
         """Energy that the battery delivers [Wh], and load of an aircraft [W]."""
-        mission, battery = self.flown.mission, craft.battery
-        design = design_of(craft, mission)
+        mission, battery = self.flown.mission, aircraft.battery
+        design = design_of(aircraft, mission)
         delivered = float(design.battery_energy_wh) * float(battery.mean_discharge_efficiency)
         return delivered, float(design.nominal_load_w(mission))
 
-    def course(self, craft: Aircraft, light: float = 1.0) -> Course:
+    def course(self, aircraft: Aircraft, light: float = 1.0) -> Course:
         """Flight of an aircraft under so many times the light."""
         mission = self.flown.mission
-        design = design_of(craft, mission)
+        design = design_of(aircraft, mission)
         load_w = float(design.nominal_load_w(mission))
-        shone = self.power(craft, light)
-        solar_w = np.interp(self.hours, self.lit, shone, left=0.0, right=0.0)
+        shone = self.power(aircraft, light)
+        solar_w = np.interp(self.hours, self.sunlit, shone, left=0.0, right=0.0)
         # From the last light of an evening to the first of a morning nothing shines.
-        behind = np.clip(np.searchsorted(self.lit, self.hours) - 1, 0, len(self.lit) - 1)
-        ahead = np.clip(behind + 1, 0, len(self.lit) - 1)
-        solar_w[(self.lit[ahead] - self.lit[behind]) > _NIGHT_H] = 0.0
-        store = Store.of(craft.battery, design.battery_energy_wh)
+        behind = np.clip(np.searchsorted(self.sunlit, self.hours) - 1, 0, len(self.sunlit) - 1)
+        ahead = np.clip(behind + 1, 0, len(self.sunlit) - 1)
+        solar_w[(self.sunlit[ahead] - self.sunlit[behind]) > _NIGHT_H] = 0.0
+        store = Store.of(aircraft.battery, design.battery_energy_wh)
         energy = np.asarray(self.start_charge * float(store.battery_energy_wh))
         balance = PowerBalance.of(self.hours, solar_w, np.full(len(self.hours), load_w))
         stored, empty = [float(energy)], None

@@ -136,7 +136,7 @@ def lit_samples(
         )
     ambient, source = _ambient_c(log, mission, index)
     module_c, module_source = _constant_module_c(log, mission, ambient)
-    lit = _Lit(
+    sunlit = _Lit(
         aircraft=aircraft,
         sky=mission.sky,
         clearness=mission.clearness,
@@ -150,7 +150,7 @@ def lit_samples(
         ambient_c=ambient,
         module_c=module_c,
     )
-    modelled, detail = _modelled(lit, geometry, shade)
+    modelled, detail = _modelled(sunlit, geometry, shade)
     # Mean and true solar time differ by a quarter of an hour at most, and so decide the day.
     mean_h = log.time_s[index] / 3600.0 + log.longitude_deg[index] / 15.0
     bearing = np.zeros(len(index))
@@ -239,10 +239,10 @@ def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
 
 
 def _modelled(
-    lit: _Lit, geometry: ModuleGeometry | None, shade: ShadedArea | None
+    sunlit: _Lit, geometry: ModuleGeometry | None, shade: ShadedArea | None
 ) -> tuple[dict[ModelName, FloatArray], Detail | None]:
     """All models, chunk by chunk: a long log times its surfaces would fill the memory."""
-    chunks = [lit.part(slice(i, i + _CHUNK)) for i in range(0, len(lit.day), _CHUNK)]
+    chunks = [sunlit.part(slice(i, i + _CHUNK)) for i in range(0, len(sunlit.day), _CHUNK)]
     models = _concatenated([_horizontal(chunk) for chunk in chunks])
     if geometry is None:
         return models, None
@@ -255,30 +255,30 @@ def _concatenated(parts: Sequence[dict[ModelName, FloatArray]]) -> dict[ModelNam
     return {model: np.concatenate([part[model] for part in parts]) for model in parts[0]}
 
 
-def _horizontal(lit: _Lit) -> dict[ModelName, FloatArray]:
-    modules, light = lit.aircraft.modules, lit.light()
-    given = (light, -lit.sun[:, 2], modules, lit.module_c)
+def _horizontal(sunlit: _Lit) -> dict[ModelName, FloatArray]:
+    modules, light = sunlit.aircraft.modules, sunlit.light()
+    given = (light, -sunlit.sun[:, 2], modules, sunlit.module_c)
     return {name: modules.area_m2 * model(*given) for name, model in HORIZONTAL_MODELS.items()}
 
 
 def _with_attitude(
-    lit: _Lit, geometry: ModuleGeometry, shade: ShadedArea | None
+    sunlit: _Lit, geometry: ModuleGeometry, shade: ShadedArea | None
 ) -> tuple[dict[ModelName, FloatArray], Detail]:
     """Power of the models that know the attitude [W], and more of the Full Model."""
-    assert lit.attitude is not None  # so is the geometry
-    modules, light, shares = lit.aircraft.modules, lit.light(), geometry.area_shares
-    to_ned = direction_cosines(*lit.attitude)
-    given = (light, lit.sun, to_ned, geometry, modules)
-    full = full_model(*given, lit.ambient_c, shading=modules.shading)
+    assert sunlit.attitude is not None  # so is the geometry
+    modules, light, shares = sunlit.aircraft.modules, sunlit.light(), geometry.area_shares
+    to_ned = direction_cosines(*sunlit.attitude)
+    given = (light, sunlit.sun, to_ned, geometry, modules)
+    full = full_model(*given, sunlit.ambient_c, shading=modules.shading)
     power: dict[ModelName, FloatArray] = {
-        "VM": modules.area_m2 * verification_model(*given, lit.module_c),
+        "VM": modules.area_m2 * verification_model(*given, sunlit.module_c),
         "FM": modules.area_m2 * full.specific_power_w_per_m2,
     }
     shaded = lost = None
     if shade is not None:
-        by_surface = shade(np.einsum("...ji,...j->...i", to_ned, lit.sun))
+        by_surface = shade(np.einsum("...ji,...j->...i", to_ned, sunlit.sun))
         shaded = by_surface.sum(axis=-1)
-        lost = power["FM"] * _lost_share(full, light, by_surface, geometry, lit.aircraft)
+        lost = power["FM"] * _lost_share(full, light, by_surface, geometry, sunlit.aircraft)
     angles = np.degrees(np.arccos(np.clip(full.cos_aoi_by_surface, -1.0, 1.0)))
     return power, Detail(
         incidence_deg=angles @ shares,

@@ -212,8 +212,8 @@ def map_block(
 def _cells(
     aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
 ) -> dict[str, NDArray[Any]]:
-    lit = solar_day(aircraft, mission, solar, scenarios=cells)
-    found = performance(aircraft, mission, solar, day=lit, keep_trajectory=False)
+    sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
+    found = performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
     columns: dict[str, NDArray[Any]] = {
         **{one.variable: one.of(found) for one in (*MAP, *([ENDURANCE] if endurance else []))},
         "status": found.cycle.status.astype(np.int8),

@@ -77,7 +77,7 @@ def component_efficiencies(
         raise ValueError("component efficiencies need modules.geometry and a flight_path")
     time_h = day_axis_h(step_h)
     scenarios = mission.scenarios()
-    lit, orbit, power = module_power_on_path(
+    sunlit, orbit, power = module_power_on_path(
         FlownModules(geometry, aircraft.modules, path, mission.wind, aircraft.modules.shading),
         Daylight(
             float(scenarios.latitude_deg[scenario]),
@@ -95,7 +95,7 @@ def component_efficiencies(
     return xr.Dataset(
         _variables(power, orbit.weights),
         coords={
-            "time": ("time", time_h[lit], {"units": "h", "long_name": "solar time"}),
+            "time": ("time", time_h[sunlit], {"units": "h", "long_name": "solar time"}),
             "surface": [s.name for s in geometry.surfaces],
         },
         attrs={

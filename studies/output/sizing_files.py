@@ -15,7 +15,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.results.analysis import analyse
 from sizing.results.sizing import SizingStudy, sensitivity_records
 from sizing.results.tables import data_frame
-from studies.output import plots
+from studies.output import cycle_plots
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
@@ -103,14 +103,16 @@ def sizing_figures(
         flown = analyse(
             sized, mission, model=solar.model, correction=solar.correction, replay=False
         )
-        return plots.plot_cycle(flown, figure=figure)
+        return cycle_plots.plot_cycle(flown, figure=figure)
 
     def masses() -> Figure:
         notes = (drawing.outside_ranges(study.extrapolations),)
-        return plots.plot_masses(parts, f"{sized.name}: mass budget", notes=notes, figure=figure)
+        return cycle_plots.plot_masses(
+            parts, f"{sized.name}: mass budget", notes=notes, figure=figure
+        )
 
     def sensitivities() -> Figure:
-        return plots.plot_sensitivities(
+        return cycle_plots.plot_sensitivities(
             *(worth or [], result.objective, sized.name, solar),
             extrapolations=study.extrapolations,
             figure=figure,

@@ -20,7 +20,7 @@ from studies.flight_logs.plots import figures
 from studies.maps.feasibility import prepare
 from studies.maps.plots import plot_map
 from studies.models.plots import plot_comparison
-from studies.output.plots import plot_cycle, plot_flight
+from studies.output.cycle_plots import plot_cycle, plot_flight
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
 from studies.report.figures import figure_markup, page_options
 from studies.report.subject import Subject

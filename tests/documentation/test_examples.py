@@ -69,8 +69,8 @@ def run_script(
     # Rougher probabilities do.
     monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 512)
     # So do longer steps through a weather record.
-    monkeypatch.setattr("sizing.margins.seasons.NODE_STEP_S", 1800.0)
-    monkeypatch.setattr("sizing.margins.seasons._COARSE_STEP_S", 1800.0)
+    monkeypatch.setattr("sizing.margins.survival.NODE_STEP_S", 1800.0)
+    monkeypatch.setattr("sizing.margins.survival._COARSE_STEP_S", 1800.0)
     monkeypatch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 1000)
 
     def run(script: Path, *arguments: str) -> str:

@@ -116,7 +116,7 @@ def _sized() -> Any:
 
 
 def _sensitivities(figure: Canvas) -> Figure:
-    from studies.output.plots import plot_sensitivities
+    from studies.output.cycle_plots import plot_sensitivities
 
     study = _sized()
     return plot_sensitivities(

@@ -10,7 +10,7 @@ from studies.cli.commands.analyse import Analyse
 from studies.cli.files import Case, load
 from studies.cli.outputs import call, deliver, figure_of, table_of
 from studies.cli.targets import refuse_to_overwrite
-from studies.output.plots import plot_cycle, plot_flight
+from studies.output.cycle_plots import plot_cycle, plot_flight
 
 
 def analyse(options: Analyse) -> None:

@@ -10,7 +10,7 @@ import click
 
 from missions.weather.files import load_weather
 from sizing.margins.probability import check_reliability
-from sizing.margins.seasons import check_survival
+from sizing.margins.survival import check_survival
 from sizing.results import sizing
 from sizing.results.sizing import SizingStudy
 from sizing.results.weather_sizing import size_in_weather

@@ -104,12 +104,12 @@ def light_table(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> dict
     latitudes = _LATITUDES_ON_PATH_DEG if on_path else _LATITUDES_DEG
     days = _DAYS_ON_PATH if on_path else _DAYS
     latitude, day = np.repeat(latitudes, len(days)), np.tile(days, len(latitudes))
-    lit = solar_day(aircraft, mission, solar, scenarios=Scenarios(latitude, day))
-    rise, fall = np.asarray(lit.sunrise_h), np.asarray(lit.sunset_h)
+    sunlit = solar_day(aircraft, mission, solar, scenarios=Scenarios(latitude, day))
+    rise, fall = np.asarray(sunlit.sunrise_h), np.asarray(sunlit.sunset_h)
     power = np.zeros((len(latitude), len(_OF_DAYLIGHT)))
     for i in np.flatnonzero(fall > rise):
         hours = rise[i] + _OF_DAYLIGHT * (fall[i] - rise[i])
-        power[i] = np.interp(hours, lit.time_h, lit.specific_power_w_per_m2[i])
+        power[i] = np.interp(hours, sunlit.time_h, sunlit.specific_power_w_per_m2[i])
     mirrored = bool(np.allclose(power, power[:, ::-1], rtol=0.0, atol=1e-6 * power.max()))
     if mirrored:
         power = power[:, : len(_OF_DAYLIGHT) // 2 + 1]

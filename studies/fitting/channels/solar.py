@@ -113,8 +113,8 @@ def solar_model(flown: Flown, index: IntArray) -> Predict:
     if flown.found.samples.detail is not None and log.attitude is not None:
         to_ned = direction_cosines(*(angle[index] for angle in log.attitude))
 
-    def power_w(craft: Aircraft, factor: float) -> FloatArray:
-        modules, shone = craft.modules, Irradiance(*(factor * part for part in light))
+    def power_w(aircraft: Aircraft, factor: float) -> FloatArray:
+        modules, shone = aircraft.modules, Irradiance(*(factor * part for part in light))
         if to_ned is None or modules.geometry is None:
             module_c = mission.air.module_temperature_c
             constant_c = float(ambient.mean()) if module_c is None else module_c

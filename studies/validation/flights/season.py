@@ -125,8 +125,8 @@ def seasons(conditions: Sequence[Condition] = CONDITIONS) -> Seasons:
 def _season(aircraft: Aircraft, mission: Mission, condition: Condition) -> Season:
     every = np.arange(1, 366)
     scenarios = Scenarios(np.full(len(every), LATITUDE_DEG), every)
-    lit = solar_day(aircraft, mission, condition.solar, scenarios=scenarios)
-    cycle = performance(aircraft, mission, day=lit, keep_trajectory=False).cycle
+    sunlit = solar_day(aircraft, mission, condition.solar, scenarios=scenarios)
+    cycle = performance(aircraft, mission, day=sunlit, keep_trajectory=False).cycle
     enough = cycle.perpetual & (cycle.excess_time_h >= mission.required_excess_time_h)
     days = every[enough]
     return Season(

@@ -331,7 +331,7 @@ def test_a_result_is_printed_and_written_where_figures_and_report_fail(
         raise OSError("cannot be drawn")
 
     usual = run("size", DESIGN, "-m", "rafz-july")
-    monkeypatch.setattr("studies.output.plots.plot_masses", fail)
+    monkeypatch.setattr("studies.output.cycle_plots.plot_masses", fail)
     monkeypatch.setattr("studies.report.document.render", fail)
     figures = run("size", DESIGN, "-m", "rafz-july", "--out", "d")
     report = run("size", DESIGN, "-m", "rafz-july", "--report", "r.html")

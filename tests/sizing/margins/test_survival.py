@@ -16,7 +16,7 @@ from sizing.margins.edge import fitted
 from sizing.margins.season_days import SeasonDays
 from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.margins.season_search import SeasonSearch
-from sizing.margins.seasons import _SurvivalSizing
+from sizing.margins.survival import _SurvivalSizing
 from sizing.relaxation import Relaxation
 
 pytestmark = pytest.mark.slow
@@ -41,8 +41,8 @@ def clouded(days=40, first="2001-06-05", seed=4, **changes):
 @pytest.fixture(scope="module", autouse=True)
 def _wide_nodes():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sizing.margins.seasons.NODE_STEP_S", STEP_S)
-        patch.setattr("sizing.margins.seasons._COARSE_STEP_S", STEP_S)
+        patch.setattr("sizing.margins.survival.NODE_STEP_S", STEP_S)
+        patch.setattr("sizing.margins.survival._COARSE_STEP_S", STEP_S)
         yield
 
 
