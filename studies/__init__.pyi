@@ -25,12 +25,12 @@ from .models.comparison import compare as compare
 from .models.component_efficiencies import component_efficiencies as component_efficiencies
 from .models.component_efficiencies import plot_efficiencies as plot_efficiencies
 from .models.plots import plot_comparison as plot_comparison
+from .output.cycle_plots import plot_cycle as plot_cycle
+from .output.cycle_plots import plot_flight as plot_flight
+from .output.cycle_plots import plot_masses as plot_masses
+from .output.cycle_plots import plot_sensitivities as plot_sensitivities
 from .output.figures.drawing import save_figure as save_figure
 from .output.figures.options import FigureOptions as FigureOptions
-from .output.plots import plot_cycle as plot_cycle
-from .output.plots import plot_flight as plot_flight
-from .output.plots import plot_masses as plot_masses
-from .output.plots import plot_sensitivities as plot_sensitivities
 from .report.document import make_report as make_report
 from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep

@@ -45,7 +45,7 @@ AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
         ("avionics_w: 6.0", "avionics_w: " + 5000 * "9", "power.avionics_w: must be a finite number"),  # noqa: E501
         ("  mass_kg: 2.918", "  mass_kg: 0", ":15:12: battery.mass_kg: must be greater than 0 (got 0)"),  # noqa: E501
         ("efficiency_stc: 0.237", "efficiency_stc: 23.7", ":13:19: modules.efficiency_stc: must be at most 1 (got 23.7)"),  # noqa: E501
-        ("area_m2: 1.35", "area_m2: 13.5", ":12:12: modules.area_m2: must not exceed the wing area of 1.73 m2, wingspan squared over aspect_ratio (got 13.5)"),  # noqa: E501
+        ("area_m2: 1.35", "area_m2: 13.5", ":12:12: modules.area_m2: must not exceed the wing area of 1.73 m², wingspan squared over aspect_ratio or wingspan times chord_m (got 13.5)"),  # noqa: E501
         ("[10, 5, 1]", "[10, 5]", "battery.charge_limit: state_of_charge and current_a must have the same length"),  # noqa: E501
         ("[0.8, 0.9, 1.0]", "[0.9, 0.8, 1.0]", "battery.charge_limit: state_of_charge must increase strictly"),  # noqa: E501
         # what YAML allows and a description must not hold
