@@ -61,6 +61,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+_NO_PAYLOAD = 1e-6  # kg or W
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class SizingStudy(Result):
     """A sizing and what was asked about it.
@@ -155,7 +158,11 @@ class SizingStudy(Result):
         """
         design = self._optimum()
         power_w = design.variables.payload_power_w or self.mission.payload.power_w
-        carried = {"mass_kg": design.masses.payload, "power_w": power_w}
+        # What a solver leaves of a payload that is none is no payload.
+        carried = {
+            key: value if value > _NO_PAYLOAD else 0.0
+            for key, value in (("mass_kg", design.masses.payload), ("power_w", power_w))
+        }
         payload = self.mission.payload.model_copy(update=carried)
         return self.mission.model_copy(update={"payload": payload})
 

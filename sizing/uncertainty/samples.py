@@ -37,8 +37,8 @@ class Proportion:
 
     def text(self) -> str:
         """Share and interval in per cent."""
-        value, low, high = (100.0 * v for v in (self.value, self.low, self.high))
-        return f"{value:.1f} % (95 % between {low:.1f} and {high:.1f} %)"
+        value, low, high = (f"{100.0 * v:.1f}" for v in (self.value, self.low, self.high))
+        return f"{value} %" if low == high else f"{value} % (95 % between {low} and {high} %)"
 
 
 def sobol_points(dimension: int, samples: int, seed: int) -> FloatArray:

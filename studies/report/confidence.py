@@ -24,7 +24,14 @@ def margins_section(subject: Subject) -> Section | None:
         "Each quantity is moved alone until the weakest scenario just has what is required; all "
         "else stays as it is, the mass with the battery's specific energy as well."
     )
-    return Section("margins", "Margins", [Tables((margin_table(subject),)), Text(text, "faint")])
+    table = margin_table(subject)
+    if table is None:
+        text = (
+            "None: the weakest scenario has just what is required. A little less of any quantity, "
+            "of the sun or the battery, ends it."
+        )
+        return Section("margins", "Margins", [Text(text, "warning")])
+    return Section("margins", "Margins", [Tables((table,)), Text(text, "faint")])
 
 
 def belief_section(subject: Subject) -> Section:

@@ -25,6 +25,8 @@ __all__ = ["margin_table"]
 
 # The weakest scenarios, of which one remains the weakest.
 _SCENARIOS = 6
+_NO_MARGIN = 1e-3  # of a value, or in its unit: what a design on the edge has
+_NOTHING = 1e-9  # a value that a relative change says nothing of
 _STEPS = 16  # of a bisection: a hundred-thousandth of its range
 
 
@@ -43,8 +45,11 @@ class _Quantity(NamedTuple):
     changed: Callable[[float], tuple[Aircraft, Mission, float]]
 
 
-def margin_table(subject: Subject) -> Table:
-    """Margin of every quantity to the end of perpetual flight, or what it lacks."""
+def margin_table(subject: Subject) -> Table | None:
+    """Margin of every quantity to the end of perpetual flight, or what it lacks.
+
+    Without those that have next to none; None where that is true of all.
+    """
     nominal = subject.analysis.performance
     weakest = np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS]
     day = nominal.day.at(weakest)
@@ -54,8 +59,14 @@ def margin_table(subject: Subject) -> Table:
     for one in _quantities(subject.aircraft, subject.mission):
         limit = _limit(one, day, required, holds=holds)
         change = None if limit is None else limit - one.value
-        relative = None if change is None or one.value == 0.0 else 100.0 * change / one.value
+        scale = max(abs(one.value), 100.0 if one.unit == "%" else 1.0)
+        if change is not None and abs(change) <= _NO_MARGIN * scale:
+            continue
+        known = change is not None and abs(one.value) > _NOTHING
+        relative = 100.0 * change / one.value if known and change is not None else None
         rows.append((one.label, one.unit, one.value, limit, change, relative))
+    if not rows:
+        return None
     what = "may become" if holds else "would have to become"
     than = f"{required:g} h of excess time" if required > 0.0 else "perpetual flight"
     columns = (

@@ -118,6 +118,10 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     required, design = subject.mission.required_excess_time_h, analysis.performance.design
     values = analysis.scenario()
     yield _fact(q.EXCESS_TIME, values, f"required: {required:g} h" if required else "")
+    if subject.uncertainty is not None:
+        scattered = subject.uncertainty
+        yield Fact("probability", f"{100.0 * scattered.probability_required.value:.1f}", "%",
+                   f"of {scattered.samples} draws of the uncertain inputs")  # fmt: skip
     yield _fact(q.CHARGE_MARGIN, values, "first to last full charge")
     yield _fact(q.MINIMUM_CHARGE, values, "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio

@@ -16,6 +16,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission, shipped_mission
 from command_line import Run
@@ -26,16 +27,18 @@ from missions.mission import Mission
 from missions.weather.files import load_weather
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import analyse
+from sizing.results.sizing import size
 from sizing.sunlight import SolarModel
 from studies import make_report
 from studies.flight_logs.synthetic import Settings, synthetic_log
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars
+from studies.report.confidence import margins_section
 from studies.report.design import budget_section
 from studies.report.margins import margin_table
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.subject import Subject
-from studies.report.verdict import verdict
+from studies.report.verdict import key_facts, verdict
 
 pytestmark = pytest.mark.slow
 
@@ -263,7 +266,9 @@ def test_load_and_energy_add_up() -> None:
 def test_margins_are_where_the_requirement_ends(avionics_w: float) -> None:
     craft = aircraft("atlantiksolar-as2", f"power.avionics_w={avionics_w}")
     there = mission(required_excess_time_h=1.0)
-    rows = {row[0]: row for row in margin_table(subject_of(craft, there)).rows}
+    table = margin_table(subject_of(craft, there))
+    assert table is not None
+    rows = {row[0]: row for row in table.rows}
     limit_w = rows["avionics power"][3]
     for factor, holds in ((0.999, True), (1.001, False)):
         other = aircraft("atlantiksolar-as2", f"power.avionics_w={factor * limit_w}")
@@ -273,6 +278,23 @@ def test_margins_are_where_the_requirement_ends(avionics_w: float) -> None:
         key = f"battery.specific_energy_wh_per_kg={factor * limit}"
         other = aircraft("atlantiksolar-as2", f"power.avionics_w={avionics_w}", key)
         assert (analyse(other, there).excess_time_h >= 1.0) is holds
+
+
+def test_a_design_on_the_edge_has_no_margins() -> None:
+    study = size(aircraft("atlantiksolar-design"), mission())
+    on_edge = subject_of(study.sized_aircraft(), study.sized_mission())
+    assert margin_table(on_edge) is None
+    section = margins_section(on_edge)
+    assert section is not None
+    assert "has just what is required" in str(section.blocks)
+
+
+def test_the_verdicts_page_has_the_probability() -> None:
+    subject = subject_of(aircraft("atlantiksolar-design"), mission(required_excess_time_h=6.0))
+    assert subject.uncertainty is not None
+    (fact,) = (one for one in key_facts(subject) if one.label == "probability")
+    share = 100.0 * np.mean(np.asarray(subject.uncertainty.flights.excess_time_h) >= 6.0)
+    assert float(fact.value) == pytest.approx(share, abs=0.05)
 
 
 @pytest.mark.parametrize(
