@@ -15,6 +15,7 @@ from sizing.performance import performance
 from sizing.results.sizing import SizingStudy
 from studies.cli.checks import uncertain_inputs_of
 from studies.cli.files import Case
+from studies.cli.progress import progress_of
 from studies.cli.targets import PAGE, PRINTED
 from studies.output.run_folder import RESULTS, RunFolder
 from studies.output.sizing_files import sized_inputs
@@ -112,7 +113,8 @@ def write_report(subject: Subject, path: str, *, with_pdf: bool = False) -> list
 
     ``path``: file of the page, or of the printed one. Returns files that were written.
     """
-    page = document.render(subject)
+    with progress_of("sections", lines=False) as progress:
+        page = document.render(subject, progress)
     contents: dict[str | os.PathLike[str], bytes] = {}
     printed = path
     if PurePath(path).suffix.lower() == PAGE:

@@ -56,6 +56,7 @@ _BEYOND: tuple[Callable[[Subject], Section | None], ...] = (
     uncertainty_section,
     weather_section,
 )
+_SECTIONS = 3 + len(_OF_A_FLIGHT) + len(_BEYOND)  # of a flight, with its aircraft and inputs
 
 
 def make_report(
@@ -129,12 +130,17 @@ def _as_file(described: Aircraft | Mission) -> dict[str, Any]:
     return described.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
 
-def render(subject: Subject) -> str:
-    """Page of a subject."""
+def render(subject: Subject, progress: Callable[[int, int], None] | None = None) -> str:
+    """Page of a subject; ``progress`` is told how many sections are done, and of how many."""
     run = run_record(subject.solar, subject.inputs.files)
     if sys.argv[:1] and not sys.argv[0].endswith("solar-uav"):
         run["command"] = shlex.join(["python", *sys.argv]) if sys.argv[0] else "python"
-    sections = list(_numbered([*_sections(subject), provenance_section(subject, run)]))
+    made: list[Section] = []
+    for section in _sections(subject):
+        made.append(section)
+        if progress is not None:
+            progress(len(made), max(_SECTIONS, len(made)))
+    sections = list(_numbered([*made, provenance_section(subject, run)]))
     results = to_json(subject.results(), sort_keys=True)
     page: str = _template().render(
         subject=subject,

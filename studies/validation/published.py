@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -118,16 +119,25 @@ def _published_values(number: Number) -> tuple[float | bool | str, ...]:
     return number.published, number.computed, number.difference, number.allowed, met
 
 
-def published() -> Published:
-    """Compute every published number that the software is held against."""
-    parts = (
-        _window_means(),
-        *(_of_flight(flight) for key, flight in FLIGHTS.items() if key != "as2-season"),
-        _season(),
-        _parametric_atlantiksolar(),
-        _sky_sailor(),
-    )
-    return Published(tuple(itertools.chain.from_iterable(parts)))
+def published(progress: Callable[[int, int], None] | None = None) -> Published:
+    """Compute every published number that the software is held against.
+
+    ``progress``: called with the number of sources that are done and the number there are.
+    """
+    flights = (flight for key, flight in FLIGHTS.items() if key != "as2-season")
+    sources: list[Callable[[], Iterable[Number]]] = [
+        _window_means,
+        *(partial(_of_flight, flight) for flight in flights),
+        _season,
+        _parametric_atlantiksolar,
+        _sky_sailor,
+    ]
+    numbers: list[Number] = []
+    for done, source in enumerate(sources, start=1):
+        numbers += source()
+        if progress is not None:
+            progress(done, len(sources))
+    return Published(tuple(numbers))
 
 
 def window_mean_w(model: ModelName, *, corrected: bool) -> float:

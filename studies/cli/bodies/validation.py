@@ -37,7 +37,8 @@ def published(options: Published) -> None:
     elif options.season:
         result = season.seasons()
     else:
-        result = numbers.published()
+        with progress_of("sources", lines=False) as progress:
+            result = numbers.published(progress)
     page = result.page() if isinstance(result, single_inputs.Explanations) else result.table()
     write_results(
         {

@@ -35,7 +35,7 @@ def test_every_number_is_met_but_the_known_misses(result: study.Published) -> No
 def test_the_command_prints_and_writes_them(
     result: study.Published, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(study, "published", lambda: result)
+    monkeypatch.setattr(study, "published", lambda progress: result)
     outcome = run("published", "--json", "--markdown", "table.md")
     assert (outcome.code, outcome.err) == (0, "")
     rows = outcome.json()
