@@ -39,7 +39,8 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
 
     On the left a histogram of the draws with P10, P50 and P90; on the right a tornado: the range of
     the excess time's mean when one input goes from its P10 to its P90, and the share of the
-    variance that the input explains together with all others.
+    variance that the input explains together with all others. Of a single input, which explains
+    all, the histogram alone.
 
     Parameters
     ----------
@@ -54,11 +55,21 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     count = min(len(analysis.inputs), _MOST_BARS)
     size_in = (10.0, max(3.6, 1.8 + 0.42 * count))
     narrow = is_narrow(figure, size_in)
+    notes: tuple[str, ...] = (caption(analysis.solar),)
+    if count == 1:
+        (only,) = analysis.inputs.inputs
+        notes = (*notes, f"one input scatters: {only.label}")
+        drawn, (spread,) = new_figure(
+            canvas=figure, title=analysis.headline(), notes=notes, size_in=(7.0, 4.2), lines=True
+        )
+        _draw_spread(spread, analysis)
+        drawn.legend(loc="outside lower center", ncols=4)
+        return drawn
     drawn, (spread, causes) = new_figure(
         *((2, 1) if narrow else (1, 2)),
         canvas=figure,
         title=analysis.headline(),
-        notes=(caption(analysis.solar),),
+        notes=notes,
         size_in=(size_in[0], (1.9 if narrow else 1.0) * size_in[1]),
         lines=True,
         grid="x",
@@ -91,7 +102,7 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
             )
     low, high = axes.get_xlim()
     if low < 0.0 < high:
-        axes.axvspan(low, 0.0, color=VERMILLION, alpha=0.12, linewidth=0, label="not perpetual")
+        axes.axvspan(low, 0.0, color=VERMILLION, alpha=0.12, linewidth=0, label="limited")
     axes.set_xlim(low, high)
 
 

@@ -18,3 +18,15 @@ def test_spread_and_causes_are_drawn(tmp_path):
     assert names[-1].endswith("variance")
     assert len(names) == len(analysis.inputs)
     studies.save_figure(figure, tmp_path / "a.png")
+
+
+def test_a_single_input_is_named_and_has_no_bars() -> None:
+    analysis = sizing.analyse_uncertainty(
+        load_aircraft("atlantiksolar-as2"), load_mission("rafz-july"), samples=256
+    )
+    assert len(analysis.inputs) == 1
+    figure = studies.plot_uncertainty(analysis)
+    (spread,) = figure.axes
+    assert spread.get_ylabel() == "draws [%]"
+    notes = figure.notes.replace("\u00a0", " ")  # type: ignore[attr-defined]
+    assert "one input scatters: error of the solar model" in notes
