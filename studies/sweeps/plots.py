@@ -431,7 +431,14 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
     drawn, (axes,) = new_figure(canvas=figure, **_title_and_notes(data, note), size_in=(7.0, 5.0))
     if len(front) < len(table):
         axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
-    axes.plot(front[x], front[y], "s", color=LOAD, markersize=6, label="not beaten by any other")
+    joined = front.sort_values([x, y])
+    axes.plot(
+        *(joined[x], joined[y], "s-"),
+        color=LOAD,
+        markersize=6,
+        linewidth=1.0,
+        label="not beaten by any other",
+    )
     for label, over, up in zip(front["point"], front[x], front[y], strict=True):
         axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")
     better = {name: "more" if name in MORE_IS_BETTER else "less" for name in (x, y)}
