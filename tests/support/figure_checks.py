@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import cache
 from typing import Any
 
@@ -24,6 +25,7 @@ import sizing
 import studies
 from missions.logs.table import log_from_table
 from studies.output.figures.drawing import Canvas
+from studies.output.figures.options import in_style
 
 # A little of what a glyph's box has around the glyph may meet another, or the edge [px].
 _BLEED_PX = 1.0
@@ -277,6 +279,13 @@ def _reproduced() -> Any:
 
 def text_faults(figure: Figure) -> list[str]:
     """Texts of a drawn figure that leave it, cross the frame of axes, or meet each other."""
+    # How many ticks there are depends on the type, which a figure has while it is drawn.
+    options = getattr(figure, "options", None)
+    with nullcontext() if options is None else in_style(options):
+        return _text_faults(figure)
+
+
+def _text_faults(figure: Figure) -> list[str]:
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     texts = list(_drawn_texts(figure))
