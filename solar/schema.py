@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from html import escape
+from keyword import iskeyword
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
@@ -51,7 +52,7 @@ class _Described(ModelMetaclass):
         one = inspect.Parameter
         parameters = [
             one(
-                field.alias or name,
+                name if iskeyword(field.alias or name) else field.alias or name,
                 one.KEYWORD_ONLY,
                 default=one.empty
                 if field.is_required()
