@@ -201,7 +201,7 @@ def test_commands_with_a_folder_ask_for_it(run: Run, command: str, places: str) 
 
 def test_a_figure_too_small_for_its_axes_is_told(run: Run) -> None:
     size = ("--samples", "64", "--plot", "out.pdf", "--figure-size", "80x60mm")
-    outcome = run("uncertainty", "sky-sailor-2008", "-m", "rafz-28h", *size)
+    outcome = run("uncertainty", "atlantiksolar-design", "-m", "rafz-july", *size)
     assert outcome.code == 0
     assert "the figure is too small for its axes and texts: give a larger" in outcome.err
     assert "Warning" not in outcome.err
