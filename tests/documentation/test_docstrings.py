@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("solar", "missions", "sizing", "studies")
 # Formulas of the physics, whose shapes, units and sources matter to whoever checks them.
@@ -97,6 +99,7 @@ def is_exempt(function: Function) -> bool:
     )
 
 
+@pytest.mark.long
 def test_what_users_call_lists_parameters_and_returns() -> None:
     offered = offered_names()
     incomplete = {
@@ -109,6 +112,7 @@ def test_what_users_call_lists_parameters_and_returns() -> None:
     assert not incomplete, f"sections of the docstrings are missing: {incomplete}"
 
 
+@pytest.mark.long
 def test_inner_names_have_a_sentence_and_no_sections() -> None:
     offered = offered_names()
     wordy = [

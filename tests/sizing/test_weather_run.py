@@ -75,6 +75,7 @@ def test_days_are_those_of_the_place_and_not_of_greenwich():
     assert np.abs(axis.midnight_h).max() < 0.1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("longitude_deg", "offset_h"),
     [

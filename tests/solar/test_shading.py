@@ -214,6 +214,7 @@ def test_agrees_with_ray_casting_in_any_frame(
     assert found == pytest.approx(expected, abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(8))
 def test_agrees_with_ray_casting_for_odd_tails(seed: int) -> None:
     # Tails of any position and size, also across the planes of the modules.

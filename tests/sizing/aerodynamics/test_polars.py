@@ -203,6 +203,7 @@ def test_drag_and_slope_are_continuous_across_the_clamps(name: str) -> None:
         assert np.max(np.abs(curvature[2:-2])) < 6000.0
 
 
+@pytest.mark.long
 @settings(deadline=None)  # builds CasADi graphs
 @given(polars, st.floats(-3.0, 3.0), wild_reynolds)
 def test_numbers_and_symbols_agree(polar: AirfoilPolar, cl: float, reynolds: float) -> None:

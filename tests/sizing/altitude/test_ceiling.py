@@ -159,6 +159,7 @@ def test_modules_stay_as_much_warmer_than_the_air_aloft() -> None:
 # ---- The ceiling
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("aircraft", [AS2, DESIGN])
 @pytest.mark.parametrize("required_h", [0.0, 3.0])
 def test_ceiling_lies_where_analyse_finds_the_required_excess_time(

@@ -182,6 +182,7 @@ def spelled_out(name: str) -> Aircraft:
     return plain
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "flight", [{}, {"climb": {"ceiling_m": 1500.0}}], ids=["constant altitude", "climb"]
 )

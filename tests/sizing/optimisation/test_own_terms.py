@@ -54,7 +54,7 @@ def test_a_weighted_objective_against_a_grid_of_simulated_designs(design: Aircra
     best = found.variables
     assert best is not None
     axes = [
-        value * np.linspace(0.75, 1.25, 41)
+        value * np.linspace(0.75, 1.25, 21)
         for value in (best.wingspan_m, best.battery_mass_kg, best.module_area_m2)
     ]
     span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
@@ -68,7 +68,7 @@ def test_a_weighted_objective_against_a_grid_of_simulated_designs(design: Aircra
     assert value.size > 1000
     # None of the grid is better; the best of it is next to the optimum.
     assert own <= value.min() * (1.0 + 1e-3)
-    assert own == pytest.approx(value.min(), rel=0.02)
+    assert own == pytest.approx(value.min(), rel=0.025)  # one step of the grid
     # Neither of its parts is the least, so that the weights decide.
     assert (
         best.wingspan_m > 1.01 * sizing.size(design, MISSION, "min_wingspan").variables.wingspan_m
@@ -102,6 +102,7 @@ def test_a_constraint_is_a_bound_of_the_design_space(
     assert found.aircraft == design
 
 
+@pytest.mark.long
 def test_an_infeasible_answer_names_the_constraint(design: Aircraft) -> None:
     def fits_the_van(it: Any) -> Any:
         return it.wingspan_m <= 3.0

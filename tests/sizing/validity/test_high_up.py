@@ -238,6 +238,7 @@ def test_commands_tell_the_worth_high_up_and_nothing_near_the_ground(
     assert not HIGH_UP & {(one["quantity"], one["model"]) for one in low}
 
 
+@pytest.mark.long
 def test_a_report_tells_the_worth(run: Run, tmp_path: Path) -> None:
     page = tmp_path / "report.html"
     high = tuple(word for value in AT_10_KM for word in ("--set", value))

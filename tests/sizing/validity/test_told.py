@@ -145,6 +145,7 @@ def drawn(count: int) -> DesignVariables:
     return DesignVariables(span, ratio, area * between(0.05, 8.0), area * between(0.01, 0.85))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "aircraft",
     [DESIGN, POLAR_DESIGN, SPAR_DESIGN, SKY_SAILOR, UNLIMITED_DESIGN],

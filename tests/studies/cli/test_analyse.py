@@ -102,6 +102,7 @@ def test_place_and_day_can_be_chosen(run: Run) -> None:
     assert (by_day["latitude_deg"], by_day["day_of_year"]) == (-30.5, 355)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "overrides"),
     [
@@ -123,6 +124,7 @@ def test_a_mission_is_moved_in_one_way(
     assert by_option == run("analyse", AS2, "-m", mission, *set_options, "--json").json()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "command",
     [
@@ -152,6 +154,7 @@ def test_every_result_says_whose_it_is(run: Run, command: tuple[str, ...]) -> No
     assert "default" not in named.out.splitlines()[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
 @pytest.mark.parametrize("correction", ["none", "loiter"])
 def test_polar_night_leaves_the_endurance_of_the_battery(
@@ -242,6 +245,7 @@ def test_trajectory_as_csv(run: Run, tmp_path: Path) -> None:
     assert not table.isna().any(axis=None)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "signature"),
     [("a.png", b"\x89PNG\r\n\x1a\n"), ("a.PDF", b"%PDF-"), ("a.svg", b"<?xml")],
@@ -259,6 +263,7 @@ def test_figure_of_a_replayed_flight(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "flight.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("aircraft", [AS2, DESIGN])
 @pytest.mark.parametrize(
     "overrides",
@@ -291,6 +296,7 @@ def test_no_file_is_written_if_one_cannot_be(run: Run, tmp_path: Path) -> None:
     assert files(tmp_path) == set()
 
 
+@pytest.mark.long
 def test_every_shipped_aircraft_flies_every_shipped_mission(run: Run) -> None:
     shipped = run("list", "--json").json()
     for aircraft in shipped["aircraft"]:

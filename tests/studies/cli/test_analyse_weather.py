@@ -1,6 +1,7 @@
 import csv
 import io
 
+import pytest
 from weather_files import clear_record, write_epw, write_plain
 
 from missions.weather.files import load_weather
@@ -8,6 +9,7 @@ from missions.weather.files import load_weather
 AS2 = "atlantiksolar-as2"
 
 
+@pytest.mark.long
 def test_a_record_is_flown_through_and_told(run, tmp_path):
     path = write_plain(tmp_path / "clear.csv", clear_record(6, first="2001-07-14"))
     table, figure = tmp_path / "days.csv", tmp_path / "days.png"

@@ -361,6 +361,7 @@ def test_odd_names_of_aircraft(run: Run, name: str) -> None:
     assert len(outcome.err) < 1000
 
 
+@pytest.mark.long
 def test_terminal_without_unicode(tmp_path: Path) -> None:
     variables = {"PYTHONIOENCODING": "ascii", "COLUMNS": "30"}
     done = process("analyse", AS2, "-m", "central-europe-summer", cwd=tmp_path, variables=variables)
@@ -444,6 +445,7 @@ def test_help_imports_nothing_heavy() -> None:
 SMALL = ("--latitudes", "40:50:10", "--days", "100:200:100")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "needed", "most"),
     [
@@ -479,6 +481,7 @@ def test_command_imports_what_its_result_needs(
     assert len(modules) <= most
 
 
+@pytest.mark.long
 def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
     variables = {
         "LC_ALL": "C",
@@ -560,6 +563,7 @@ def test_a_signal_ends_a_command_with_one_line(
     assert signal.getsignal(number) is ours
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_signal_ends_a_process_with_one_line(tmp_path: Path, name: str) -> None:
@@ -580,6 +584,7 @@ def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path)
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_swallowed_signal_is_repeated(tmp_path: Path) -> None:
     target = "studies.validation.published:published"

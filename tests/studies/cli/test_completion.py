@@ -88,6 +88,7 @@ def test_columns_of_studies_are_all_offered() -> None:
     assert set(BLANKS) & numbers <= set(completion.COLUMNS)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
 @pytest.mark.parametrize(
     ("words", "wanted"),

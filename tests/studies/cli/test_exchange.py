@@ -124,6 +124,7 @@ def test_libraries_that_are_missing_are_named(
     assert files(tmp_path) == set()
 
 
+@pytest.mark.long
 def test_difference_of_a_sized_design(run: Run, tmp_path: Path) -> None:
     assert run("size", DESIGN, "-m", "rafz-july", "--out", "sized").code == 0
     done = run("diff", DESIGN, "sized", "--json", "--table", "d.csv")

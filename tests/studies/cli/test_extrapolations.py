@@ -26,6 +26,7 @@ WIND = ("--set", "mission.wind_m_per_s=50", "--set", "mission.flight_path=null")
 CELLS = ("--latitudes", "40:50:10", "--days", "150:200:50")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("command", "count"),
     [
@@ -55,6 +56,7 @@ def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], coun
         assert run(*calm, "--json").json()["extrapolations"] == []
 
 
+@pytest.mark.long
 def test_sizings_tell_of_their_designs(run: Run) -> None:
     asked = ("atlantiksolar-design", "--set", "design_space.wingspan_m={minimum: 9, maximum: 12}")
     one = run("size", *asked, "--mission", "rafz-july", "--out", "sized").out

@@ -76,6 +76,7 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(outputs, "sys", System)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("terminal")
 @pytest.mark.parametrize(
     ("form", "step"),

@@ -65,6 +65,7 @@ def test_path_is_needed(run: Run, tmp_path: Path, command: tuple[str, ...]) -> N
     assert "needs a flight path" in outcome.err
 
 
+@pytest.mark.long
 def test_loiter_correction_covers_both_models_and_says_how_wind_spreads(
     run: Run, tmp_path: Path
 ) -> None:

@@ -113,6 +113,7 @@ def test_a_raising_cell_fails_alone(functions: Any, workers: int) -> None:
     assert outcome.columns["number"][5] == -1
 
 
+@pytest.mark.long
 def test_a_deadly_cell_fails_alone(functions: Any) -> None:
     outcome = run(functions.job(functions.Settings(deadly=(6,)), cells=12), LocalPool(2))
     assert outcome.failures == {6: "the worker process died"}
@@ -630,6 +631,7 @@ def test_workers_never_see_an_interrupt(tmp_path: Path) -> None:
     assert subprocess.check_output(command, env=environment(), timeout=120) == b"[0.]\n"
 
 
+@pytest.mark.long
 def test_a_script_without_main_guard_gets_a_message(tmp_path: Path) -> None:
     script = tmp_path / "plain.py"
     script.write_text(

@@ -78,6 +78,7 @@ def test_a_signal_that_a_finaliser_has_swallowed_comes_again(
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.long
 def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end() -> None:
     """Half of the classes of ft2font, left to the end of the process, abort it."""
     pytest.importorskip("matplotlib")

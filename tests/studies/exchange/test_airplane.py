@@ -56,6 +56,7 @@ def test_airplane_has_the_dimensions_of_the_aircraft(craft: Aircraft) -> None:
     assert all(section.chord == pytest.approx(span / ratio) for section in wing.xsecs)
 
 
+@pytest.mark.long
 @CASES
 def test_avl_lifts_the_exported_wing_as_the_models_do(craft: Aircraft, tmp_path: Path) -> None:
     solver = avl(craft, tmp_path)
@@ -74,6 +75,7 @@ def test_avl_lifts_the_exported_wing_as_the_models_do(craft: Aircraft, tmp_path:
     )
 
 
+@pytest.mark.long
 def test_avl_sees_camber_incidence_and_drag(tmp_path: Path) -> None:
     # 5.7 degrees of incidence carry a symmetric wing at no angle of attack, and camber adds to it:
     # about 7 degrees of zero lift angle for an airfoil with 6.6 % of camber.

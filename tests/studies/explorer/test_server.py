@@ -435,6 +435,7 @@ def test_report_is_one_on_the_settings(server: Server) -> None:
     assert "3.2" in made["text"]
 
 
+@pytest.mark.long
 def test_sizing_gives_values_that_fly(server: Server) -> None:
     found = server.post("/api/size", {"objective": "min_mass"}).json()
     assert found["feasible"]
@@ -446,6 +447,7 @@ def test_sizing_gives_values_that_fly(server: Server) -> None:
     assert view["numbers"]["total_mass_kg"] == pytest.approx(found["record"]["total_mass_kg"])
 
 
+@pytest.mark.long
 def test_infeasible_sizing_says_why_and_what_would_help(server: Server) -> None:
     asked = {"mission.latitude_deg": 60.0, "mission.day_of_year": 288}
     found = server.post("/api/size", {"settings": asked | {"mission.payload.mass_kg": 2.0}}).json()
@@ -484,6 +486,7 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server: Server) -> No
         quick.run(sizing_record, task)
 
 
+@pytest.mark.long
 def test_leaving_the_page_ends_what_it_waited_for(server: Server) -> None:
     body = b"{}"
     head = (
@@ -506,6 +509,7 @@ def until(true: Callable[[], bool]) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("busy", [False, True])
 def test_command_prints_its_address_first_and_ends_by_a_signal(busy: bool) -> None:
     words = ["explore", "atlantiksolar-as2", "--no-browser", "--port", "0"]

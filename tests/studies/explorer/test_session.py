@@ -147,6 +147,7 @@ def test_kept_light_is_that_of_the_technology_at_hand() -> None:
     assert better == session().season(one.settings({"modules.efficiency_stc": 0.26}), coarse=True)
 
 
+@pytest.mark.long
 def test_slow_model_fills_its_map_turn_by_turn() -> None:
     one = session("atlantiksolar-as2")
     settings = one.settings({"model": "VM"})

@@ -83,6 +83,7 @@ def test_the_file_that_is_written_says_where_its_numbers_come_from(
     assert set(keys(record)) - {"mission_is_default"} <= documented
 
 
+@pytest.mark.long
 def test_where_nothing_can_be_fitted_no_residual_is_independent_and_nothing_is_written(
     log: Path, tmp_path: Path
 ) -> None:

@@ -244,6 +244,7 @@ def test_one_at_a_time_starts_from_the_files() -> None:
     assert low > base > high
 
 
+@pytest.mark.long
 def test_processes_agree_to_the_last_bit() -> None:
     axes = [parse_axis("wingspan_m=3:9:0.1"), parse_axis("battery_mass_kg=1:9:0.2")]
     vary = {axis.key: axis.values for axis in axes}
@@ -328,6 +329,7 @@ def test_front_is_that_of_comparing_all_pairs() -> None:
     np.testing.assert_array_equal(pareto_front(x, y), ~beaten & np.isfinite(x))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("texts", "options"),
     [
@@ -478,6 +480,7 @@ def _failing(configuration: Any, cells: Any) -> Any:
     return judge_points(configuration, cells)
 
 
+@pytest.mark.long
 def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     invoke: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

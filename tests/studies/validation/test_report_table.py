@@ -70,6 +70,7 @@ def test_errors_leave_polar_night_out() -> None:
     assert errors == []
 
 
+@pytest.mark.long
 def test_command_prints_the_contract() -> None:
     answer = CliRunner().invoke(cli, ["reproduce-report", "--json"])
     assert answer.exit_code == 0

@@ -7,6 +7,7 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("days", "share"), [(40, 1.0), (5, 0.2), (800, 0.9)])
 def test_calendar_survival_and_season_are_drawn(days, share, tmp_path):
     record = clear_record(days, first="2001-07-14", share=share)

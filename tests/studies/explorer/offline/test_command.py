@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from command_line import Run, files
 
 AS2 = "atlantiksolar-as2"
 
 
+@pytest.mark.long
 def test_page_is_written_without_a_server(run: Run, tmp_path: Path) -> None:
     outcome = run("explore", AS2, "--set", "battery.mass_kg=3.1", "--static", "as2.html")
     assert (outcome.code, outcome.out, outcome.err) == (0, "written to as2.html\n", "")

@@ -138,6 +138,7 @@ def test_figures_do_not_depend_on_the_settings_of_the_machine(analysis: sizing.A
     assert axes.get_facecolor() == (1.0, 1.0, 1.0, 1.0)
 
 
+@pytest.mark.long
 def test_the_command_reads_no_settings_of_its_folder(tmp_path: Path) -> None:
     written = []
     # The last one is no text, on which the import of matplotlib fails.
@@ -199,6 +200,7 @@ def test_commands_with_a_folder_ask_for_it(run: Run, command: str, places: str) 
     assert f"--dpi is of the figure: give {places} too" in " ".join(outcome.err.split())
 
 
+@pytest.mark.long
 def test_a_figure_too_small_for_its_axes_is_told(run: Run) -> None:
     size = ("--samples", "64", "--plot", "out.pdf", "--figure-size", "80x60mm")
     outcome = run("uncertainty", "atlantiksolar-design", "-m", "rafz-july", *size)
@@ -207,6 +209,7 @@ def test_a_figure_too_small_for_its_axes_is_told(run: Run) -> None:
     assert "Warning" not in outcome.err
 
 
+@pytest.mark.long
 def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown() -> None:
     """Drawn by a canvas, as a notebook does; on the user's own figure they hold throughout."""
     aircraft, mission = (
