@@ -503,12 +503,12 @@ class Aircraft(FileRecord):
 
     def from_catalogues(self) -> list[Taken]:
         """Values that catalogues gave, with their sources."""
-        found = taken(self.modules, "cell", "cells", "modules.")
-        found += taken(self.battery, "cell", "batteries", "battery.")
+        entries = taken(self.modules, "cell", "cells", "modules.")
+        entries += taken(self.battery, "cell", "batteries", "battery.")
         propulsion = getattr(self.airframe, "propulsion", None)
         if isinstance(propulsion, Propulsion):
-            found += taken(propulsion, "motor", "motors", "airframe.propulsion.")
-        return found
+            entries += taken(propulsion, "motor", "motors", "airframe.propulsion.")
+        return entries
 
     @model_validator(mode="after")
     def _check_lift(self) -> Aircraft:

@@ -346,11 +346,11 @@ def _structure_remarks(
         "T-tails": tail is not None and tail.is_t_tail,
         "masses along the wing": inputs.wing_battery_kg > 0.0,
     }
-    found = [name for name, has in excluded.items() if has]
-    if model.torsion is not None and found:
-        yield f"flutter: CAA Report 45 excludes {' and '.join(found)}, as here"
-    told = "deflection_load_case" in model.model_fields_set
-    if model.maximum_tip_deflection is not None and not told:
+    left_out = [name for name, has in excluded.items() if has]
+    if model.torsion is not None and left_out:
+        yield f"flutter: CAA Report 45 excludes {' and '.join(left_out)}, as here"
+    chosen = "deflection_load_case" in model.model_fields_set
+    if model.maximum_tip_deflection is not None and not chosen:
         yield (
             f"maximum_tip_deflection {model.maximum_tip_deflection:g} holds in level flight; until "
             "1.0 it held at every limit load and in landing (deflection_load_case: limit_load, "

@@ -45,8 +45,8 @@ class _CalledBefore(np.ndarray[Any, Any]):
         return array
 
     def __call__(self) -> FloatArray:
-        told = f"Performance.{self.name} is an attribute: leave the parentheses out"
-        warnings.warn(told, DeprecationWarning, stacklevel=2)
+        message = f"Performance.{self.name} is an attribute: leave the parentheses out"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
         return np.asarray(self)
 
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
@@ -107,8 +107,8 @@ class Performance:
         shape = self.cycle.excess_time_h.shape
         worst = np.argmin(self.cycle.excess_time_h, axis=-1, keepdims=True)
         flies = np.broadcast_to(np.isfinite(self.nominal_load_w), shape)
-        asked = (np.arange(shape[-1]) == worst) & flies
-        hours = self._longest_flights(asked & ~self.cycle.perpetual).endurance_h
+        wanted = (np.arange(shape[-1]) == worst) & flies
+        hours = self._longest_flights(wanted & ~self.cycle.perpetual).endurance_h
         hours = np.where(flies, hours, np.nan)
         hours = np.take_along_axis(hours, worst, axis=-1)[..., 0]
         return _CalledBefore.of(hours, "worst_endurance_h")

@@ -34,8 +34,8 @@ def relaxed_flight(aircraft: Aircraft, flown: Performance) -> tuple[Relaxation, 
     """
     if flown.cycle.perpetual.all():
         return ()
-    found = [one for key in _UNITS for one in _relaxed(aircraft, flown, key)]
-    return tuple(sorted(found, key=lambda one: one.relative_change))
+    relaxations = [one for key in _UNITS for one in _relaxed(aircraft, flown, key)]
+    return tuple(sorted(relaxations, key=lambda one: one.relative_change))
 
 
 def _relaxed(aircraft: Aircraft, flown: Performance, key: str) -> Iterator[Relaxation]:

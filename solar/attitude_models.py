@@ -164,9 +164,9 @@ def _balanced_power(
     for _ in range(_ITERATIONS):
         temperature = ambient_c + cell.temperature_rise_k * power / rated
         before = at_25_c * cell.temperature_efficiency(temperature)
-        found = before * cell.mppt_efficiency_at(before / rated)
-        settled = np.max(np.abs(found - power), initial=0.0) <= _TOLERANCE * rated
-        power = found
+        reached = before * cell.mppt_efficiency_at(before / rated)
+        settled = np.max(np.abs(reached - power), initial=0.0) <= _TOLERANCE * rated
+        power = reached
         if settled:
             break
     return power, np.asarray(ambient_c + cell.temperature_rise_k * power / rated)

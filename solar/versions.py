@@ -23,14 +23,14 @@ __all__ = [
 FORMAT_KEY, FORMAT_VERSION = "format_version", 1
 
 
-def format_trouble(found: object) -> str | None:
+def format_trouble(version: object) -> str | None:
     """What is wrong with the format version that a file states, None where it can be read."""
-    if type(found) is not int or found < 1:
+    if type(version) is not int or version < 1:
         allowed = "1" if FORMAT_VERSION == 1 else f"a whole number from 1 to {FORMAT_VERSION}"
-        return f"must be {allowed} (got {ascii(found)[:60]})"
-    if found > FORMAT_VERSION:
+        return f"must be {allowed} (got {ascii(version)[:60]})"
+    if version > FORMAT_VERSION:
         return (
-            f"must be at most {FORMAT_VERSION} (got {ascii(found)[:60]}): the file is of a newer "
+            f"must be at most {FORMAT_VERSION} (got {ascii(version)[:60]}): the file is of a newer "
             f"version of solar-uav than this one, {__version__}; install a newer one"
         )
     return None

@@ -64,23 +64,23 @@ class Ceiling(Result):
     @property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What the altitudes up to the ceiling, and the best one, take from outside a model."""
-        found = self.found
-        top_m = -math.inf if found.highest is None else found.highest.altitude_m
-        claimed = [flight for flight in found.flights if flight.altitude_m <= top_m]
-        ends = (found.best, *(() if found.highest is None else (found.highest,)))
+        ceiling = self.found
+        top_m = -math.inf if ceiling.highest is None else ceiling.highest.altitude_m
+        claimed = [flight for flight in ceiling.flights if flight.altitude_m <= top_m]
+        ends = (ceiling.best, *(() if ceiling.highest is None else (ceiling.highest,)))
         claimed += [flight for flight in ends if flight not in claimed]
         return together([flight.extrapolations for flight in claimed], "altitudes")
 
     def headline(self) -> str:
         """Ceiling and best altitude in one line."""
-        found, required = self.found, self.found.required_excess_time_h
+        ceiling, required = self.found, self.found.required_excess_time_h
         more = f" with more than {required:g} h of excess time" if required > 0.0 else ""
-        best = f"largest excess time {hours(found.best.excess_time_h)}"
-        best += f" at {found.best.altitude_m:.0f} m"
+        best = f"largest excess time {hours(ceiling.best.excess_time_h)}"
+        best += f" at {ceiling.best.altitude_m:.0f} m"
         said = f"no perpetual flight{more} at any altitude"
-        if found.highest is not None:
-            beyond = " and beyond the search" if found.at_search_limit else ""
-            said = f"perpetual flight{more} up to {found.highest.altitude_m:.0f} m{beyond}"
+        if ceiling.highest is not None:
+            beyond = " and beyond the search" if ceiling.at_search_limit else ""
+            said = f"perpetual flight{more} up to {ceiling.highest.altitude_m:.0f} m{beyond}"
         return f"{self.aircraft.name} on {self.mission.name}: {said}; {best}"
 
     def summary(self) -> Summary:
@@ -114,19 +114,19 @@ class Ceiling(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Ceiling and all altitudes, JSON-ready."""
-        found = self.found
+        ceiling = self.found
         return {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
             "model": self.solar.model,
             "correction": self.solar.correction,
-            "required_excess_time_h": found.required_excess_time_h,
-            "highest_perpetual_altitude_m": found.highest and found.highest.altitude_m,
-            "at_search_limit": found.at_search_limit,
-            "best_altitude_m": found.best.altitude_m,
-            "best_excess_time_h": finite(found.best.excess_time_h),
+            "required_excess_time_h": ceiling.required_excess_time_h,
+            "highest_perpetual_altitude_m": ceiling.highest and ceiling.highest.altitude_m,
+            "at_search_limit": ceiling.at_search_limit,
+            "best_altitude_m": ceiling.best.altitude_m,
+            "best_excess_time_h": finite(ceiling.best.excess_time_h),
             "extrapolations": extrapolation_records(self.extrapolations),
-            "altitudes": [finite_values(_numbers(flight)) for flight in found.flights],
+            "altitudes": [finite_values(_numbers(flight)) for flight in ceiling.flights],
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -169,24 +169,24 @@ def perpetual_ceiling(
         If the aircraft cannot carry its own mass at any altitude.
     """
     solar = SolarModel(model, correction)
-    found = highest_perpetual_altitude(
+    ceiling = highest_perpetual_altitude(
         aircraft, mission, solar, highest_m=highest_m, step_m=step_m, progress=progress
     )
-    return Ceiling(aircraft, mission, solar, found)
+    return Ceiling(aircraft, mission, solar, ceiling)
 
 
 def _numbers(flight: AltitudeFlight) -> dict[str, Any]:
     return {name: value for name, value in vars(flight).items() if name != "extrapolations"}
 
 
-def _shown(found: PerpetualCeiling) -> list[AltitudeFlight]:
-    ends, between = (found.flights[0], found.flights[-1]), found.flights[1:-1]
+def _shown(ceiling: PerpetualCeiling) -> list[AltitudeFlight]:
+    ends, between = (ceiling.flights[0], ceiling.flights[-1]), ceiling.flights[1:-1]
     altitudes = [flight.altitude_m for flight in between]
     step = altitudes[1] - altitudes[0] if len(altitudes) > 1 else 1.0
     stride = max(math.ceil(len(between) / _PRINTED_ROWS), 1)
     # Multiples of a round step rather than every so many from the first.
     shown = [f for f in between if round(f.altitude_m / step) % stride == 0]
-    shown += [f for f in (*ends, found.highest) if f is not None and f not in shown]
+    shown += [f for f in (*ends, ceiling.highest) if f is not None and f not in shown]
     return sorted(shown, key=lambda flight: flight.altitude_m)
 
 
@@ -204,7 +204,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     -------
     Figure
     """
-    found, mark = result.found, DARK_GREY
+    ceiling, mark = result.found, DARK_GREY
     drawn, panels = new_figure(
         1,
         3,
@@ -215,24 +215,24 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         sharey=True,
     )
     excess, power, energy = panels
-    altitude_km = found.column("altitude_m") / 1000.0
-    excess.plot(found.column(EXCESS_TIME.name), altitude_km, color=CHARGE)
-    excess.axvline(found.required_excess_time_h, color=mark, linewidth=0.8)
+    altitude_km = ceiling.column("altitude_m") / 1000.0
+    excess.plot(ceiling.column(EXCESS_TIME.name), altitude_km, color=CHARGE)
+    excess.axvline(ceiling.required_excess_time_h, color=mark, linewidth=0.8)
     excess.set(xlabel=EXCESS_TIME.heading, ylabel="altitude [km]")
-    power.plot(found.column("propulsion_power_w"), altitude_km, color=LOAD)
+    power.plot(ceiling.column("propulsion_power_w"), altitude_km, color=LOAD)
     power.set(xlabel="level-flight power [W]", xlim=(0.0, None))
-    energy.plot(found.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")
-    energy.plot(found.column("load_energy_wh"), altitude_km, "--", color=LOAD, label="load")
+    energy.plot(ceiling.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")
+    energy.plot(ceiling.column("load_energy_wh"), altitude_km, "--", color=LOAD, label="load")
     energy.set(xlabel="energy of the day [Wh]", xlim=(0.0, None))
     energy.legend(loc="upper left")
-    if found.highest is None:
+    if ceiling.highest is None:
         return drawn
-    highest_km = found.highest.altitude_m / 1000.0
-    if not found.at_search_limit:
+    highest_km = ceiling.highest.altitude_m / 1000.0
+    if not ceiling.at_search_limit:
         for axes in panels:
             axes.axhline(highest_km, color=mark, linestyle=":", linewidth=1.2)
     excess.annotate(
-        f"ceiling {found.highest.altitude_m:.0f} m",
+        f"ceiling {ceiling.highest.altitude_m:.0f} m",
         (0.96, highest_km),
         (0, 4),
         xycoords=excess.get_yaxis_transform(),

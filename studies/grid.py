@@ -80,11 +80,11 @@ class GridStudy:
                 for name, one in self.coordinates.items()
                 if name != VARIED
             }
-            told = [
+            values_text = [
                 f"{name} {value if isinstance(value, str) else format(value, 'g')}"
                 for name, value in values.items()
             ]
-            lines.append(f"{', '.join(told)}: {text}")
+            lines.append(f"{', '.join(values_text)}: {text}")
         return {"failed_cells": "\n".join(lines)} if lines else {}
 
     def dataset(self, outcome: Outcome) -> xr.Dataset:

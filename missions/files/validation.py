@@ -240,11 +240,11 @@ def _models_at(model: type[BaseModel], loc: KeyPath) -> list[type[BaseModel]]:
 
 
 def _keys_at(
-    model: type[BaseModel], loc: KeyPath, found: Mapping[str, Any]
+    model: type[BaseModel], loc: KeyPath, keys: Mapping[str, Any]
 ) -> tuple[list[str], dict[str, str]]:
     """Return the keys that the mapping found at a location may have, and new names of old ones."""
     models = _models_at(model, loc)
-    best = max(models, key=lambda one: len(_hints(one).keys() & found.keys()))
+    best = max(models, key=lambda one: len(_hints(one).keys() & keys.keys()))
     names = (
         getattr(best, known, {}) for known in ("deprecated_keys", "renamed_keys", "explained_keys")
     )

@@ -124,10 +124,10 @@ def _seconds(instants: pd.Series) -> FloatArray:
 def _localised(local: pd.Series, zone: datetime.tzinfo) -> FloatArray:
     """Seconds since 1970 of local times; NaN in the hour that a change of clocks leaves out."""
     try:
-        found = local.dt.tz_localize(zone, ambiguous="infer", nonexistent="NaT")
+        localised = local.dt.tz_localize(zone, ambiguous="infer", nonexistent="NaT")
     except ValueError:  # an hour that comes twice, without its repetition to tell by
-        found = local.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
-    return _seconds(found.dt.tz_convert("UTC"))
+        localised = local.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
+    return _seconds(localised.dt.tz_convert("UTC"))
 
 
 def times_from_numbers(
@@ -142,8 +142,8 @@ def times_from_numbers(
         factor = UNITS["time"][unit or "s"].factor
         first = values[np.isfinite(values)][:1]
         return start_s + factor * (values - (first[0] if len(first) else 0.0)), None
-    found = epoch_unit(values)
-    if found is None:
+    epoch = epoch_unit(values)
+    if epoch is None:
         if unit is None:
             raise ValueError(
                 "does not count from 1970 (s, ms, us or ns): give the instant of its first row as "
@@ -151,8 +151,8 @@ def times_from_numbers(
             )
         return UNITS["time"][unit].factor * values, None
     note = None
-    if unit is not None and UNITS["time"][unit].factor != UNITS["time"][found].factor:
-        note = f"{name} is said to be in {unit}, and read as {found} since 1970: so its size says"
+    if unit is not None and UNITS["time"][unit].factor != UNITS["time"][epoch].factor:
+        note = f"{name} is said to be in {unit}, and read as {epoch} since 1970: so its size says"
     elif unit is None:
-        note = f"{name} read as {found} since 1970"
-    return UNITS["time"][found].factor * values, note
+        note = f"{name} read as {epoch} since 1970"
+    return UNITS["time"][epoch].factor * values, note

@@ -251,24 +251,24 @@ def recipes_for(
     header: Sequence[str], given: ColumnMap | None = None, *, guess: bool = True
 ) -> Recipes:
     """Find out how the quantities of the log format are made of the columns of a log."""
-    found: dict[str, Recipe] = {}
+    recipes: dict[str, Recipe] = {}
     problems: list[str] = []
     for quantity, source in (given.columns if given else {}).items():
         try:
-            found[quantity] = _given(quantity, source, header)
+            recipes[quantity] = _given(quantity, source, header)
         except ValueError as error:
             problems.append(str(error))
-    taken = {column for recipe in found.values() for column in recipe.columns}
+    taken = {column for recipe in recipes.values() for column in recipe.columns}
     for quantity in QUANTITIES if guess else ():
-        if quantity not in found and (column := _guess(quantity, header, taken)) is not None:
+        if quantity not in recipes and (column := _guess(quantity, header, taken)) is not None:
             own = column.column == quantity or column.column in TIME_NAMES
-            found[quantity] = Recipe(quantity, ((column,),), guessed=not own)
+            recipes[quantity] = Recipe(quantity, ((column,),), guessed=not own)
             if quantity not in _PARTS:  # one voltage may serve the power and itself
                 taken.add(column.column)
-    _join_power(found)
-    _leave_half_attitude(found)
-    used = {column for recipe in found.values() for column in recipe.columns}
-    return Recipes(found, [name for name in header if name not in used], problems)
+    _join_power(recipes)
+    _leave_half_attitude(recipes)
+    used = {column for recipe in recipes.values() for column in recipe.columns}
+    return Recipes(recipes, [name for name in header if name not in used], problems)
 
 
 def _given(quantity: str, source: str | Source, header: Sequence[str]) -> Recipe:
@@ -391,27 +391,27 @@ def _is_zone(quantity: str, text: str) -> bool:
     ]
 
 
-def _join_power(found: dict[str, Recipe]) -> None:
+def _join_power(recipes: dict[str, Recipe]) -> None:
     """Power from voltage and current where it has no column of its own."""
-    volts, amps = found.pop("solar_voltage_v", None), found.pop("solar_current_a", None)
+    volts, amps = recipes.pop("solar_voltage_v", None), recipes.pop("solar_current_a", None)
     if amps is not None and volts is None:
-        volts = found.get("mppt_voltage_v")
-    if "solar_power_w" in found or volts is None or amps is None:
+        volts = recipes.get("mppt_voltage_v")
+    if "solar_power_w" in recipes or volts is None or amps is None:
         return
     if volts.single and amps.single:
         term = (volts.terms[0][0], amps.terms[0][0])
-        found["solar_power_w"] = Recipe("solar_power_w", (term,), guessed=True)
+        recipes["solar_power_w"] = Recipe("solar_power_w", (term,), guessed=True)
 
 
-def _leave_half_attitude(found: dict[str, Recipe]) -> None:
+def _leave_half_attitude(recipes: dict[str, Recipe]) -> None:
     """Forget guessed angles if there are not all three: a course alone is no attitude."""
     every = ("roll_deg", "pitch_deg", "yaw_deg")
-    angles = [name for name in every if name in found]
-    if len(angles) < len(every) and all(found[name].guessed for name in angles):
+    angles = [name for name in every if name in recipes]
+    if len(angles) < len(every) and all(recipes[name].guessed for name in angles):
         for name in angles:
-            del found[name]
+            del recipes[name]
 
 
-def problems_of(found: Recipes, source: str, line: int | None) -> list[Problem]:
+def problems_of(recipes: Recipes, source: str, line: int | None) -> list[Problem]:
     """Mistakes in the naming of columns, at the header."""
-    return [Problem(source, line, None, "", message) for message in found.problems]
+    return [Problem(source, line, None, "", message) for message in recipes.problems]

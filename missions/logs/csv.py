@@ -77,11 +77,11 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     text = read_text(source, layout)
     recipes = recipes_for(text.header, layout)
     notes = [*text.notes, *_check_header(text, recipes)]
-    found = recipes.found
-    date = _date_column(text.header, found)
-    wanted = {name for recipe in found.values() for name in recipe.columns} | {date}
+    matched = recipes.found
+    date = _date_column(text.header, matched)
+    wanted = {name for recipe in matched.values() for name in recipe.columns} | {date}
     frame = text.frame([name for name in text.header if name in wanted])
-    return _log(_Raw(text, layout, found, frame, date), notes)
+    return _log(_Raw(text, layout, matched, frame, date), notes)
 
 
 class _Raw(NamedTuple):
@@ -143,26 +143,26 @@ def _date_column(header: Sequence[str], recipes: dict[str, Recipe]) -> str | Non
 def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
     """Log of a table whose columns are known."""
     labels: dict[str, str] = {}
-    told: list[str] = []
+    remarks: list[str] = []
     check = Check(raw.text.source, np.asarray(raw.text.numbers), labels, [])
-    columns = [_time(raw, check, told)]
+    columns = [_time(raw, check, remarks)]
     for quantity, recipe in raw.recipes.items():
         if quantity != "time":
-            columns.append(_quantity(raw, recipe, check, told))
+            columns.append(_quantity(raw, recipe, check, remarks))
             labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in columns})
-    _turn_radians(raw, table, told)
+    _turn_radians(raw, table, remarks)
     guessed = [recipe.told() for recipe in raw.recipes.values() if recipe.guessed]
     if guessed:
-        told.insert(0, f"guessed: {', '.join(guessed)}")
+        remarks.insert(0, f"guessed: {', '.join(guessed)}")
     zone = None if raw.layout.timezone is None else parse_zone(raw.layout.timezone)
     return log_from_table(
-        table, raw.text.source, check.lines, [*told, *notes], zone=zone, labels=labels
+        table, raw.text.source, check.lines, [*remarks, *notes], zone=zone, labels=labels
     )
 
 
-def _time(raw: _Raw, check: Check, told: list[str]) -> pd.Series:
+def _time(raw: _Raw, check: Check, notes: list[str]) -> pd.Series:
     """Column of time: text in the form of the log format, or seconds since 1970."""
     recipe = raw.recipes["time"]
     if recipe.value is not None or not recipe.single:
@@ -178,13 +178,13 @@ def _time(raw: _Raw, check: Check, told: list[str]) -> pd.Series:
         except ValueError as error:
             problem = Problem(check.source, raw.text.line, None, printable(name), str(error))
             raise InputError([problem]) from None
-        told += [note] if note else []
+        notes += [note] if note else []
         _keep_label(check, EPOCH, name)
         return pd.Series(time_s, name=EPOCH)
     text = column.astype("string")
     if raw.date is not None:
         text = raw.frame[raw.date].astype("string").str.strip() + " " + text.str.strip()
-        told.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
+        notes.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
     _keep_label(check, TIME, name)
     if recipe.form is None:
         return text.rename(TIME)
@@ -200,7 +200,7 @@ def _keep_label(check: Check, quantity: str, name: str) -> None:
         check.labels[quantity] = shortened(printable(name))
 
 
-def _quantity(raw: _Raw, recipe: Recipe, check: Check, told: list[str]) -> pd.Series:
+def _quantity(raw: _Raw, recipe: Recipe, check: Check, notes: list[str]) -> pd.Series:
     """A quantity in the unit of the log format."""
     quantity = recipe.quantity
     if recipe.value is not None:
@@ -213,11 +213,13 @@ def _quantity(raw: _Raw, recipe: Recipe, check: Check, told: list[str]) -> pd.Se
         dimension = QUANTITIES[quantity].dimension
         unit = recognised(quantity, dimension, next(iter(parts.values())))
         if unit is not None:
-            told.append(f"{printable(recipe.columns[0])} read as {spelled(unit)}: so its size says")
+            notes.append(
+                f"{printable(recipe.columns[0])} read as {spelled(unit)}: so its size says"
+            )
     return pd.Series(recipe.values(parts.__getitem__, unit), name=quantity)
 
 
-def _turn_radians(raw: _Raw, table: pd.DataFrame, told: list[str]) -> None:
+def _turn_radians(raw: _Raw, table: pd.DataFrame, notes: list[str]) -> None:
     """Angles of the attitude from radians, where their values say that they are such."""
     if any(name not in raw.recipes or name not in table for name in ATTITUDE):
         return
@@ -232,4 +234,4 @@ def _turn_radians(raw: _Raw, table: pd.DataFrame, told: list[str]) -> None:
     if (in_radians if named else surely_radians)(*angles):
         for name, values in zip(ATTITUDE, angles, strict=True):
             table[name] = np.degrees(values)
-        told.append(_RADIANS)
+        notes.append(_RADIANS)

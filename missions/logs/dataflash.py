@@ -104,10 +104,10 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
         kind = content[at + 2]
         length = lengths.get(kind)
         if content[at] != 0xA3 or content[at + 1] != 0x95 or length is None:
-            found = content.find(_HEAD, at + 1)
-            found = len(content) if found < 0 else found
-            skipped += found - at
-            at = found
+            head = content.find(_HEAD, at + 1)
+            head = len(content) if head < 0 else head
+            skipped += head - at
+            at = head
             continue
         if at + length > len(content):
             break

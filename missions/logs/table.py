@@ -166,7 +166,7 @@ def log_from_table(
     """
     at = np.arange(2, len(table) + 2) if lines is None else lines
     check = Check(source, at, dict(labels or {}), [])
-    told = list(notes)
+    remarks = list(notes)
     if TIME in table:
         time_s = _times(table[TIME], zone, check)
     else:
@@ -184,7 +184,7 @@ def log_from_table(
     time_s, values, at = time_s[keep], {n: v[keep] for n, v in values.items()}, at[keep]
     _check_times_rise(time_s, at, source)
     dropped = int(np.count_nonzero(~keep))
-    return _assembled(source, time_s, values, dropped, told)
+    return _assembled(source, time_s, values, dropped, remarks)
 
 
 @dataclass(frozen=True)
@@ -303,7 +303,7 @@ def _assembled(
     optional: dict[str, Any] = dict.fromkeys(OPTIONAL)
     optional |= {n: v for n, v in values.items() if n in OPTIONAL and not np.isnan(v).all()}
     total = len(time_s) + dropped
-    told = [*notes, *_remarks(values, dropped, total, gaps)]
+    remarks = [*notes, *_remarks(values, dropped, total, gaps)]
     return FlightLog(
         source=source,
         time_s=time_s,
@@ -311,7 +311,7 @@ def _assembled(
         rows_read=total,
         rows_dropped=dropped,
         gaps=gaps,
-        notes=tuple(told),
+        notes=tuple(remarks),
         **{name: values[name] for name in REQUIRED},
         **optional,
     )

@@ -46,7 +46,7 @@ def checked_air(
     values = columns.get(quantity.column)
     if values is None:
         return None, []
-    lowest, highest, told = quantity.lowest, quantity.highest, []
+    lowest, highest, notes = quantity.lowest, quantity.highest, []
     with np.errstate(invalid="ignore"):
         possible = (values >= lowest) & (values <= highest)
     wrong = np.flatnonzero(~possible & ~np.isnan(values) & ~np.isin(values, _MISSING))
@@ -61,10 +61,10 @@ def checked_air(
             [Problem(source, int(lines[first]) or None, None, quantity.column, message)]
         )
     if len(wrong):
-        told.append(f"{len(wrong)} rows with {what} taken out")
+        notes.append(f"{len(wrong)} rows with {what} taken out")
     known = np.flatnonzero(possible)
     if len(known) >= _LEAST_KNOWN * len(values):
-        return np.interp(np.arange(len(values)), known, values[known]), told
+        return np.interp(np.arange(len(values)), known, values[known]), notes
     if len(known):
-        told.append(f"{quantity.name} not used: it lacks in {len(values) - len(known)} rows")
-    return None, told
+        notes.append(f"{quantity.name} not used: it lacks in {len(values) - len(known)} rows")
+    return None, notes

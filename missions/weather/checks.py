@@ -343,10 +343,10 @@ def _filled(
             bridge = _bridged(share, begin, stop)
             fill = bridge if short else _from_next_day(share, bridge, begin, per_day)
             values[begin:stop] = fill * clear[begin:stop]
-    told = [f"{count - copied} rows filled between their neighbours"] if count > copied else []
+    notes = [f"{count - copied} rows filled between their neighbours"] if count > copied else []
     if copied:
-        told.append(f"{copied} rows of long gaps filled from the nearest days")
-    return told
+        notes.append(f"{copied} rows of long gaps filled from the nearest days")
+    return notes
 
 
 def _check_gaps(empty: BoolArray, interval_s: float, source: str, start_s: FloatArray) -> None:
@@ -379,12 +379,12 @@ def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
 def _from_next_day(share: FloatArray, bridge: FloatArray, begin: int, per_day: int) -> FloatArray:
     """Shares at the same hour of the nearest day that has them, else those of a bridge."""
     rows = begin + np.arange(len(bridge))
-    found = np.full(len(rows), np.nan)
+    filled = np.full(len(rows), np.nan)
     for away in range(1, 16):
         for step in (-away, away):
             there = rows + step * per_day
-            inside = (there >= 0) & (there < len(share)) & np.isnan(found)
-            found[inside] = share[there[inside]]
-        if np.isfinite(found).all():
+            inside = (there >= 0) & (there < len(share)) & np.isnan(filled)
+            filled[inside] = share[there[inside]]
+        if np.isfinite(filled).all():
             break
-    return np.where(np.isnan(found), bridge, found)
+    return np.where(np.isnan(filled), bridge, filled)

@@ -196,8 +196,8 @@ def _pvgis_format(path: Path) -> str:
 def _slope_deg(inputs: dict[str, Any]) -> float | None:
     """Slope of the surface that a file of PVGIS is for; None where it does not say."""
     if "Slope" in inputs:
-        found = re.search(r"-?[\d.]+", str(inputs["Slope"]))
-        return float(found[0]) if found else None
+        match = re.search(r"-?[\d.]+", str(inputs["Slope"]))
+        return float(match[0]) if match else None
     mounting: Any = next(iter(inputs.get("mounting_system", {}).values()), {})
     value = mounting.get("slope", {}).get("value") if isinstance(mounting, dict) else None
     return None if value is None else float(value)
@@ -236,7 +236,7 @@ def _bsrn(path: Path, source: str, iotools: Any) -> RawTable:
 def _head_values(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
     """Numbers of a file's head, in the order of the keys."""
     limits = {"latitude": 90.0, "longitude": 180.0, "TZ": 14.0, "Time Zone": 14.0}
-    found = []
+    values = []
     for key in keys:
         try:
             value = float(meta[key])
@@ -247,5 +247,5 @@ def _head_values(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
             raise InputError(
                 [Problem(source, 1, None, key, f"must be from {-limit:g} to {limit:g}")]
             )
-        found.append(value)
-    return found
+        values.append(value)
+    return values

@@ -260,10 +260,10 @@ def _read_header(polar: FilePolar, line: str) -> None:
         raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
 
 
-def _take_settings(polar: FilePolar, found: re.Match[str]) -> None:
-    polar.mach = _float(found[1])
-    polar.reynolds = _float(found[2]) * 10.0 ** min(int(found[3] or 0), 99)
-    polar.ncrit = None if found[4] is None else _float(found[4])
+def _take_settings(polar: FilePolar, match: re.Match[str]) -> None:
+    polar.mach = _float(match[1])
+    polar.reynolds = _float(match[2]) * 10.0 ** min(int(match[3] or 0), 99)
+    polar.ncrit = None if match[4] is None else _float(match[4])
     if not 0.0 <= polar.mach <= _LARGEST_MACH:
         raise ValueError(f"Mach must be from 0 to {_LARGEST_MACH:g} (got {polar.mach:g})")
     if not _LEAST_REYNOLDS <= polar.reynolds <= _LARGEST_REYNOLDS:

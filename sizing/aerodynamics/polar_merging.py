@@ -68,10 +68,10 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
         if wing is not None:
             raise file_error(source, OF_A_SECTION)
         return parse_polar_table(text, source)
-    found = merged(read_polars(text, source), source, wing)
-    columns = dict(zip(COLUMNS, (*found.rows.T, np.ones(len(found.rows))), strict=True))
-    header = {"airfoil": found.name, "source": found.program}
-    return PolarTable(source, header, columns, found.span_efficiency)
+    polar = merged(read_polars(text, source), source, wing)
+    columns = dict(zip(COLUMNS, (*polar.rows.T, np.ones(len(polar.rows))), strict=True))
+    header = {"airfoil": polar.name, "source": polar.program}
+    return PolarTable(source, header, columns, polar.span_efficiency)
 
 
 def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> Merged:
@@ -181,18 +181,18 @@ def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
             for row in polar.rows
         ]
     per_speed = wing.chord_m / wing.kinematic_viscosity_m2_per_s
-    found = []
+    reynolds = []
     for row in polar.rows:
         known = math.isfinite(row.speed_m_per_s) and row.speed_m_per_s > 0.0
         speed = row.speed_m_per_s if known else polar.speed_m_per_s
         if not speed > 0.0:
             message = "neither the header nor a column QInf has the speed"
             raise InputError([polar.problem(polar.line, message)])
-        found.append(speed * per_speed)
+        reynolds.append(speed * per_speed)
     if _is_fixed(polar):
         # QInf has fewer digits than a table's key may differ by.
-        found = [float(f"{np.mean(found):.4g}")] * len(found)
-    return found
+        reynolds = [float(f"{np.mean(reynolds):.4g}")] * len(reynolds)
+    return reynolds
 
 
 def _row_values(row: PolarRow, reynolds: float) -> tuple[float, ...]:
@@ -282,15 +282,15 @@ def _span_efficiency(polars: Sequence[FilePolar], wing: WingReference, source: s
 
     Anderson, Fundamentals of Aerodynamics, eq. 5.62.
     """
-    found = []
+    efficiencies = []
     for polar in polars:
         most = max(row.lift for row in polar.rows)
         for row in polar.rows:
             if _CRUISE[0] * most <= row.lift <= _CRUISE[1] * most and row.induced > 0.0:
-                found.append(row.lift**2 / (math.pi * wing.aspect_ratio * row.induced))
-    if not found:
+                efficiencies.append(row.lift**2 / (math.pi * wing.aspect_ratio * row.induced))
+    if not efficiencies:
         raise file_error(source, "the polars have no induced drag (CDi) at lift")
-    efficiency = float(np.median(found))
+    efficiency = float(np.median(efficiencies))
     if not 0.3 <= efficiency <= 1.0 + 1e-2:
         message = (
             f"induced drag and wing_aspect_ratio {wing.aspect_ratio:g} give a span efficiency of "

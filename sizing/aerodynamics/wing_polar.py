@@ -101,8 +101,8 @@ class WingPolar(Record):
         cls, data: Any, handler: ModelWrapValidatorHandler[WingPolar]
     ) -> WingPolar:
         """Take what polars of a wing say unless it is given; it does not count as given."""
-        found = _of_a_wing(data)
-        new = {key: value for key, value in found.items() if key not in data}
+        polar = _of_a_wing(data)
+        new = {key: value for key, value in polar.items() if key not in data}
         if not new:
             return handler(data)
         record = handler({**data, **new})
@@ -220,10 +220,10 @@ class WingPolar(Record):
         grid = np.linspace(0.1 * highest, highest, 200)
         best = int(np.argmin(self._power_measure(grid)))
         bounds = (float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)]))
-        found = minimize_scalar(
+        least = minimize_scalar(
             self._power_measure, bounds=bounds, method="bounded", options={"xatol": 1e-9}
         )
-        candidates = (float(found.x), highest)
+        candidates = (float(least.x), highest)
         return min(candidates, key=lambda lift: float(self._power_measure(lift)))
 
     def _power_measure(self, lift: Value) -> Value:

@@ -199,11 +199,11 @@ def _highest(
     edge = float(brentq(margin_h, below, above, xtol=_RESOLUTION_M))
     # The root is known to its resolution: step down to the feasible side.
     retreat = _RESOLUTION_M
-    found = flown(edge)
-    while found.excess_time_h <= required_h and edge - retreat > below:
-        found = flown(edge - retreat)
+    highest = flown(edge)
+    while highest.excess_time_h <= required_h and edge - retreat > below:
+        highest = flown(edge - retreat)
         retreat *= 2.0
-    return found if found.excess_time_h > required_h else flights[last]
+    return highest if highest.excess_time_h > required_h else flights[last]
 
 
 def _best_altitude(
@@ -216,11 +216,11 @@ def _best_altitude(
         return best
 
     lower, upper = flights[max(index - 1, 0)], flights[min(index + 1, len(flights) - 1)]
-    found = minimize_scalar(
+    least = minimize_scalar(
         lambda altitude_m: -max(flown(float(altitude_m)).excess_time_h, -_FAR_H),
         bounds=(lower.altitude_m, upper.altitude_m),
         method="bounded",
         options={"xatol": 1.0},
     )
-    refined = flown(float(found.x))
+    refined = flown(float(least.x))
     return refined if refined.excess_time_h > best.excess_time_h else best

@@ -96,21 +96,21 @@ def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
                 raise ClimbLimitError((*place, name), message)
         assert flight.propulsion_efficiency is not None
         assert flight.maximum_electric_power_w is not None
-        found = ClimbLimits(flight.propulsion_efficiency, flight.maximum_electric_power_w)
+        limits = ClimbLimits(flight.propulsion_efficiency, flight.maximum_electric_power_w)
         key = (*place, "maximum_electric_power_w")
     else:
         weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
         level_w = float(design.propulsion_power_w)
         rated = float(airframe.propulsion.rated_power_w(level_w, weight_n=weight_n))
-        found = ClimbLimits(airframe.propulsion.efficiency, rated)
+        limits = ClimbLimits(airframe.propulsion.efficiency, rated)
         key = ("airframe", "propulsion", "climb_power_ratio")
-    if found.maximum_power_w <= float(design.propulsion_power_w):
+    if limits.maximum_power_w <= float(design.propulsion_power_w):
         raise ClimbLimitError(
             key,
-            f"{found.maximum_power_w:.3g} W in all leaves nothing to climb with: level flight "
+            f"{limits.maximum_power_w:.3g} W in all leaves nothing to climb with: level flight "
             f"takes {float(design.propulsion_power_w):.3g} W; it must be more",
         )
-    return found
+    return limits
 
 
 def flight_levels(

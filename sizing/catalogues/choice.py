@@ -73,8 +73,8 @@ def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
     name = data.get(key) if isinstance(data, Mapping) else None
     if not isinstance(name, str | int) or isinstance(name, bool):
         return handler(data)
-    found = _entry(key, kind, str(name)).parameters(data)
-    new = {one: value for one, value in found.items() if one not in data}
+    parameters = _entry(key, kind, str(name)).parameters(data)
+    new = {one: value for one, value in parameters.items() if one not in data}
     record = handler({**data, **new})
     record.__pydantic_fields_set__.difference_update(new)
     return record

@@ -146,12 +146,12 @@ class CellEntry(Entry):
                 },
             )
         mass = self.mass_kg_per_m2
-        found = {
+        values = {
             "efficiency_stc": self.efficiency_stc,
             "temperature_coefficient_per_k": self.temperature_coefficient_per_k,
             "mass_kg_per_m2": None if mass is None else round(mass + ENCAPSULATION_KG_PER_M2, 6),
         }
-        return {key: value for key, value in found.items() if value is not None}
+        return {key: value for key, value in values.items() if value is not None}
 
 
 class BatteryEntry(Entry):
@@ -242,11 +242,11 @@ class BatteryEntry(Entry):
             )
         number = isinstance(share, float | int) and not isinstance(share, bool)
         energy = self.specific_energy * (share if number else 1.0)
-        found: dict[str, Any] = {"specific_energy_wh_per_kg": float(f"{energy:.6g}")}
+        values: dict[str, Any] = {"specific_energy_wh_per_kg": float(f"{energy:.6g}")}
         if self.charge_rate_per_h is not None:
             rate = float(f"{self.charge_rate_per_h:.6g}")
-            found["charge_limit"] = {"kind": "rule", "c_rate_per_h": rate}
-        return found
+            values["charge_limit"] = {"kind": "rule", "c_rate_per_h": rate}
+        return values
 
 
 class MotorEntry(Entry):

@@ -173,9 +173,9 @@ def _last(marks: BoolArray) -> _Marked:
 
 def _marked(marks: BoolArray, order: slice) -> _Marked:
     row, column = np.divmod(np.flatnonzero(marks), marks.shape[1])
-    found = np.full(marks.shape[1], -1, np.intp)
-    found[column[order]] = row[order]  # of equal columns the last one stays
-    return _Marked(np.maximum(found, 0), found >= 0)
+    first = np.full(marks.shape[1], -1, np.intp)
+    first[column[order]] = row[order]  # of equal columns the last one stays
+    return _Marked(np.maximum(first, 0), first >= 0)
 
 
 def _fraction_at(index: IntArray, net_w: FloatArray) -> FloatArray:

@@ -73,11 +73,11 @@ def longest_flight(
     search = _Search(flights, dark_h, np.broadcast_to(cells, tries_h.shape))
     hours = search.hours(tries_h)
     rank, cell = np.nonzero(_promising(hours, spacing_h))
-    found = search.at(cell).refined(tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
+    best = search.at(cell).refined(tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
     # The last of equal cells stays, and that is the longest of its flights.
-    order = np.argsort(found.endurance_h, kind="stable")
+    order = np.argsort(best.endurance_h, kind="stable")
     longest, launch_h = np.empty((2, len(cells)))
-    longest[cell[order]], launch_h[cell[order]] = found.endurance_h[order], found.launch_h[order]
+    longest[cell[order]], launch_h[cell[order]] = best.endurance_h[order], best.launch_h[order]
     return Endurance(longest.reshape(shape), launch_h.reshape(shape))
 
 

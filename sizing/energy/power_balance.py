@@ -179,13 +179,13 @@ class PowerBalance:
             morning, afternoon = slice(begin, end), slice(last - end, last - begin)
             some, mirrored = net[begin : end + 1], net[last - end : last - begin + 1]
             means = _means_w(some)
-            for mean, found in zip(means, (surplus, deficit), strict=True):
-                np.multiply(mean, column[morning], out=found[morning])
+            for mean, side in zip(means, (surplus, deficit), strict=True):
+                np.multiply(mean, column[morning], out=side[morning])
             # The same work need not be done for an afternoon that mirrors the morning.
             alike = np.array_equal(some, mirrored[::-1])
             means = (means[0][::-1], means[1][::-1]) if alike else _means_w(mirrored)
-            for mean, found in zip(means, (surplus, deficit), strict=True):
-                np.multiply(mean, column[afternoon], out=found[afternoon])
+            for mean, side in zip(means, (surplus, deficit), strict=True):
+                np.multiply(mean, column[afternoon], out=side[afternoon])
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     @property

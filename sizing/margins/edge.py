@@ -29,8 +29,8 @@ def least_income(
     """
 
     def enough(income: FloatArray, columns: IntArray) -> BoolArray:
-        found = count(income.reshape(-1), np.tile(storage[columns], len(income)))
-        return np.asarray(found.reshape(income.shape) >= needed)
+        counts = count(income.reshape(-1), np.tile(storage[columns], len(income)))
+        return np.asarray(counts.reshape(income.shape) >= needed)
 
     rounds = math.ceil(_HALVINGS / math.log2(at_once + 1))
     return _least_enough(enough, len(storage), ends, at_once=at_once, rounds=rounds)
@@ -69,8 +69,8 @@ def _least_enough(
     parts = np.linspace(0.0, 1.0, at_once + 2)[1:, np.newaxis]
     for _ in range(rounds if len(some) else 0):
         tried = low[some] + parts * (high[some] - low[some])
-        found = np.vstack([enough(tried[:-1], some), np.ones((1, len(some)), bool)])
-        first, cells = np.argmax(found, axis=0), np.arange(len(some))
+        sufficient = np.vstack([enough(tried[:-1], some), np.ones((1, len(some)), bool)])
+        first, cells = np.argmax(sufficient, axis=0), np.arange(len(some))
         low[some], high[some] = np.vstack([low[some], tried])[first, cells], tried[first, cells]
     return np.where(met, high, np.nan)
 

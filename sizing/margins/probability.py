@@ -165,18 +165,18 @@ class _ReliableSizing(MarginSearch):
             return nominal, None
         self.start = nominal.design.variables
         everywhere = self.telling
-        self.nominal = found = self.judged(nominal, np.zeros(2))
-        if found.reached < self.required:
-            study, inputs = self._study(found.design)
+        self.nominal = trial = self.judged(nominal, np.zeros(2))
+        if trial.reached < self.required:
+            study, inputs = self._study(trial.design)
             self.telling = np.unique(study.flights(inputs.values(self.shares)).worst).astype(int)
-            found = self._search()
+            trial = self._search()
         if len(self.telling) < len(everywhere):
-            enough = min(found.reached, self.required)
+            enough = min(trial.reached, self.required)
             self.telling, self.tried = everywhere, [self.nominal]
-            found = self.judged(found.result, found.factors)
-            if found.reached < enough:
-                found = self._search()
-        return self._verdict(found), self._verified(found)
+            trial = self.judged(trial.result, trial.factors)
+            if trial.reached < enough:
+                trial = self._search()
+        return self._verdict(trial), self._verified(trial)
 
     def _meets(self, trial: Trial) -> bool:
         return trial.sound and trial.reached >= self.required
@@ -190,12 +190,12 @@ class _ReliableSizing(MarginSearch):
         worst = int(np.argmin(self.nominal.performance.cycle.excess_time_h[self.telling]))
         drawn = study.income_and_storage(inputs.values(self.shares), worst)
         plain = {one.key: np.array([one.nominal]) for one in inputs.inputs}
-        found = []
+        trials = []
         for values, own in zip(drawn, study.income_and_storage(plain, worst), strict=True):
             low, median = np.log(np.percentile(values / own, [10.0, 50.0]))
             sigma = max(float((low - median) / _NORMAL.inv_cdf(0.1)), _LEAST_SPREAD)
-            found.append((float(median), sigma))
-        return found[0], found[1]
+            trials.append((float(median), sigma))
+        return trials[0], trials[1]
 
     def _margins(self, share: float, index: float) -> list[float]:
         """Factors on income and storage, as logarithms, that fail as a reliability index does."""
@@ -247,7 +247,7 @@ class _ReliableSizing(MarginSearch):
         from scipy.optimize import minimize_scalar
 
         (median, sigma), _ = self._spread
-        found: dict[float, Trial] = {}
+        trials: dict[float, Trial] = {}
 
         def failing(deviations: float) -> float:
             """Share of draws that fails with a margin on income of some standard deviations."""
@@ -255,7 +255,7 @@ class _ReliableSizing(MarginSearch):
             trial = self.trial([income, 0.0], Objective.max_excess_time, self.start)
             if trial is None:
                 return 1.0
-            found[deviations] = trial
+            trials[deviations] = trial
             return 1.0 - trial.reached
 
         margin, least = 0.0, failing(0.0)
@@ -265,9 +265,9 @@ class _ReliableSizing(MarginSearch):
         minimize_scalar(
             failing, bounds=bounds, method="bounded", options={"xatol": _INCOME_TOLERANCE}
         )
-        sound = [one for one in (*found.values(), self.nominal) if one.sound]
+        sound = [one for one in (*trials.values(), self.nominal) if one.sound]
         most = max(sound, key=lambda one: one.reached)
-        own = [margin for margin, one in found.items() if one is most]
+        own = [margin for margin, one in trials.items() if one is most]
         failures = _NORMAL.cdf(-self._index(most.reached))
         by_income = _NORMAL.cdf(-own[0]) / failures if own else 0.5
         return most, _NORMAL.inv_cdf(min(max(by_income, _LEAST_SHARE), 1.0 - _LEAST_SHARE))
@@ -342,30 +342,30 @@ class _ReliableSizing(MarginSearch):
         shares = np.random.default_rng(_VERIFICATION_SEED).random(
             (self.count, VERIFICATION_SAMPLES)
         )
-        found = []
+        trials = []
         for one in (trial, self.nominal):
             study, inputs = self._study(one.design)
-            found.append(Proportion.of(self._flying(study, inputs.values(shares))))
+            trials.append(Proportion.of(self._flying(study, inputs.values(shares))))
         merit = self.nominal.merit
         objective = merit if self.objective.maximised else -merit
-        return Reliability(self.required, found[0], VERIFICATION_SAMPLES, found[1], objective)
+        return Reliability(self.required, trials[0], VERIFICATION_SAMPLES, trials[1], objective)
 
-    def _verdict(self, found: Trial) -> SizingResult:
+    def _verdict(self, trial: Trial) -> SizingResult:
         """Optimum, or that the most reliable design that was found is not reliable enough."""
         # Work of all sizings that found a design.
         reports = [one.solver for one in {id(t.result): t.result for t in self.tried}.values()]
-        asked = self.as_asked(found, reports)
-        if self._meets(found):
-            return asked.with_design(found.performance)
-        reached = found.reached
+        result = self.as_asked(trial, reports)
+        if self._meets(trial):
+            return result.with_design(trial.performance)
+        reached = trial.reached
         if reached >= self.required:  # by a design of largest excess time
-            return asked.without_design(SizingStatus.not_converged, found.performance)
+            return result.without_design(SizingStatus.not_converged, trial.performance)
         text = (
             f"a reliability of {100 * self.required:g} % is out of reach: the most reliable design "
             f"that was found has {100 * reached:.1f} %"
         )
         missed = Violation("reliability", self.required - reached, text)
-        return asked.without_design(SizingStatus.infeasible, found.performance, missed)
+        return result.without_design(SizingStatus.infeasible, trial.performance, missed)
 
 
 def _next_index(tried: list[tuple[float, float]], wanted: float) -> float:

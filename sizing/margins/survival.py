@@ -140,7 +140,7 @@ class _SurvivalSizing:
         if best is None and not self.search.found:
             return Survived(self._nothing(clear), None, self._relaxed_clear(clear))
         shown = best or max(self.search.found, key=lambda one: (one.reached, one.merit))
-        found = Survival(
+        survival = Survival(
             *(self.weather, self.mission, self.required),
             days=SeasonDays.of(self.record, Powers.of(shown.design)),
             clear_sky_status=clear.status,
@@ -149,8 +149,8 @@ class _SurvivalSizing:
             notes=notes,
         )
         if best is None:
-            return Survived(self._failed(shown, found), found, tuple(self._relaxed(shown)))
-        return Survived(self._as_asked(best).with_design(self._flown_there(best)), found, ())
+            return Survived(self._failed(shown, survival), survival, tuple(self._relaxed(shown)))
+        return Survived(self._as_asked(best).with_design(self._flown_there(best)), survival, ())
 
     def _best(self) -> Trial | None:
         """Best design of the search that all days of the record confirm."""
@@ -179,20 +179,21 @@ class _SurvivalSizing:
 
     def _as_asked(self, one: Trial) -> SizingResult:
         """Result of a trial; the program's day stands for the record's."""
-        asked = self.search.as_asked(one, self.search.reports)
-        active = (DAYS_THAT_CLOSE if " (" in name else name for name in asked.active_constraints)
-        return replace(asked, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
+        result = self.search.as_asked(one, self.search.reports)
+        active = (DAYS_THAT_CLOSE if " (" in name else name for name in result.active_constraints)
+        return replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
 
     def _flown_there(self, one: Trial) -> Performance:
         """Design under a clear sky, on the mission's dates at the record's site."""
         return performance_of_designs(self.aircraft, self.mission, one.variables, self.solar)
 
-    def _failed(self, nearest: Trial, found: Survival) -> SizingResult:
+    def _failed(self, nearest: Trial, survival: Survival) -> SizingResult:
         text = (
-            f"{self.needed} of the season's {len(found.days)} days are out of reach: the best "
-            f"design that was found closes {found.days.that_close}, a share of {found.achieved:.3g}"
+            f"{self.needed} of the season's {len(survival.days)} days are out of reach: the best "
+            f"design that was found closes {survival.days.that_close}, a share of "
+            f"{survival.achieved:.3g}"
         )
-        missed = Violation(DAYS_THAT_CLOSE, self.required - found.achieved, text)
+        missed = Violation(DAYS_THAT_CLOSE, self.required - survival.achieved, text)
         perf = self._flown_there(nearest)
         return self._as_asked(nearest).without_design(SizingStatus.infeasible, perf, missed)
 
@@ -227,8 +228,8 @@ class _SurvivalSizing:
         )
         if short.status is not SizingStatus.infeasible:
             return []
-        found = relaxations(self.aircraft, mission, short, self.solar, problems=self.problems)
-        flown = (self._flown(one, factors) for one in found if one.parameter not in _OF_THE_SITE)
+        relaxed = relaxations(self.aircraft, mission, short, self.solar, problems=self.problems)
+        flown = (self._flown(one, factors) for one in relaxed if one.parameter not in _OF_THE_SITE)
         return [one for one in flown if one is not None]
 
     def _wanted_factors(self, nearest: Trial) -> FloatArray | None:

@@ -226,13 +226,13 @@ class _Cells:
         search.missed = {}
         previous = self.last if search.previous is None else search.previous
         for penalty in _PENALTIES:
-            found = self._penalised(search, search.instance.penalised(penalty), previous)
-            if found is not None and not found.missed():
-                return self._kept(found)
+            solution = self._penalised(search, search.instance.penalised(penalty), previous)
+            if solution is not None and not solution.missed():
+                return self._kept(solution)
             # The penalty may have been too low, or too high for the solver: what must be missed?
             instance = search.instance.least_missed()
-            least = self._penalised(search, instance, found, efforts=("quick", "steady"))
-            nearest = least if found is None else found
+            least = self._penalised(search, instance, solution, efforts=("quick", "steady"))
+            nearest = least if solution is None else solution
             if nearest is None:
                 return None
             if least is None or least.missed():
@@ -307,11 +307,11 @@ class _Cells:
             factor = np.exp(spread * rng.standard_normal(len(spread)))
             around = np.outer(values, factor if name in free else np.ones_like(factor))
             moved[name] = (np.clip(around, *bounds[name]) if name in bounds else around).ravel()
-        found = self._performance(DesignVariables(**moved), np.repeat(cells, len(spread)))
-        excess = found.cycle.excess_time_h.min(axis=-1)
+        flight = self._performance(DesignVariables(**moved), np.repeat(cells, len(spread)))
+        excess = flight.cycle.excess_time_h.min(axis=-1)
         good = (excess > 0.0) & (excess >= np.repeat(self.required_h[cells], len(spread)))
         merit = np.where(
-            good & self._keeps_requirements(found), merit_of(self.objective, found), -np.inf
+            good & self._keeps_requirements(flight), merit_of(self.objective, flight), -np.inf
         )
         best, own = merit.reshape(len(cells), -1).max(axis=1), merit_of(self.objective, perf)
         in_hours = ABSOLUTE_TOLERANCE_H if self.objective is Objective.max_excess_time else 0.0

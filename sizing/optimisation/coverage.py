@@ -139,14 +139,14 @@ class _Growth:
         held: list[int] = []
         if self._enough(best):
             best, held = self._grown(best, centre)
-        for easiest, found in self._other_centres(best, held):
-            if not held and _reached_h(found) > _reached_h(best):
-                best = found  # the nearest, if no other is enough either
-            if easiest in held or not self._enough(found):
+        for easiest, result in self._other_centres(best, held):
+            if not held and _reached_h(result) > _reached_h(best):
+                best = result  # the nearest, if no other is enough either
+            if easiest in held or not self._enough(result):
                 continue
-            found, others = self._grown(found, easiest)
+            result, others = self._grown(result, easiest)
             if len(others) > len(held):
-                best, held = found, others
+                best, held = result, others
         if not held:
             return WidestRange(self._named(best, None), None, None, np.empty(0))
         return self._result(best, held)
@@ -156,9 +156,9 @@ class _Growth:
         held, slides = [centre], 0
         while len(held) < len(self.members):
             nested = self._nested(best, held)
-            count, found = self._largest(nested, len(held))
-            if found is not None:
-                best, held = found, sorted(nested[:count])
+            count, result = self._largest(nested, len(held))
+            if result is not None:
+                best, held = result, sorted(nested[:count])
                 continue
             before = held
             if slides < _SLID:
@@ -178,10 +178,10 @@ class _Growth:
                 while run := self._neighbouring_run(held, way, way):
                     if set(self._limiting(held, best)) <= set(run):
                         break  # what holds the one back holds the other back as well
-                    found = self._covering(run)
-                    if found is None or _reached_h(found) <= _reached_h(best) + _GAIN_H:
+                    result = self._covering(run)
+                    if result is None or _reached_h(result) <= _reached_h(best) + _GAIN_H:
                         break
-                    best, held, moved = found, sorted(run), True
+                    best, held, moved = result, sorted(run), True
                 if moved:
                     break
         return best, held
@@ -217,14 +217,14 @@ class _Growth:
 
     def _peaks(self, excess_h: FloatArray) -> list[int]:
         """Places of the peaks that are parted from higher ones by a valley."""
-        found: list[int] = []
+        peaks: list[int] = []
         for place in np.argsort(-excess_h, kind="stable"):
-            ways = [self._between(int(place), peak, len(excess_h)) for peak in found]
+            ways = [self._between(int(place), peak, len(excess_h)) for peak in peaks]
             if all(
                 excess_h[way].min() < excess_h[place] - _VALLEY_H for both in ways for way in both
             ):
-                found.append(int(place))
-        return found
+                peaks.append(int(place))
+        return peaks
 
     def _between(self, one: int, other: int, count: int) -> list[IntArray]:
         """Places from one to another, and the other way round through the year's end."""
@@ -241,11 +241,11 @@ class _Growth:
         """
         for shift in _SHIFTS:
             run = self._neighbouring_run(held, shift, shift + 1)
-            found = self._covering(run) if run else None
-            if found is not None:
-                nested = self._nested(found, run)
-                count = max(self._covered(found, nested), len(run))
-                return self._over(found, nested[:count]), sorted(nested[:count])
+            result = self._covering(run) if run else None
+            if result is not None:
+                nested = self._nested(result, run)
+                count = max(self._covered(result, nested), len(run))
+                return self._over(result, nested[:count]), sorted(nested[:count])
         return best, held
 
     def _excess_h(self, variables: DesignVariables) -> FloatArray:
@@ -310,26 +310,26 @@ class _Growth:
             # A run that has grown before will hardly grow by much.
             middle = min((low + high) // 2, low + step)
             step *= 2
-            found = self._covering(nested[:middle])
-            if found is None:
+            result = self._covering(nested[:middle])
+            if result is None:
                 high = middle
                 continue
-            low = max(middle, min(self._covered(found, nested), high - 1))
-            best = found if low == middle else self._over(found, nested[:low])
+            low = max(middle, min(self._covered(result, nested), high - 1))
+            best = result if low == middle else self._over(result, nested[:low])
         return low, best
 
-    def _covered(self, found: SizingResult, nested: list[int]) -> int:
+    def _covered(self, result: SizingResult, nested: list[int]) -> int:
         """How many members, from the first on, a design covers."""
-        assert found.design is not None
-        excess_h = self._excess_h(found.design.variables)[nested]
+        assert result.design is not None
+        excess_h = self._excess_h(result.design.variables)[nested]
         enough = (excess_h > 0.0) & (excess_h >= self.required_h)
         return int(np.argmin([*enough, False]))
 
-    def _over(self, found: SizingResult, members: list[int]) -> SizingResult:
+    def _over(self, result: SizingResult, members: list[int]) -> SizingResult:
         """A design in a run that it covers, though it was sized for a part of it."""
-        assert found.design is not None
-        excess_h = float(self._excess_h(found.design.variables)[members].min())
-        return replace(found, objective_value=excess_h, optimum=None)
+        assert result.design is not None
+        excess_h = float(self._excess_h(result.design.variables)[members].min())
+        return replace(result, objective_value=excess_h, optimum=None)
 
     def _covering(self, members: list[int]) -> SizingResult | None:
         """Design for a run of members; None where it is not enough.
@@ -341,11 +341,11 @@ class _Growth:
             self._try_ends(members)
         if self._ruled_out(members):
             return None
-        found = self._sized(members, enough_h=self.required_h)
-        self._learn(members, found)
-        if self._enough(found):
-            return found
-        if found.status is SizingStatus.not_converged:
+        result = self._sized(members, enough_h=self.required_h)
+        self._learn(members, result)
+        if self._enough(result):
+            return result
+        if result.status is SizingStatus.not_converged:
             self._try_ends(members)
         return None
 
@@ -363,25 +363,25 @@ class _Growth:
     def _apart(self, members: list[int]) -> bool:
         return any(some <= frozenset(members) for some in self.apart)
 
-    def _learn(self, members: list[int], found: SizingResult) -> None:
+    def _learn(self, members: list[int], result: SizingResult) -> None:
         """Remember which members have a design in common, or which have none."""
-        if self._enough(found):
+        if self._enough(result):
             self.within.update(members)
-        elif found.status is SizingStatus.not_converged:
+        elif result.status is SizingStatus.not_converged:
             self.failed.add(frozenset(members))
         else:
-            limiting = self._limiting(members, found)
+            limiting = self._limiting(members, result)
             if limiting == members or not self._enough(self._sized(limiting)):
                 self.apart.append(frozenset(limiting))
 
-    def _limiting(self, members: list[int], found: SizingResult) -> list[int]:
+    def _limiting(self, members: list[int], result: SizingResult) -> list[int]:
         """Members whose scenarios hold the best design back; all where they are not known."""
-        if found.optimum is None:
+        if result.optimum is None:
             return members
-        scenarios = found.optimum.scenarios
+        scenarios = result.optimum.scenarios
         places = {
             scenarios[row.block] // self.each
-            for row in limiting_rows(found.optimum)
+            for row in limiting_rows(result.optimum)
             if row.block is not None
         }
         return [members[place] for place in sorted(places)] or members
@@ -389,7 +389,7 @@ class _Growth:
     def _sized(
         self, members: list[int], *, explain: bool = False, enough_h: float = np.inf
     ) -> SizingResult:
-        found = size_aircraft(
+        result = size_aircraft(
             self.aircraft,
             self.mission,
             Objective.max_excess_time,
@@ -401,16 +401,16 @@ class _Growth:
             explain=explain,
             enough_h=enough_h,
         )
-        if found.design is not None:
-            self.start = found.design.variables
-        return found
+        if result.design is not None:
+            self.start = result.design.variables
+        return result
 
     def _day_of(self, members: list[int]) -> SolarDay:
         places = np.asarray(members)[:, np.newaxis] * self.each + np.arange(self.each)
         return self.day.at(places.ravel())
 
-    def _enough(self, found: SizingResult) -> bool:
-        return found.objective_value is not None and _reached_h(found) >= self.required_h
+    def _enough(self, result: SizingResult) -> bool:
+        return result.objective_value is not None and _reached_h(result) >= self.required_h
 
     def _result(self, best: SizingResult, held: list[int]) -> WidestRange:
         assert best.design is not None

@@ -80,14 +80,14 @@ def cross_check(
     judge = _Judge(aircraft, mission, solar, result)
     own = float(judge.value(result.simulated))
     fine = float(judge.value(judge.performance(result.design.variables, judge.fine_day)))
-    found = {
+    bests = {
         "optimum": own,
         "grid": judge.best_of_grid(),
         "neighbours": judge.best_of(_neighbours(aircraft, result, seed)),
         "other starts": judge.best_of_starts(),
         "other branches": judge.best_of_branches(),
     }
-    found_by, best = max(found.items(), key=lambda item: float(judge.merit(item[1])))
+    found_by, best = max(bests.items(), key=lambda item: float(judge.merit(item[1])))
     # Equal first: the excess time is infinite where the battery is never needed.
     advantage = 0.0 if best == own else float(judge.merit(best) - judge.merit(own))
     tolerance = judge.tolerance(own, result.simulated)
@@ -174,7 +174,7 @@ class _Judge:
     def best_of_starts(self) -> float:
         """Best of sizings that start elsewhere in the design space."""
         problems = SizingProblems(self.aircraft)
-        found = (
+        flights = (
             size_aircraft(
                 self.aircraft,
                 self.mission,
@@ -186,24 +186,24 @@ class _Judge:
             ).simulated
             for fractions in _STARTS
         )
-        return self._best_of_sized([one for one in found if one is not None])
+        return self._best_of_sized([one for one in flights if one is not None])
 
     def best_of_branches(self) -> float:
         """Best of sizings with other scenarios always lit, under a midnight sun."""
         solver = ProgramSolver(
             *(SizingProblems(self.aircraft), self.mission, self.solar, self.day), by_model=True
         )
-        asked = (self.objective, self.required_h, self.optimum)
-        found = (
-            size_branch(solver, *asked, sunlit).simulated for sunlit in _some_branches(self.day)
+        request = (self.objective, self.required_h, self.optimum)
+        flights = (
+            size_branch(solver, *request, sunlit).simulated for sunlit in _some_branches(self.day)
         )
-        return self._best_of_sized([one for one in found if one is not None])
+        return self._best_of_sized([one for one in flights if one is not None])
 
-    def _best_of_sized(self, found: Sequence[Performance]) -> float:
+    def _best_of_sized(self, flights: Sequence[Performance]) -> float:
         """Best of a few optima."""
-        if not found:
+        if not flights:
             return float("nan")
-        chosen = [one.design.variables.chosen() for one in found]
+        chosen = [one.design.variables.chosen() for one in flights]
         names = chosen[0]
         return self.best_of(
             DesignVariables(**{n: np.array([float(one[n]) for one in chosen]) for n in names})

@@ -133,9 +133,9 @@ def promising_designs(solver: ProgramSolver) -> list[Promising]:
     coarse = solar_day(
         aircraft, mission, solar, scenarios=solver.day.scenarios, step_h=_GRID_STEP_H
     )
-    found = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
-    excess_h = np.min(found.cycle.excess_time_h, axis=-1)
-    missed = _missed_of(aircraft, found)
+    flight = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
+    excess_h = np.min(flight.cycle.excess_time_h, axis=-1)
+    missed = _missed_of(aircraft, flight)
     best = np.lexsort((-excess_h, np.where(excess_h > 0.0, missed, np.inf)))[:_PROMISING]
     return [
         Promising(
@@ -160,14 +160,14 @@ def least_unlifted(aircraft: Aircraft, mission: Mission) -> float:
     return float(np.min(unlifted, initial=np.inf, where=np.isfinite(unlifted)))
 
 
-def _missed_of(aircraft: Aircraft, found: Performance) -> FloatArray:
+def _missed_of(aircraft: Aircraft, flight: Performance) -> FloatArray:
     """Sum of what closed designs miss their requirements by, relative."""
-    mass_kg = np.asarray(found.design.total_mass_kg)
+    mass_kg = np.asarray(flight.design.total_mass_kg)
     heaviest_kg = aircraft.design_space.maximum_total_mass_kg or np.inf
-    conditions = FlightConditions.of(found.mission, aircraft)
+    conditions = FlightConditions.of(flight.mission, aircraft)
     with np.errstate(invalid="ignore"):
         missed = np.maximum(mass_kg / heaviest_kg - 1.0, 0.0)
-        for row in design_requirements(aircraft, found.design, conditions)[1:]:  # mass is closed
+        for row in design_requirements(aircraft, flight.design, conditions)[1:]:  # mass is closed
             missed = missed + np.maximum(-np.asarray(row.value), 0.0)
     return np.where(np.isfinite(missed), missed, np.inf)
 

@@ -110,38 +110,38 @@ class Search:
             self.solution = self._solve(self)
         return self.solution is not None
 
-    def judge(self, found: Simulated) -> bool:
+    def judge(self, simulated: Simulated) -> bool:
         """Keep the solution if it is the best one; whether the program is to be solved again."""
-        accepted = self.accepts(found)
-        if accepted and (self.best is None or found.merit > self.best.found.merit):
-            self.best = Accepted(self.current, found)
-        if accepted and found.worst in self.scenarios and not self._wasteful(found):
+        accepted = self.accepts(simulated)
+        if accepted and (self.best is None or simulated.merit > self.best.found.merit):
+            self.best = Accepted(self.current, simulated)
+        if accepted and simulated.worst in self.scenarios and not self._wasteful(simulated):
             return False
-        if accepted and self.instance.sunlit and np.isinf(found.excess_time_h):
+        if accepted and self.instance.sunlit and np.isinf(simulated.excess_time_h):
             return False  # nothing is worse than the others
-        if found.worst in self.scenarios:
-            bound = _Bound(self.instance.goal_h, self.instance.margin, found.excess_time_h)
+        if simulated.worst in self.scenarios:
+            bound = _Bound(self.instance.goal_h, self.instance.margin, simulated.excess_time_h)
             self._short, self._enough = (self._short, bound) if accepted else (bound, self._enough)
         if not accepted:
             self.rejected = self.current.design
             if self.ceiling_h - self.instance.goal_h < _SAME_GOAL_H or self.enclosed():
                 return False
-        self._tighten(found)
+        self._tighten(simulated)
         self.previous, self.solution = self.solution, None
         return True
 
-    def accepts(self, found: Simulated) -> bool:
+    def accepts(self, simulated: Simulated) -> bool:
         """Whether a design has enough excess time everywhere and keeps its requirements."""
-        if not (found.excess_time_h > 0.0 and found.excess_time_h >= self.required_h):
+        if not (simulated.excess_time_h > 0.0 and simulated.excess_time_h >= self.required_h):
             return False
         # A limit on the total mass may be what is to be moved.
-        return found.sound or "total_mass_kg" in self.instance.bounds
+        return simulated.sound or "total_mass_kg" in self.instance.bounds
 
-    def _wasteful(self, found: Simulated) -> bool:
+    def _wasteful(self, simulated: Simulated) -> bool:
         """Whether a design has more excess time than needed, and another goal may change that."""
         if self.instance.best_excess or (self.instance.goal_h <= 0.0 and self._short is None):
             return False
-        surplus_h = found.excess_time_h - self.required_h
+        surplus_h = simulated.excess_time_h - self.required_h
         if self._unchanged() or self.enclosed():
             return False
         # Next to the largest excess time minutes cost much: what they are worth is known.
@@ -188,10 +188,10 @@ class Search:
         then, now = (list(one.design.chosen().values()) for one in (self.previous, self.current))
         return bool(np.allclose(then, now, rtol=_UNCHANGED, atol=0.0))
 
-    def _tighten(self, found: Simulated) -> None:
+    def _tighten(self, simulated: Simulated) -> None:
         """Let the worst scenario join, or shift the goal if it is there already."""
-        if found.worst not in self.scenarios:
-            self.scenarios.append(found.worst)
+        if simulated.worst not in self.scenarios:
+            self.scenarios.append(simulated.worst)
             if len(self.scenarios) > self.blocks:
                 self.blocks = min(2 * self.blocks, self.count)
             self._short = self._enough = None
@@ -199,11 +199,11 @@ class Search:
         goal_h, margin = self.instance.goal_h, self.instance.margin
         if self._short is not None and self._enough is not None:
             goal_h, margin = self._between(self._short, self._enough)
-        elif found.excess_time_h <= 0.0:
+        elif simulated.excess_time_h <= 0.0:
             # The battery runs empty over many days: the day must return more.
             goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
         else:
-            shifted_h = goal_h + self.required_h - found.excess_time_h + self.cushion_h
+            shifted_h = goal_h + self.required_h - simulated.excess_time_h + self.cushion_h
             if shifted_h > self.ceiling_h:
                 shifted_h = (goal_h + self.ceiling_h) / 2.0
             goal_h = max(shifted_h, 0.0)
@@ -233,8 +233,8 @@ def run(
         searches = [search for search in searches if search.solved()]
         if not searches:
             return
-        judged = zip(searches, simulate(searches), strict=True)
-        searches = [search for search, found in judged if search.judge(found)]
+        pairs = zip(searches, simulate(searches), strict=True)
+        searches = [search for search, simulated in pairs if search.judge(simulated)]
 
 
 def telling_scenarios(perf: Performance, count: int) -> list[int]:

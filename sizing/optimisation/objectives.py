@@ -86,14 +86,14 @@ class Objective(StrEnum):
 
     def value_of(self, design: Design) -> FloatArray | float | None:
         """Value of a design, where it tells it; None for a payload that is the mission's."""
-        found: FloatArray | float | None
+        value: FloatArray | float | None
         if self is Objective.min_mass:
-            found = design.total_mass_kg
+            value = design.total_mass_kg
         elif self is Objective.max_payload_mass:
-            found = design.masses.payload
+            value = design.masses.payload
         else:
-            found = getattr(design.variables, self.variable)
-        return found
+            value = getattr(design.variables, self.variable)
+        return value
 
 
 class _Row(NamedTuple):

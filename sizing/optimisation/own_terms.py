@@ -65,7 +65,7 @@ class _Symbols:
 def _expression(function: OwnFunction, what: str) -> Any:
     """Expression that a function returns, each quantity one symbol."""
     try:
-        found = function(_Symbols())
+        expression = function(_Symbols())
     except AttributeError as error:
         raise ValueError(f"{what}: {error}") from error
     except Exception as error:
@@ -73,10 +73,10 @@ def _expression(function: OwnFunction, what: str) -> Any:
             f"{what} is called with symbols: arithmetic, NumPy's and CasADi's functions "
             f"(casadi.fmax, casadi.if_else) take them, if, max and float do not ({error})"
         ) from error
-    if not isinstance(found, ca.SX) or not found.is_scalar() or not ca.symvar(found):
-        shown = " ".join(str(found).split())[:60]
+    if not isinstance(expression, ca.SX) or not expression.is_scalar() or not ca.symvar(expression):
+        shown = " ".join(str(expression).split())[:60]
         raise ValueError(f"{what} must return one number that depends on the design (got {shown})")
-    return found
+    return expression
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +88,11 @@ class _Term:
 
     @classmethod
     def of(cls, expression: Any) -> _Term:
-        found = ca.symvar(expression)
-        names = tuple(dict.fromkeys(one.name() for one in found))
+        symbols = ca.symvar(expression)
+        names = tuple(dict.fromkeys(one.name() for one in symbols))
         every = ca.SX.sym("quantities", len(names))
-        own = [every[names.index(one.name())] for one in found]
-        (value,) = ca.substitute([expression], found, own)
+        own = [every[names.index(one.name())] for one in symbols]
+        (value,) = ca.substitute([expression], symbols, own)
         return cls(names, ca.Function("own", [every], [value]))
 
     def __call__(self, it: DesignInFlight) -> Value:
@@ -102,8 +102,8 @@ class _Term:
         arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in values))
         if arrays[0].size == 0:
             return np.zeros(arrays[0].shape)
-        found = self.function(np.stack([one.ravel() for one in arrays]))
-        return np.asarray(found).reshape(arrays[0].shape)
+        evaluated = self.function(np.stack([one.ravel() for one in arrays]))
+        return np.asarray(evaluated).reshape(arrays[0].shape)
 
 
 @dataclass(frozen=True, eq=False)

@@ -236,17 +236,17 @@ class _Relaxations:
     ) -> Solution | None:
         """Solution from the last one of the same program; none where it misses a requirement."""
         last = self.last
-        found = self.solver.solve(
+        solution = self.solver.solve(
             instance.penalised(PENALTY),
             scenarios,
             [start],
             efforts=("quick", "steady"),
             previous=last if last is not None and len(last.scenarios) == len(scenarios) else None,
         )
-        if found is None:
+        if solution is None:
             return None
-        self.last = found
-        return None if found.missed() else found
+        self.last = solution
+        return None if solution.missed() else solution
 
     def _eased(self, solution: Solution) -> tuple[Aircraft, Mission, SolarDay]:
         """Aircraft, mission and sun with the values that the program chose."""
@@ -357,14 +357,14 @@ class _Relaxations:
         scenarios = [one.scenarios() for one in moved]
         latitudes = np.concatenate([one.latitude_deg[telling] for one in scenarios])
         days = np.concatenate([one.day_of_year[telling] for one in scenarios])
-        found = size_cells(
+        sizings = size_cells(
             *(self.aircraft, self.mission, Scenarios(latitudes, days)),
             *(Objective.max_excess_time, self.solar),
             scenarios_per_cell=len(telling),
             required_excess_time_h=0.0,
             problems=self.problems,
         )
-        return np.asarray(found.objective_value >= self.required_h)
+        return np.asarray(sizings.objective_value >= self.required_h)
 
     def _largest_excess(
         self, aircraft: Aircraft, mission: Mission, *, explain: bool = False
@@ -392,14 +392,14 @@ def bisected(
     enough: float,
     suffices: Callable[[float], bool],
     tolerance: Callable[[float], float],
-    told: Callable[[float], float] = float,
+    as_shown: Callable[[float], float] = float,
 ) -> float:
     """Value that is enough, next to one that is too short, within a tolerance of what is found.
 
-    ``told``: form in which values are tried.
+    ``as_shown``: form in which values are tried.
     """
     while abs(enough - short) > tolerance(enough):
-        middle = told((short + enough) / 2.0)
+        middle = as_shown((short + enough) / 2.0)
         if middle in (short, enough):
             break
         if suffices(middle):

@@ -138,20 +138,20 @@ def _sized(
     def branch(sunlit: list[int]) -> _Sizing:
         return _Sizing(*given, explain=False, enough_h=enough_h, sunlit=sunlit)
 
-    found: list[SizingResult] = []
+    results: list[SizingResult] = []
     if len(lit_sets[-1]) == count:
-        found.append(branch(lit_sets.pop()).run())
+        results.append(branch(lit_sets.pop()).run())
         # No excess time is longer than an unlimited one.
-        if best_excess and found[0].feasible:
-            return found[0]
+        if best_excess and results[0].feasible:
+            return results[0]
     by_battery = one = branch([])
-    found.append(without_lit := one.run())
+    results.append(without_lit := one.run())
     place = one.next_of(lit_sets, -1)
-    while place is not None and place < len(lit_sets) and found[-1].merit < enough_h:
+    while place is not None and place < len(lit_sets) and results[-1].merit < enough_h:
         one = branch(lit_sets[place])
-        found.append(one.run())
+        results.append(one.run())
         place = one.next_of(lit_sets, place)
-    best = max(found, key=attrgetter("merit"))
+    best = max(results, key=attrgetter("merit"))
     if not best.feasible:
         return by_battery.explained() if explain else without_lit
     return replace(best, solver=solver.work)
@@ -271,24 +271,24 @@ class _Sizing:
         previous: Solution | None = None,
     ) -> Solution | None:
         search = self.search
-        found = self.solver.solve(
+        solution = self.solver.solve(
             search.instance if instance is None else instance,
             search.filled(),
             starts,
             efforts=(effort,),
             previous=previous,
         )
-        self.last = found or self.last
-        return found
+        self.last = solution or self.last
+        return solution
 
     def _solve_again(self, search: Search) -> Solution | None:
         """Solution from the last one's design, or from that of largest excess time."""
         assert search.previous is not None
         starts = [search.previous.design]
         starts += [] if self.largest is None else [self.largest.solution.design]
-        found = self._solve(starts)
-        if found is not None or not self.rough:
-            return found or self._solve(starts, effort="steady")
+        solution = self._solve(starts)
+        if solution is not None or not self.rough:
+            return solution or self._solve(starts, effort="steady")
         soft = self._solve(starts, search.instance.penalised(PENALTY)) or self.solver.nearly
         return None if soft is None or soft.missed() else soft
 
@@ -393,8 +393,8 @@ class _Sizing:
         self.sunlit = sorted(largest.optimum.instance.sunlit)
         self.search.instance = self._instance()
         # Its own time step judges it: no finer one takes back what the largest excess time allows.
-        found = self._simulated(largest.optimum)
-        self.largest = Accepted(largest.optimum, found._replace(excess_time_h=largest.merit))
+        simulated = self._simulated(largest.optimum)
+        self.largest = Accepted(largest.optimum, simulated._replace(excess_time_h=largest.merit))
         self.search.begin_below(self.largest)
         nearest = largest.simulated.design.variables.mapped(float)
         return self._restarted([nearest, *starts()], largest.simulated)
@@ -466,10 +466,10 @@ class _Sizing:
         found = violations(self.aircraft, missed, nearest, self.required_h)
         return self._result(active).without_design(SizingStatus.infeasible, nearest, *found)
 
-    def _optimal(self, solution: Solution, found: Simulated) -> SizingResult:
-        assert found.performance is not None
+    def _optimal(self, solution: Solution, simulated: Simulated) -> SizingResult:
+        assert simulated.performance is not None
         active = active_constraints(solution, self.day)
-        return replace(self._result(active), optimum=solution).with_design(found.performance)
+        return replace(self._result(active), optimum=solution).with_design(simulated.performance)
 
     def _result(self, active: tuple[str, ...] = ()) -> SizingResult:
         return SizingResult(

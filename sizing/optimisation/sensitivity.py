@@ -77,7 +77,7 @@ def sensitivities(
     lagrangian = _Lagrangian(optimum, solar, scenarios)
     to_units = _objective_per_cost(result)
     chosen = _chosen_keys(aircraft, result.objective)
-    found = []
+    rows = []
     for name, one in catalogue().items():
         value = parameter_value(aircraft, mission, name)
         if not one.sensitive or value is None or name in chosen:
@@ -85,9 +85,9 @@ def sensitivities(
         derivative = to_units * lagrangian.derivative(aircraft, mission, name, value)
         both = value != 0.0 and objective_value != 0.0
         elasticity = derivative * value / objective_value if both else None
-        found.append(Sensitivity(name, one.unit, value, derivative, elasticity))
+        rows.append(Sensitivity(name, one.unit, value, derivative, elasticity))
     # Efficiencies of one chain have one sensitivity, but for rounding: they keep their order.
-    return sorted(found, key=lambda s: -float(f"{abs(s.per_percent):.9g}"))
+    return sorted(rows, key=lambda s: -float(f"{abs(s.per_percent):.9g}"))
 
 
 def _checked(result: SizingResult, wanted: str) -> tuple[Solution, Performance, float]:
@@ -141,8 +141,8 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
             add(name, float(multiplier), row.step, f"1 {row.unit}")
     for variable, multiplier in optimum.free_bound_multipliers().items():
         add(f"{variable} at its bound", multiplier, RELATIVE_STEP, "1 % of the bound")
-    found = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
-    return sorted(found, key=lambda one: -one.gain)
+    multipliers = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
+    return sorted(multipliers, key=lambda one: -one.gain)
 
 
 def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:

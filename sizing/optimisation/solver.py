@@ -260,20 +260,20 @@ class ProgramSolver:
         """
         posed = self._posed(instance, scenarios)
         if previous is not None:
-            found = self._solved(posed, "next", _warm(posed, previous))
-            if found is not None:
-                return found
+            solution = self._solved(posed, "next", _warm(posed, previous))
+            if solution is not None:
+                return solution
         if starts and instance.penalty != math.inf:
-            found = self._directly(posed, starts[0])
-            if found is not None:
-                return found
+            solution = self._directly(posed, starts[0])
+            if solution is not None:
+                return solution
         for variables in starts:
             cold = {"x0": posed.within(self._start(posed.problem, instance, variables))}
             for effort in efforts:
                 soft = effort == "quick" and instance.penalty not in (None, math.inf)
-                found = self._solved(posed, "still" if soft else effort, cold)
-                if found is not None:
-                    return found
+                solution = self._solved(posed, "still" if soft else effort, cold)
+                if solution is not None:
+                    return solution
         return None
 
     def _directly(self, posed: _Posed, variables: DesignVariables) -> Solution | None:
@@ -353,7 +353,7 @@ class ProgramSolver:
             begun = time.perf_counter()
             solver = program.solver(effort)
             built = time.perf_counter()
-            found: Any = solver(**(posed.limits | dict(start)))
+            answer: Any = solver(**(posed.limits | dict(start)))
             solved = time.perf_counter()
             stats = solver.stats()
         self.work += SolverReport(
@@ -363,7 +363,7 @@ class ProgramSolver:
             solves=1,
             message=str(stats["return_status"]),
         )
-        x, rows, bounds = (np.asarray(found[k]).ravel() for k in ("x", "lam_g", "lam_x"))
+        x, rows, bounds = (np.asarray(answer[k]).ravel() for k in ("x", "lam_g", "lam_x"))
         problem, instance = posed.problem, posed.instance
         stands = instance.penalty is not None and _stands_still(stats, effort)
         self.nearly = None

@@ -128,13 +128,13 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         "aspect_ratio": space.aspect_ratio,
         "lift_coefficient": space.lift_coefficient,
     }
-    found = (
+    variables = (
         Variable(name, unit(name), ends.minimum, ends.maximum)
         for name, ends in ranges.items()
         if ends is not None
     )
     always: tuple[Variable, ...] = (
-        *found,
+        *variables,
         Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
         Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
     )

@@ -214,10 +214,10 @@ class BladeElementPropeller:
         lifts = self._excess(undisturbed, *given) < 0.0
         lower = np.where(lifts, undisturbed, -undisturbed + 1e-12)
         upper = np.where(lifts, np.pi / 2, np.maximum(undisturbed, lower + 1e-12))
-        found = elementwise.find_root(
+        root = elementwise.find_root(
             self._excess, (lower, upper), args=given, tolerances={"xrtol": _ANGLE_TOLERANCE}
         )
-        return np.asarray(found.x)
+        return np.asarray(root.x)
 
     def _excess(self, psi: FloatArray, *given: FloatArray) -> FloatArray:
         """Circulation by momentum above that by lift [m2/s]."""

@@ -73,13 +73,13 @@ class Motor(Record):
         -------
         Motor
         """
-        found = entry("motors", name)
-        assert isinstance(found, MotorEntry)
+        motor = entry("motors", name)
+        assert isinstance(motor, MotorEntry)
         return cls(
-            speed_constant_rpm_per_v=found.speed_constant_rpm_per_v,
-            resistance_ohm=found.resistance_ohm,
-            no_load_current_a=found.no_load_current_a,
-            maximum_current_a=found.maximum_current_a,
+            speed_constant_rpm_per_v=motor.speed_constant_rpm_per_v,
+            resistance_ohm=motor.resistance_ohm,
+            no_load_current_a=motor.no_load_current_a,
+            maximum_current_a=motor.maximum_current_a,
         )
 
     def state(self, speed_rpm: ArrayLike, torque_nm: ArrayLike) -> MotorState:

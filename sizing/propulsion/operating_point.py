@@ -285,17 +285,17 @@ def _rotation(
     trial = lower[:, None] * (upper / lower)[:, None] ** np.linspace(0.0, 1.0, propeller.trials)
     pull = _thrust(trial, v[:, None], *(one[:, None] for one in air), propeller=propeller)
     crosses = (pull[:, :-1] <= thrust[:, None]) & (pull[:, 1:] >= thrust[:, None])
-    found = np.flatnonzero(crosses.any(axis=1))
-    first = np.argmax(crosses[found], axis=1)
-    ends = trial[found, first], trial[found, first + 1]
+    crossing = np.flatnonzero(crosses.any(axis=1))
+    first = np.argmax(crosses[crossing], axis=1)
+    ends = trial[crossing, first], trial[crossing, first + 1]
     n = np.full(len(v), np.nan)
 
     def excess(rotation: FloatArray, *given: FloatArray) -> FloatArray:
         return _thrust(rotation, given[1], *given[2:], propeller=propeller) - given[0]
 
-    if found.size:
-        given = tuple(one[found] for one in (thrust, v, *air))
-        n[found] = elementwise.find_root(excess, ends, args=given).x
+    if crossing.size:
+        given = tuple(one[crossing] for one in (thrust, v, *air))
+        n[crossing] = elementwise.find_root(excess, ends, args=given).x
     reason = np.full(len(v), "", dtype=object)
     for place in np.flatnonzero(np.isnan(n)):
         reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller)

@@ -93,34 +93,32 @@ def read_propeller(
     paths = [files] if isinstance(files, str | os.PathLike) else list(files)
     if not paths:
         raise file_error("files", "must name at least one file (got none)")
-    found = _Read(diameter_m=diameter_m)
+    read = _Read(diameter_m=diameter_m)
     for path in paths:
         name = os.fspath(path)
-        _read_file(found, read_text(name), printable(name))
+        _read_file(read, read_text(name), printable(name))
     names = ", ".join(printable(os.fspath(path)) for path in paths)
-    found.problems += [one for point in found.points for one in _wrong(point)]
-    if not found.problems:
-        found.problems += _missing(found, names, any_speed)
-    if found.problems:
-        raise InputError(found.problems[:20])
-    assert found.diameter_m is not None
-    curves = tuple(_curve(points, found.static) for points in _by_speed(found.points))
-    return PropellerTable(found.diameter_m, curves, names, any_speed)
+    read.problems += [one for point in read.points for one in _wrong(point)]
+    if not read.problems:
+        read.problems += _missing(read, names, any_speed)
+    if read.problems:
+        raise InputError(read.problems[:20])
+    assert read.diameter_m is not None
+    curves = tuple(_curve(points, read.static) for points in _by_speed(read.points))
+    return PropellerTable(read.diameter_m, curves, names, any_speed)
 
 
-def _missing(found: _Read, names: str, any_speed: bool) -> list[Problem]:
+def _missing(read: _Read, names: str, any_speed: bool) -> list[Problem]:
     """What the files lack as a whole."""
-    if not found.points:
+    if not read.points:
         return [file_error(names, "holds no row of J, CT and CP").problems[0]]
-    if found.diameter_m is None:
+    if read.diameter_m is None:
         return [file_error(names, "does not tell the diameter: give diameter_m").problems[0]]
-    if not 0.0 < found.diameter_m <= 100.0:
-        return [
-            Problem("diameter_m", None, None, "", f"must be above 0 (got {found.diameter_m:g})")
-        ]
-    if len({math.isnan(point.speed_rpm) for point in found.points}) > 1:
+    if not 0.0 < read.diameter_m <= 100.0:
+        return [Problem("diameter_m", None, None, "", f"must be above 0 (got {read.diameter_m:g})")]
+    if len({math.isnan(point.speed_rpm) for point in read.points}) > 1:
         return [file_error(names, "names a speed of rotation for some rows alone").problems[0]]
-    speeds = list(_by_speed(found.points))
+    speeds = list(_by_speed(read.points))
     if len(speeds) < 2 and not any_speed:
         rpm = speeds[0][0].speed_rpm
         have = "names no speed of rotation" if math.isnan(rpm) else f"has {rpm:g} rpm alone"
@@ -132,42 +130,42 @@ def _missing(found: _Read, names: str, any_speed: bool) -> list[Problem]:
     ]
 
 
-def _read_file(found: _Read, text: str, file: str) -> None:
+def _read_file(read: _Read, text: str, file: str) -> None:
     """Add what a file has, in whichever of the formats it is."""
     lines = text.splitlines()
     head = [line.lower().replace(",", " ").split() for line in lines if line.strip()][:40]
     if any(_BLOCK.match(line) for line in lines):
-        _read_apc(found, lines, file)
+        _read_apc(read, lines, file)
     elif head and head[0][:3] == ["j", "ct", "cp"] and "," not in lines[0]:
-        _read_uiuc(found, lines, file)
+        _read_uiuc(read, lines, file)
     elif head and head[0] == ["rpm", "ct", "cp"] and "," not in lines[0]:
-        rows = _rows(found, lines[1:], file, 3)
-        found.static += [_Point(file, line, row[0], 0.0, row[1], row[2]) for line, row in rows]
+        rows = _rows(read, lines[1:], file, 3)
+        read.static += [_Point(file, line, row[0], 0.0, row[1], row[2]) for line, row in rows]
     elif any({"j", "ct", "cp"} <= set(words) for words in head):
-        _read_csv(found, lines, file)
+        _read_csv(read, lines, file)
     else:
         message = "is no table of a propeller: neither 'PROP RPM =' nor columns J, CT and CP"
-        found.problems.append(file_error(file, message).problems[0])
+        read.problems.append(file_error(file, message).problems[0])
 
 
-def _size(found: _Read, text: str) -> None:
+def _size(read: _Read, text: str) -> None:
     """Take the diameter from a name such as 11x5.5E, if none is given."""
     size = _SIZE.search(text)
-    if found.diameter_m is None and size and float(size[1]) <= _LARGEST_INCHES:
-        found.diameter_m = float(size[1]) * _INCH_M
+    if read.diameter_m is None and size and float(size[1]) <= _LARGEST_INCHES:
+        read.diameter_m = float(size[1]) * _INCH_M
 
 
-def _read_uiuc(found: _Read, lines: Sequence[str], file: str) -> None:
+def _read_uiuc(read: _Read, lines: Sequence[str], file: str) -> None:
     name = file.replace("\\", "/").rpartition("/")[2]
-    _size(found, name)
+    _size(read, name)
     run = _RUN.search(name)
     speed = float(run[1]) if run else math.nan
-    for line, row in _rows(found, lines[1:], file, len(lines[0].split())):
-        found.points.append(_Point(file, line, speed, *row[:3]))
+    for line, row in _rows(read, lines[1:], file, len(lines[0].split())):
+        read.points.append(_Point(file, line, speed, *row[:3]))
 
 
-def _read_apc(found: _Read, lines: Sequence[str], file: str) -> None:
-    _size(found, next(line for line in lines if line.strip()))
+def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
+    _size(read, next(line for line in lines if line.strip()))
     speed = math.nan
     order: list[str] = []
     for number, line in enumerate(lines, 1):
@@ -179,14 +177,14 @@ def _read_apc(found: _Read, lines: Sequence[str], file: str) -> None:
                 message = (
                     f"PROP RPM must be above 0 and at most {_LARGEST_RPM:g} (got {block[1]!r})"
                 )
-                found.problems.append(Problem(file, number, None, "", message))
+                read.problems.append(Problem(file, number, None, "", message))
         elif words[:2] == ["V", "J"]:
             order = [word.lower() for word in words]
         elif order and words and "(" not in line:
-            _apc_row(found, speed, dict(zip(order, words, strict=False)), (file, number))
+            _apc_row(read, speed, dict(zip(order, words, strict=False)), (file, number))
 
 
-def _apc_row(found: _Read, speed: float, row: dict[str, str], place: tuple[str, int]) -> None:
+def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, int]) -> None:
     """A row; of J and V, both rounded, the finer one counts, and they must agree."""
     values = {key: _number(row.get(key, "")) for key in ("v", "j", "ct", "cp")}
     wrong = [key for key, value in values.items() if math.isnan(value)]
@@ -194,21 +192,21 @@ def _apc_row(found: _Read, speed: float, row: dict[str, str], place: tuple[str, 
         # Where its computation does not converge APC prints NaN.
         if not any("nan" in row.get(key, "").lower() for key in wrong):
             message = f"{wrong[0].upper()} must be a number (got {row.get(wrong[0], '')!r})"
-            found.problems.append(Problem(*place, None, "", shortened(printable(message))))
+            read.problems.append(Problem(*place, None, "", shortened(printable(message))))
         return
     advance = values["j"]
-    if found.diameter_m is not None and speed > 0.0:
-        per_speed = 60.0 * _MPH_M_PER_S / (speed * found.diameter_m)
+    if read.diameter_m is not None and speed > 0.0:
+        per_speed = 60.0 * _MPH_M_PER_S / (speed * read.diameter_m)
         by_speed = values["v"] * per_speed
         step_j, step_v = _step(row["j"]), _step(row["v"]) * per_speed
         if abs(by_speed - advance) > step_j + step_v + 0.02 * advance:
             message = (
                 f"J {row['j']} is not V/(nD) of {row['v']} mph, {speed:g} rpm and a diameter of "
-                f"{found.diameter_m:g} m, which is {by_speed:.3f}"
+                f"{read.diameter_m:g} m, which is {by_speed:.3f}"
             )
-            found.problems.append(Problem(*place, None, "", message))
+            read.problems.append(Problem(*place, None, "", message))
         advance = by_speed if step_v < step_j else advance
-    found.points.append(_Point(*place, speed, advance, values["ct"], values["cp"]))
+    read.points.append(_Point(*place, speed, advance, values["ct"], values["cp"]))
 
 
 def _step(text: str) -> float:
@@ -216,13 +214,13 @@ def _step(text: str) -> float:
     return 10.0 ** -len(text.partition(".")[2])
 
 
-def _read_csv(found: _Read, lines: Sequence[str], file: str) -> None:
+def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
     names: list[str] = []
     for number, line in enumerate(lines, 1):
         if line.lstrip().startswith("#"):
             key, _, value = line.lstrip("# \t").partition(":")
-            if key.strip().lower() == "diameter_m" and found.diameter_m is None:
-                found.diameter_m = _number(value.strip())
+            if key.strip().lower() == "diameter_m" and read.diameter_m is None:
+                read.diameter_m = _number(value.strip())
         elif not line.strip():
             continue
         elif not names:
@@ -230,23 +228,23 @@ def _read_csv(found: _Read, lines: Sequence[str], file: str) -> None:
             odd = sorted(set(names) - {"j", "ct", "cp", "rpm", "eta"})
             if odd or len(set(names)) < len(names) or not {"j", "ct", "cp"} <= set(names):
                 message = f"columns must be J, CT, CP and rpm, each once (got {line.strip()!r})"
-                found.problems.append(Problem(file, number, None, "", shortened(message)))
+                read.problems.append(Problem(file, number, None, "", shortened(message)))
                 return
         else:
-            for place, row in _rows(found, [line.replace(",", " ")], file, len(names), number):
+            for place, row in _rows(read, [line.replace(",", " ")], file, len(names), number):
                 by = dict(zip(names, row, strict=True))
-                found.points.append(
+                read.points.append(
                     _Point(file, place, by.get("rpm", math.nan), by["j"], by["ct"], by["cp"])
                 )
                 if "rpm" in by and not 0.0 < by["rpm"] <= _LARGEST_RPM:
                     message = (
                         f"rpm must be above 0 and at most {_LARGEST_RPM:g} (got {by['rpm']:g})"
                     )
-                    found.problems.append(Problem(file, place, None, "", message))
+                    read.problems.append(Problem(file, place, None, "", message))
 
 
 def _rows(
-    found: _Read, lines: Iterable[str], file: str, columns: int, first: int = 2
+    read: _Read, lines: Iterable[str], file: str, columns: int, first: int = 2
 ) -> Iterator[tuple[int, list[float]]]:
     """Rows of numbers with their lines; others are told."""
     for number, line in enumerate(lines, first):
@@ -256,7 +254,7 @@ def _rows(
         if len(values) != columns or any(map(math.isnan, values)):
             got = shortened(printable(" ".join(line.split())))
             message = f"{columns} finite numbers are needed (got {got!r})"
-            found.problems.append(Problem(file, number, None, "", message))
+            read.problems.append(Problem(file, number, None, "", message))
         else:
             yield number, values
 

@@ -190,9 +190,9 @@ class Analysis(Result):
         """What lies outside the range of a model, each quantity once."""
         climbs = self.climb
         highest_m = None if climbs is None else climbs.climb.maximum_altitude_m
-        found = extrapolations(self.aircraft, self.performance, highest_altitude_m=highest_m)
-        found = worst_of([*found, *(() if self.flight is None else self.flight.extrapolations)])
-        return with_worth(found, self.aircraft, self._level_flight, of_what=self._of_level_flight)
+        outside = extrapolations(self.aircraft, self.performance, highest_altitude_m=highest_m)
+        outside = worst_of([*outside, *(() if self.flight is None else self.flight.extrapolations)])
+        return with_worth(outside, self.aircraft, self._level_flight, of_what=self._of_level_flight)
 
     def _level_flight(self) -> Performance | None:
         """Day repeated at one altitude, of climbs the highest; None where none can be flown."""

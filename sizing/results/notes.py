@@ -16,42 +16,42 @@ from sizing.validity.ranges import Extrapolation
 HEADING = "outside the range of a model:"
 
 
-def extrapolation_blocks(found: Sequence[Extrapolation]) -> list[Any]:
+def extrapolation_blocks(extrapolations: Sequence[Extrapolation]) -> list[Any]:
     """Blocks of a summary, a line for each quantity; none where nothing is outside."""
-    if not found:
+    if not extrapolations:
         return []
-    head, *lines = extrapolation_lines(found)
+    head, *lines = extrapolation_lines(extrapolations)
     return [Line(head, "warning"), *lines]
 
 
-def extrapolation_lines(found: Sequence[Extrapolation]) -> list[str]:
+def extrapolation_lines(extrapolations: Sequence[Extrapolation]) -> list[str]:
     """Lines below a table; none where nothing is outside."""
-    return [HEADING, *(f"  {one.text}" for one in found)] if found else []
+    return [HEADING, *(f"  {one.text}" for one in extrapolations)] if extrapolations else []
 
 
-def extrapolation_records(found: Sequence[Extrapolation]) -> list[dict[str, Any]]:
+def extrapolation_records(extrapolations: Sequence[Extrapolation]) -> list[dict[str, Any]]:
     """List of the key ``extrapolations``, JSON-ready."""
-    return [one.to_dict() for one in found]
+    return [one.to_dict() for one in extrapolations]
 
 
-def extrapolation_caption(found: Sequence[Extrapolation]) -> str:
+def extrapolation_caption(extrapolations: Sequence[Extrapolation]) -> str:
     """Line of a figure's caption; empty where nothing is outside."""
-    if not found:
+    if not extrapolations:
         return ""
     names = dict.fromkeys(
         one.label
         if one.excess_time_h is None
         else f"{one.holder} (without it excess time {hours(one.excess_time_h)})"
-        for one in found
+        for one in extrapolations
     )
     return f"outside model range: {', '.join(names)}"
 
 
-def structure_blocks(found: StructureAssessment | None) -> list[Any]:
+def structure_blocks(structure: StructureAssessment | None) -> list[Any]:
     """What sizes the structure, and what its criteria do not cover; none where no model says."""
-    if found is None:
+    if structure is None:
         return []
-    return [found.headline(), *(Line(text, "faint") for text in found.remarks)]
+    return [structure.headline(), *(Line(text, "faint") for text in structure.remarks)]
 
 
 def mass_table(masses_kg: Mapping[str, float]) -> Table:
@@ -62,24 +62,24 @@ def mass_table(masses_kg: Mapping[str, float]) -> Table:
 
 def catalogue_blocks(aircraft: Aircraft) -> list[Any]:
     """A line on the values that catalogues gave; none where the file names no entry."""
-    found = aircraft.from_catalogues()
-    if not found:
+    taken = aircraft.from_catalogues()
+    if not taken:
         return []
-    labels = dict.fromkeys(one.label for one in found)
+    labels = dict.fromkeys(one.label for one in taken)
     parts = []
     for label in labels:
-        values = [f"{one.key} {one.text}" for one in found if one.label == label]
+        values = [f"{one.key} {one.text}" for one in taken if one.label == label]
         parts.append(f"{', '.join(values)} of {label}")
     return [Line(f"From catalogues: {'; '.join(parts)}.", "faint")]
 
 
 def catalogue_records(aircraft: Aircraft) -> dict[str, Any]:
     """Key ``from_catalogues`` of a record, JSON-ready; no key where the file names no entry."""
-    found = aircraft.from_catalogues()
-    return {"from_catalogues": [one.to_dict() for one in found]} if found else {}
+    taken = aircraft.from_catalogues()
+    return {"from_catalogues": [one.to_dict() for one in taken]} if taken else {}
 
 
-def relaxation_table(found: Sequence[Relaxation], title: str = "feasible") -> Table:
+def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible") -> Table:
     """Values of single parameters that suffice each for itself, smallest change first."""
     columns = (
         Column("parameter"),
@@ -94,11 +94,11 @@ def relaxation_table(found: Sequence[Relaxation], title: str = "feasible") -> Ta
             f"{one.direction} {one.value:g}" + ("" if one.unit == "1" else f" {one.unit}"),
             one.parameter if "." in one.parameter else MISSING,
         )
-        for one in found
+        for one in relaxations
     ]
     return Table(f"{title} with one of these, all else unchanged", columns, tuple(rows))
 
 
-def relaxation_records(found: Sequence[Relaxation]) -> list[dict[str, Any]]:
+def relaxation_records(relaxations: Sequence[Relaxation]) -> list[dict[str, Any]]:
     """Relaxations, JSON-ready, with their texts."""
-    return [{**finite_values(one.__dict__), "text": one.text} for one in found]
+    return [{**finite_values(one.__dict__), "text": one.text} for one in relaxations]

@@ -58,10 +58,10 @@ class Quantity(Column):
         return self.label, text if bare else f"{text} {self.unit}"
 
 
-def worst_record(found: Performance, quantities: Iterable[Quantity]) -> dict[str, float | None]:
+def worst_record(flight: Performance, quantities: Iterable[Quantity]) -> dict[str, float | None]:
     """Values of a single design in its worst scenario, JSON-ready."""
-    worst = found.worst_scenario()
-    return {one.name: finite(one.of(found)[worst]) for one in quantities}
+    worst = flight.worst_scenario()
+    return {one.name: finite(one.of(flight)[worst]) for one in quantities}
 
 
 def design_record(design: Design, quantities: Iterable[Quantity]) -> dict[str, float | None]:
@@ -99,16 +99,16 @@ def _of_budget(key: str, label: str, symbol: str = "", meaning: str = "") -> Qua
 def _sunlit(name: str) -> Getter:
     """Instant of the sun; NaN where it does not rise or does not set."""
 
-    def instant(found: Performance) -> Any:
-        day = found.day
+    def instant(flight: Performance) -> Any:
+        day = flight.day
         return np.where(day.sunset_h > day.sunrise_h, getattr(day, name), np.nan)
 
     return instant
 
 
-def _status_names(found: Performance) -> list[str]:
+def _status_names(flight: Performance) -> list[str]:
     """Status for users; a cycle without any solar power is one of the limited ones."""
-    every = (Status(int(one)) for one in found.cycle.status)
+    every = (Status(int(one)) for one in flight.cycle.status)
     return [(Status.limited if one is Status.never_lit else one).name for one in every]
 
 

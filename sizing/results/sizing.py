@@ -207,16 +207,16 @@ class SizingStudy(Result):
 
         Where excess time alone is missing, what the nearest design takes, which flies all the same.
         """
-        result, found = self.result, self.result.simulated
-        if found is None and all(one.requirement == "excess_time" for one in result.violations):
-            found = result.nearest
-        if found is None:
+        result, flight = self.result, self.result.simulated
+        if flight is None and all(one.requirement == "excess_time" for one in result.violations):
+            flight = result.nearest
+        if flight is None:
             return ()
-        notes = extrapolations(self.aircraft, found)
+        notes = extrapolations(self.aircraft, flight)
         if self.survival is not None:
             site = self.survival.weather.site
             notes += told([record_check(self.survival.mission, site.altitude_m)])
-        return with_worth(notes, self.aircraft, lambda: found)
+        return with_worth(notes, self.aircraft, lambda: flight)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready; what only an optimum has is null without one."""
@@ -465,20 +465,20 @@ def _reliable(
         update = {"required_excess_time_h": wish.required_excess_time_h}
         mission = with_values(mission, update)
     check_reliability(aircraft, mission, wish.objective, solar, wish.reliability)
-    result, found = size_reliably(
+    result, reliability = size_reliably(
         *(aircraft, mission, wish.objective, solar),
         reliability=wish.reliability,
         problems=problems,
     )
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.
-    failed = result.status is SizingStatus.infeasible and found is None
+    failed = result.status is SizingStatus.infeasible and reliability is None
     low, high = under_model_error(*asked)
     return SizingStudy(
         *(aircraft, mission, solar, result, low, high),
         relaxations=tuple(relaxations(*asked, problems=problems)) if failed else (),
         without_margins=without_margins_of(*asked),
-        reliability=found,
+        reliability=reliability,
     )
 
 
@@ -623,6 +623,6 @@ def _range_record(coverage: WidestRange) -> dict[str, Any]:
     return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
 
 
-def sensitivity_records(found: list[Sensitivity]) -> list[dict[str, Any]]:
+def sensitivity_records(rows: list[Sensitivity]) -> list[dict[str, Any]]:
     """Sensitivities, JSON-ready, most important first."""
-    return [finite_values({**one.__dict__, "per_percent": one.per_percent}) for one in found]
+    return [finite_values({**one.__dict__, "per_percent": one.per_percent}) for one in rows]

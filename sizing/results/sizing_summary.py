@@ -77,9 +77,9 @@ def summary(study: SizingStudy) -> Summary:
 
 
 def _where(study: SizingStudy) -> str:
-    found = study.survival
+    survival = study.survival
     name = study.mission.name
-    return name if found is None else f"{name} in the weather of {found.weather.site.label}"
+    return name if survival is None else f"{name} in the weather of {survival.weather.site.label}"
 
 
 def _without_design(study: SizingStudy) -> list[Any]:
@@ -115,15 +115,15 @@ def _nearest_structure(study: SizingStudy) -> list[Any]:
     return [share, *structure_blocks(study.structure)]
 
 
-def _limits(head: str, study: SizingStudy, told: Sequence[str] = ()) -> list[Any]:
+def _limits(head: str, study: SizingStudy, notes: Sequence[str] = ()) -> list[Any]:
     """What limits a design, most important first, as a paragraph.
 
     Where the excess time is to be as large as possible it is no limit.
     """
-    found = study.result.active_constraints
+    active = study.result.active_constraints
     if study.objective is Objective.max_excess_time or not study.feasible:
-        found = tuple(name for name in found if not name.startswith("excess_time"))
-    words = [str(constraint_words(name, study.aircraft)) for name in found if name not in told]
+        active = tuple(name for name in active if not name.startswith("excess_time"))
+    words = [str(constraint_words(name, study.aircraft)) for name in active if name not in notes]
     order = " (most important first)" if len(words) > 1 else ""
     return [f"{head}{order}: {'; '.join(words)}"] if words else []
 
@@ -235,36 +235,38 @@ def _change(was: Mapping[str, Any], now: Mapping[str, Any], name: str) -> str:
     return f"{round(100.0 * (now[name] / was[name] - 1.0), 1) + 0.0:+.1f} %"
 
 
-def reliability_text(found: Reliability, study: SizingStudy) -> str:
+def reliability_text(reliability: Reliability, study: SizingStudy) -> str:
     """How reliable the design is, and what the optimum without uncertainty is."""
     hours_h = study.result.required_excess_time_h
     what = f"{hours_h:g} h of excess time" if hours_h > 0.0 else "perpetual flight"
     objective = study.objective
-    reached = found.achieved.text()
+    reached = reliability.achieved.text()
     if not study.feasible:
         reached = f"of the nearest design {reached}"
     return (
-        f"reliability ({what} in every scenario): {reached} of {found.samples} draws; asked for "
-        f"{100 * found.required:g} %. The optimum without uncertainty, {objective.label} "
-        f"{with_unit(found.nominal_objective, '.4g', objective)}, has "
-        f"{100 * found.nominal.value:.1f} %"
+        f"reliability ({what} in every scenario): {reached} of {reliability.samples} draws; "
+        f"asked for {100 * reliability.required:g} %. The optimum without uncertainty, "
+        f"{objective.label} "
+        f"{with_unit(reliability.nominal_objective, '.4g', objective)}, has "
+        f"{100 * reliability.nominal.value:.1f} %"
     )
 
 
-def survival_blocks(found: Survival, study: SizingStudy) -> list[Any]:
+def survival_blocks(survival: Survival, study: SizingStudy) -> list[Any]:
     """Days of the season that close, year by year, beside the design for a clear sky.
 
     Returns blocks of a summary.
     """
-    days, season = found.days, found.mission.dates.range()
+    days, season = survival.days, survival.mission.dates.range()
     ends = " to ".join(date_label(day) for day in dict.fromkeys((season[0], season[-1])))
     whose = "" if study.feasible else " with the design that closes most of those found"
     text = (
         f"days that close, {ends}: {days.that_close} of {len(days)}, {100 * days.share:.1f} % "
-        f"(asked for {100 * found.required:g} %){whose}; longest gap {days.longest_gap_days} days"
+        f"(asked for {100 * survival.required:g} %){whose}; longest gap "
+        f"{days.longest_gap_days} days"
     )
-    blocks: list[Any] = [f"{text}. {_clear_sky_text(found, study)}"]
-    if found.several_years:
+    blocks: list[Any] = [f"{text}. {_clear_sky_text(survival, study)}"]
+    if survival.several_years:
         columns = (
             Column("year"),
             Column("days"),
@@ -276,13 +278,13 @@ def survival_blocks(found: Survival, study: SizingStudy) -> list[Any]:
             for one in days.by_year()
         )
         blocks.append(Table("year by year", columns, rows))
-    blocks += [Line(f"record: {text}", "faint") for text in found.weather.repairs]
-    return blocks + [Line(text, "faint") for text in found.notes]
+    blocks += [Line(f"record: {text}", "faint") for text in survival.weather.repairs]
+    return blocks + [Line(text, "faint") for text in survival.notes]
 
 
-def _clear_sky_text(found: Survival, study: SizingStudy) -> str:
+def _clear_sky_text(survival: Survival, study: SizingStudy) -> str:
     """Design for a clear sky on the same dates, and what it makes of the record."""
-    value, clear = found.clear_sky_objective, found.clear_sky_days
+    value, clear = survival.clear_sky_objective, survival.clear_sky_days
     if value is None or clear is None:
         return "No design flies perpetually on all of these dates under a clear sky"
     objective, own = study.objective, study.result.objective_value
@@ -296,11 +298,11 @@ def _clear_sky_text(found: Survival, study: SizingStudy) -> str:
     return f"{text}; this one is {abs(more):.1f} % {'larger' if more >= 0.0 else 'smaller'}"
 
 
-def _range_text(found: WidestRange) -> str:
-    first, last, extent = found.first, found.last, found.extent
+def _range_text(widest: WidestRange) -> str:
+    first, last, extent = widest.first, widest.last, widest.extent
     assert first is not None
     assert last is not None
-    if found.sizing.objective is Objective.longest_season:
+    if widest.sizing.objective is Objective.longest_season:
         ends = " to ".join(date_label(int(day)) for day in (first, last))
         return f"season: {ends}, {int(extent)} days"
     return f"latitudes: {latitude_label(first)} to {latitude_label(last)}, {extent:g} degrees"
@@ -313,7 +315,7 @@ def with_unit(value: float | None, digits: str, objective: Objective) -> str:
     return UNLIMITED if math.isinf(value) else f"{value:{digits}} {objective.unit}".rstrip()
 
 
-def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
+def sensitivity_table(sensitivities: list[Sensitivity], objective: Objective) -> Table:
     """What each technology parameter is worth, most important first."""
     unit = objective.unit
     columns = (
@@ -329,10 +331,10 @@ def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
             one.per_percent,
             one.elasticity,
         )
-        for one in found[:_SENSITIVITIES]
+        for one in sensitivities[:_SENSITIVITIES]
     ]
     if rows:
-        left = len(found) - len(rows)
+        left = len(sensitivities) - len(rows)
         notes = (f"--json has {left} more, and the keys of all",) if left > 0 else ()
     else:
         notes = (f"none: {objective.label} is unlimited",)
@@ -341,17 +343,17 @@ def sensitivity_table(found: list[Sensitivity], objective: Objective) -> Table:
     )
 
 
-def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) -> Table:
+def multiplier_table(multipliers: list[ConstraintMultiplier], objective: Objective) -> Table:
     """What relaxing each constraint gains, by its multiplier, next to nothing left out."""
     columns = (
         Column("constraint"),
         Column("gain", f"gain in {objective.unit}", form=".3g"),
         Column("step", "per relaxation by"),
     )
-    least = LIMITING_FRACTION * max((abs(one.gain) for one in found), default=0.0)
+    least = LIMITING_FRACTION * max((abs(one.gain) for one in multipliers), default=0.0)
     rows = [
         (constraint_words(one.constraint).without_key, one.gain, one.step)
-        for one in found
+        for one in multipliers
         if abs(one.gain) >= least
     ]
     return Table("what relaxing a constraint gains", columns, tuple(rows))
@@ -360,7 +362,7 @@ def multiplier_table(found: list[ConstraintMultiplier], objective: Objective) ->
 def cross_check_line(check: CrossCheck, objective: Objective) -> str:
     """Whether a search by simulation found a better design; a search is no proof."""
     better = check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
-    found = (
+    text = (
         f"the best of them has {with_unit(check.best_found, '.5g', objective)} "
         f"({check.found_by}), better by {with_unit(check.advantage, '.2g', objective)}"
         if better
@@ -373,6 +375,6 @@ def cross_check_line(check: CrossCheck, objective: Objective) -> str:
         fine = f"has unlimited {objective.label}"
     verdict = "passed" if check.cross_checked else "NOT passed"
     return (
-        f"optimality cross-check {verdict}: {check.designs_tried} designs tried, {found}; with a "
+        f"optimality cross-check {verdict}: {check.designs_tried} designs tried, {text}; with a "
         f"time step of one minute the optimum {fine}"
     )

@@ -272,9 +272,9 @@ class Result:
 
     def summary(self) -> Summary:
         """Result as people read it."""
-        found = import_module(self.renderer).summary(self)
-        assert isinstance(found, Summary)
-        return found
+        rendered = import_module(self.renderer).summary(self)
+        assert isinstance(rendered, Summary)
+        return rendered
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.headline()}>"

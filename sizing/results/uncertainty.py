@@ -276,16 +276,16 @@ def _sobol_indices(
     from scipy.stats import sobol_indices, uniform
 
     def excess(shares: FloatArray) -> FloatArray:
-        found = study.flights(inputs.values(shares)).excess_time_h
-        known = np.isfinite(found)
-        return np.where(known, found, np.max(found[known], initial=0.0))
+        excess_h = study.flights(inputs.values(shares)).excess_time_h
+        known = np.isfinite(excess_h)
+        return np.where(known, excess_h, np.max(excess_h[known], initial=0.0))
 
     if len(inputs) == 1:  # the whole variance is its own
         return {inputs.inputs[0].key: SobolIndex(1.0, 1.0)}
     each = max(2 ** int(math.log2(samples / (len(inputs) + 2))), 16)
     shares: Any = [uniform()] * len(inputs)
-    found = sobol_indices(func=excess, n=each, dists=shares, rng=seed)
-    first, total = (np.nan_to_num(np.ravel(v)) for v in (found.first_order, found.total_order))
+    indices = sobol_indices(func=excess, n=each, dists=shares, rng=seed)
+    first, total = (np.nan_to_num(np.ravel(v)) for v in (indices.first_order, indices.total_order))
     return {
         one.key: SobolIndex(float(f), float(t))
         for one, f, t in zip(inputs.inputs, first, total, strict=True)

@@ -148,7 +148,7 @@ class WeatherAnalysis(Result):
             *charge_rate_check(aircraft, mission, design, peak_w),
         ]
         always.append(record_check(mission, self.weather.site.altitude_m))
-        found = worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
+        extrapolations = worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
         worths = {
             "weather_record": self._worth_of_record,
             "module_temperature": self._worth_of_cold_modules,
@@ -158,7 +158,7 @@ class WeatherAnalysis(Result):
             replace(one, worth=worths[one.model]())
             if one.quantity in _ASSUMED and one.model in worths
             else one
-            for one in found
+            for one in extrapolations
         )
 
     def _worth_of_record(self) -> str:

@@ -91,18 +91,18 @@ def size_in_weather(
             f"the mission's clearness of {mission.pessimistic_clearness:g} plays no part: the "
             "clouds are the record's",
         )
-    found = size_surviving(
+    survived = size_surviving(
         *(aircraft, moved, wanted, solar),
         weather=weather,
         survive=survive,
         notes=notes,
         progress=progress,
     )
-    asked = (aircraft, in_the_record(moved), found.result, solar)
-    low, high = under_model_error(*asked)
+    request = (aircraft, in_the_record(moved), survived.result, solar)
+    low, high = under_model_error(*request)
     return SizingStudy(
-        *(aircraft, in_the_record(moved), solar, found.result, low, high),
-        relaxations=found.relaxations,
-        without_margins=without_margins_of(*asked),
-        survival=found.survival,
+        *(aircraft, in_the_record(moved), solar, survived.result, low, high),
+        relaxations=survived.relaxations,
+        without_margins=without_margins_of(*request),
+        survival=survived.survival,
     )

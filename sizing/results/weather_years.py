@@ -54,11 +54,11 @@ def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ..
 
     ``recorded``, ``clear``: in the record's light, and under the clear sky.
     """
-    found = []
+    years = []
     for year in np.unique(recorded.axis.year).tolist():
         of_year = recorded.axis.year == year
         closes = recorded.closes[of_year]
-        found.append(
+        years.append(
             YearInWeather(
                 year=year,
                 whole=len(closes) >= _DAYS - _MISSING_DAYS,
@@ -69,7 +69,7 @@ def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ..
                 endurance_h=percentiles(recorded.endurance_h[of_year], "linear"),
             )
         )
-    return tuple(found)
+    return tuple(years)
 
 
 def year_to_year(years: tuple[YearInWeather, ...]) -> dict[str, Any] | None:

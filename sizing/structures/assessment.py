@@ -188,7 +188,7 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
 
 def _shares(needs: tuple[dict[str, Value], ...], station: Station) -> dict[str, float]:
     """Share of the material where each criterion asks for the most, largest first."""
-    found: dict[str, float] = {}
+    shares: dict[str, float] = {}
     for each in needs:
         table = np.array([np.broadcast_to(need, station.weight.shape) for need in each.values()])
         for name, size, weight in zip(
@@ -197,9 +197,9 @@ def _shares(needs: tuple[dict[str, Value], ...], station: Station) -> dict[str, 
             station.weight,
             strict=True,
         ):
-            found[str(name)] = found.get(str(name), 0.0) + float(size * weight)
-    total = sum(found.values())
-    return {name: found[name] / total for name in sorted(found, key=lambda n: -found[n])}
+            shares[str(name)] = shares.get(str(name), 0.0) + float(size * weight)
+    total = sum(shares.values())
+    return {name: shares[name] / total for name in sorted(shares, key=lambda n: -shares[n])}
 
 
 def _case(

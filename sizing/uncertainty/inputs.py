@@ -93,7 +93,7 @@ def uncertain_inputs(
 
     ``solar``: solar power model, whose RMS error is an input of its own.
     """
-    found: list[UncertainInput] = []
+    inputs: list[UncertainInput] = []
     problems: list[Problem] = []
     pairs: list[tuple[str, str, float]] = []
     for owner, prefix in ((aircraft, ""), (mission, MISSION_PREFIX)):
@@ -108,17 +108,17 @@ def uncertain_inputs(
                 continue
             one = UncertainInput(prefix + key, nominal, distribution)
             problems += _impossible(owner, key, one)
-            found.append(one)
+            inputs.append(one)
         pairs += [
             (prefix + c.between[0], prefix + c.between[1], c.coefficient)
             for c in owner.uncertainty.correlations
         ]
     if model_error and solar.rms_relative > 0.0:
-        found.append(UncertainInput(SOLAR_MODEL, 1.0, Normal(sigma=solar.rms_relative)))
-    correlation, wrong = _correlations(aircraft.name, [one.key for one in found], pairs)
+        inputs.append(UncertainInput(SOLAR_MODEL, 1.0, Normal(sigma=solar.rms_relative)))
+    correlation, wrong = _correlations(aircraft.name, [one.key for one in inputs], pairs)
     if problems or wrong:
         raise InputError([*problems, *wrong])
-    return UncertainInputs(tuple(found), correlation)
+    return UncertainInputs(tuple(inputs), correlation)
 
 
 def _impossible(owner: Aircraft | Mission, key: str, one: UncertainInput) -> list[Problem]:

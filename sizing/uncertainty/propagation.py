@@ -161,8 +161,8 @@ class Propagation:
                 continue
             solar_w, load_w = self._powers_of_draws(case, scenario)
             store = case.store.select(at)
-            found = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
-            hours[short[at]] = found.endurance_h
+            longest = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
+            hours[short[at]] = longest.endurance_h
         return hours
 
     def income_and_storage(

@@ -79,14 +79,14 @@ def told(
 
 
 def worst_of(
-    found: Iterable[Extrapolation], *, of: int = 0, what: str = ""
+    outside: Iterable[Extrapolation], *, of: int = 0, what: str = ""
 ) -> tuple[Extrapolation, ...]:
     """Each quantity of a model once, with its worst value.
 
     ``of``, ``what``: of how many of what it is told, if it is not of one design.
     """
     groups: dict[tuple[str, str], list[Extrapolation]] = {}
-    for one in found:
+    for one in outside:
         groups.setdefault((one.quantity, one.model), []).append(one)
     worst = ((max(group, key=lambda one: one.distance), len(group)) for group in groups.values())
     return _in_order(
@@ -94,10 +94,10 @@ def worst_of(
     )
 
 
-def _in_order(found: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
+def _in_order(outside: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
     order = {place: number for number, place in enumerate(ranges())}
     last = len(order)  # parameters outside of experience, in the order in which they are checked
-    return tuple(sorted(found, key=lambda one: order.get((one.quantity, one.model), last)))
+    return tuple(sorted(outside, key=lambda one: order.get((one.quantity, one.model), last)))
 
 
 def together(several: Sequence[Sequence[Extrapolation]], what: str) -> tuple[Extrapolation, ...]:
@@ -128,9 +128,9 @@ def cell_texts(checks: Iterable[Check], count: int) -> list[str]:
     return ["; ".join(line) for line in lines]
 
 
-def as_text(found: Iterable[Extrapolation]) -> str:
+def as_text(outside: Iterable[Extrapolation]) -> str:
     """Line of what is told of a single design; see :func:`cell_texts`."""
-    return "; ".join(map(_line, found))
+    return "; ".join(map(_line, outside))
 
 
 def _line(one: Extrapolation) -> str:
@@ -144,15 +144,15 @@ _LINE = re.compile(r"(\w+): ([\w.]+) (\S+) not (\S+) to (\S+)")
 
 def from_text(text: str) -> tuple[Extrapolation, ...]:
     """What a line of :func:`cell_texts` tells."""
-    found = []
+    outside = []
     for part in text.split("; ") if text else ():
         match = _LINE.fullmatch(part)
         if match is None:
             raise ValueError(f"tells of no model: {part[:80]!r}")
         model, quantity, *numbers = match.groups()
         value, low, high = map(float, numbers)
-        found.append(extrapolation(_range_of(quantity, model), value, low, high))
-    return tuple(found)
+        outside.append(extrapolation(_range_of(quantity, model), value, low, high))
+    return tuple(outside)
 
 
 def _range_of(quantity: str, model: str) -> Range:

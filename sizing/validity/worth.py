@@ -20,7 +20,7 @@ _BATTERY = ("air_temperature_c", "battery")
 
 
 def with_worth(
-    found: Iterable[Extrapolation],
+    extrapolations: Iterable[Extrapolation],
     aircraft: Aircraft,
     flown: Callable[[], Performance | None],
     *,
@@ -32,7 +32,7 @@ def with_worth(
     where an assumption is told. None where nothing flies. ``of_what``: which excess time it is,
     where it is not the one that the result tells. Returns in the same order.
     """
-    notes = tuple(found)
+    notes = tuple(extrapolations)
     perf = None
     if any((one.quantity, one.model) in _WITHOUT for one in notes):
         perf = flown()

@@ -34,22 +34,22 @@ def require_climber(case: Case) -> None:
         raise located_error(case.craft.document, error.key, error.message) from None
 
 
-def require_path(case: Case, asked: str | None = None) -> None:
+def require_path(case: Case, option: str | None = None) -> None:
     """Refuse an aircraft without module surfaces and a mission without a path it can fly.
 
-    ``asked``: what needs both, for the message; if left out, VM, FM and the loiter correction do.
+    ``option``: what needs both, for the message; if left out, VM, FM and the loiter correction do.
     """
     solar = case.solar
-    if asked is None:
+    if option is None:
         if not solar.needs_path:
             return
         attitude = solar.model in ATTITUDE_MODELS
-        asked = f"--model {solar.model}" if attitude else "--correction loiter"
+        option = f"--model {solar.model}" if attitude else "--correction loiter"
     if case.aircraft.modules.geometry is None:
-        message = f"{asked} needs the module surfaces: add geometry with its surfaces"
+        message = f"{option} needs the module surfaces: add geometry with its surfaces"
         raise located_error(case.craft.document, ("modules",), message)
     if case.mission.flight_path is None:
-        message = f"{asked} needs a flight path: add flight_path with kind, radius_m, ..."
+        message = f"{option} needs a flight path: add flight_path with kind, radius_m, ..."
         raise located_error(case.where.document, ("name",), message)
     trouble = path_trouble(case.mission.flight_path, case.mission.wind)
     if trouble is not None:

@@ -100,16 +100,16 @@ def _files(endings: tuple[str, ...] | None, incomplete: str) -> Items:
         entries = sorted(folder.iterdir(), key=lambda path: path.name)
     except OSError:
         return []
-    found = []
+    names = []
     for path in entries:
         if not path.name.startswith(tail) or (path.name.startswith(".") and not tail):
             continue
         text = f"{head}/{path.name}" if "/" in incomplete else path.name
         if path.is_dir():
-            found.append(text if (path / "run.json").is_file() else f"{text}/")
+            names.append(text if (path / "run.json").is_file() else f"{text}/")
         elif endings is None or path.name.lower().endswith(endings):
-            found.append(text)
-    return [CompletionItem(text) for text in found]
+            names.append(text)
+    return [CompletionItem(text) for text in names]
 
 
 class Bash(BashComplete):

@@ -27,16 +27,16 @@ _SWITCH = ("false", "true")
 def keys_of_classes() -> list[Key]:
     """All keys, as the classes of the files have them."""
     labels = {key: one.label for key, one in catalogue().items()}
-    found: dict[str, tuple[set[str], bool]] = {}
+    keys: dict[str, tuple[set[str], bool]] = {}
     for prefix, owner in (("", Aircraft), (MISSION_PREFIX, Mission)):
         for key, values, number in _fields(owner, prefix):
-            before = found.get(key, (set(), False))
-            found[key] = (before[0] | set(values), before[1] or number)
+            before = keys.get(key, (set(), False))
+            keys[key] = (before[0] | set(values), before[1] or number)
     for key, kind in NAMED_KEYS.items():
-        found[key] = (set(entry_names(kind)), False)
+        keys[key] = (set(entry_names(kind)), False)
     return [
         Key(key, tuple(sorted(values)), number, labels.get(key, ""))
-        for key, (values, number) in sorted(found.items())
+        for key, (values, number) in sorted(keys.items())
     ]
 
 

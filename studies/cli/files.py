@@ -144,10 +144,10 @@ class Case:
 class WrongKindError(InputError):
     """A mission given as an aircraft, or the reverse."""
 
-    def __init__(self, source: str, found: Kind) -> None:
-        self.source, self.found = source, found
-        message = f"is {_A_KIND[found]}, not {_A_KIND[_OTHER[found]]}"
-        hint = "missions are given with --mission" if found == "mission" else "AIRCRAFT comes first"
+    def __init__(self, source: str, kind: Kind) -> None:
+        self.source, self.found = source, kind
+        message = f"is {_A_KIND[kind]}, not {_A_KIND[_OTHER[kind]]}"
+        hint = "missions are given with --mission" if kind == "mission" else "AIRCRAFT comes first"
         super().__init__([Problem(source, None, None, "", f"{message}: {hint}")])
 
 

@@ -54,13 +54,13 @@ class Parsed(ParamType[Any]):
         """Read a value."""
         module, _, function = self._reader.partition(":")
         try:
-            found = getattr(import_module(module), function)(str(value))
+            converted = getattr(import_module(module), function)(str(value))
         except ValueError as error:
             self.fail(str(error), param, ctx)
         if self._stepped and str(value).count(":") == 2:
             written = f"{param.opts[0] if param else ''} {value}".strip()
-            note_last(found.values[-1], float(str(value).split(":")[1]), written)
-        return found
+            note_last(converted.values[-1], float(str(value).split(":")[1]), written)
+        return converted
 
 
 class Grid(ParamType["list[float]"]):
@@ -390,13 +390,13 @@ def table_option(contents: str, name: str = "--table", *, older: str = "--csv") 
     )
 
 
-def check_table(path: str, found: str | None, allowed: Iterable[str], option: str) -> None:
+def check_table(path: str, table: str | None, allowed: Iterable[str], option: str) -> None:
     """Refuse the name of a table's file if its format is not one that can be written.
 
-    ``found``: its format, none where it is not one of the allowed.
+    ``table``: its format, none where it is not one of the allowed.
     """
-    missing = missing_writer(found)
-    if found is None:
+    missing = missing_writer(table)
+    if table is None:
         endings = ", ".join(f".{name}" for name in allowed)
         missing = f"{path!r} must end in {endings}"
     if missing is not None:
@@ -470,10 +470,10 @@ def _figure_asked_for(**given: Any) -> FigureOptions:
     command = click.get_current_context()
     spelled = {str(one.name): one.opts[0] for one in command.command.params}
     places = [name for name in ("plot_file", "out_dir") if name in spelled]
-    asked = [name for name, value in given.items() if value not in (None, False)]
-    if asked and all(command.params[name] is None for name in places):
+    named = [name for name, value in given.items() if value not in (None, False)]
+    if named and all(command.params[name] is None for name in places):
         draws = " or ".join(spelled[name] for name in places)
-        raise click.UsageError(f"{spelled[asked[0]]} is of the figure: give {draws} too")
+        raise click.UsageError(f"{spelled[named[0]]} is of the figure: give {draws} too")
     no_title = given.pop("no_title")
     chosen = {name: value for name, value in given.items() if value is not None}
     try:

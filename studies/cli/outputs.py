@@ -48,8 +48,8 @@ def tell(
     if case.as_json:
         print_json(record)
         return
-    found = shown if isinstance(shown, Result | Summary | Table) else shown()
-    show(_headed(found.summary() if isinstance(found, Result) else found, case))
+    result = shown if isinstance(shown, Result | Summary | Table) else shown()
+    show(_headed(result.summary() if isinstance(result, Result) else result, case))
     for place in (*files, out_dir):
         if place is not None:
             tell_line(f"written to {place}")

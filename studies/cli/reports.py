@@ -97,7 +97,7 @@ def report_on_sizing(
 
 def report_on_log(
     case: Case,
-    found: Verification,
+    verification: Verification,
     log_file: str,
     path: str,
     *,
@@ -105,7 +105,9 @@ def report_on_log(
 ) -> None:
     """Write the report of a verification."""
     inputs = case.inputs(log=Path(log_file))
-    write_report(subject_of(case, inputs=inputs, verification=found, overrides=overrides), path)
+    write_report(
+        subject_of(case, inputs=inputs, verification=verification, overrides=overrides), path
+    )
 
 
 def write_report(subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:

@@ -214,13 +214,13 @@ def _computed_or_failed(job: Job, cells: tuple[Cell, ...]) -> Part:
 
 
 def _computed(job: Job, cells: tuple[Cell, ...]) -> Part:
-    found = job.function(job.configuration, cells)
-    if set(found) != set(job.blanks):
-        raise ValueError(f"columns {sorted(found)} are not {sorted(job.blanks)}")
+    computed = job.function(job.configuration, cells)
+    if set(computed) != set(job.blanks):
+        raise ValueError(f"columns {sorted(computed)} are not {sorted(job.blanks)}")
     columns = {}
     for name, blank in job.blanks.items():
         kind = np.asarray(blank).dtype
-        column = np.asarray(found[name], None if kind.kind == "U" else kind)
+        column = np.asarray(computed[name], None if kind.kind == "U" else kind)
         if column.shape != (len(cells),):
             raise ValueError(f"column {name} has the shape {column.shape}, not ({len(cells)},)")
         columns[name] = column

@@ -57,16 +57,16 @@ def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
         raise ImportError(missing)
     import aerosandbox as asb
 
-    found = lifting_surfaces(aircraft)
+    surfaces = lifting_surfaces(aircraft)
     return asb.Airplane(
         name=_script_name(aircraft.name),
-        xyz_ref=[found.reference_x_m, 0.0, 0.0],
-        wings=[_wing(surface) for surface in found.surfaces],
-        s_ref=found.wing_area_m2,
-        c_ref=found.chord_m,
-        b_ref=found.wingspan_m,
+        xyz_ref=[surfaces.reference_x_m, 0.0, 0.0],
+        wings=[_wing(surface) for surface in surfaces.surfaces],
+        s_ref=surfaces.wing_area_m2,
+        c_ref=surfaces.chord_m,
+        b_ref=surfaces.wingspan_m,
         analysis_specific_options={
-            asb.AVL: {"profile_drag_coefficient": found.other_drag_coefficient}
+            asb.AVL: {"profile_drag_coefficient": surfaces.other_drag_coefficient}
         },
     )
 
@@ -103,27 +103,27 @@ def _vspscript(aircraft: Aircraft) -> str:
 
 def _script(aircraft: Aircraft) -> str:
     """Python that makes the airplane: for those who go on from there."""
-    found = lifting_surfaces(aircraft)
+    surfaces = lifting_surfaces(aircraft)
     lines = [
         f"# {note}"
-        for note in (f"{_script_name(aircraft.name)}: wing and tail planes.", *found.notes)
+        for note in (f"{_script_name(aircraft.name)}: wing and tail planes.", *surfaces.notes)
     ]
     lines += ["import aerosandbox as asb"]
-    if any(surface.shape.airfoil is None for surface in found.surfaces):
+    if any(surface.shape.airfoil is None for surface in surfaces.surfaces):
         families = "aerosandbox.geometry.airfoil.airfoil_families"
         lines += [f"from {families} import get_NACA_coordinates"]
     lines += ["", "wings = ["]
-    for surface in found.surfaces:
+    for surface in surfaces.surfaces:
         lines += _wing_lines(surface)
     lines += [
         "]",
         "airplane = asb.Airplane(",
         f"    name={_script_name(aircraft.name)!r},",
-        f"    xyz_ref=[{found.reference_x_m:.6g}, 0.0, 0.0],",
+        f"    xyz_ref=[{surfaces.reference_x_m:.6g}, 0.0, 0.0],",
         "    wings=wings,",
-        f"    s_ref={found.wing_area_m2:.6g},",
-        f"    c_ref={found.chord_m:.6g},",
-        f"    b_ref={found.wingspan_m:.6g},",
+        f"    s_ref={surfaces.wing_area_m2:.6g},",
+        f"    c_ref={surfaces.chord_m:.6g},",
+        f"    b_ref={surfaces.wingspan_m:.6g},",
         ")",
     ]
     return "\n".join(lines) + "\n"

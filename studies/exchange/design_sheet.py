@@ -163,18 +163,18 @@ def _masses(analysis: Analysis) -> list[Entry]:
     """Parts of the mass that there are, and their sum."""
     design = analysis.performance.design
     measured = not isinstance(analysis.aircraft.airframe, ParametricAirframe)
-    found = []
+    masses = []
     for name, mass in design.masses._asdict().items():
         text, symbol = _MASS_LABELS.get(name, (name, rf"m_\mathrm{{{name}}}"))
         if measured and name == "other":
             text = "airframe, propulsion, avionics"
         if float(mass) > 0.0:
-            found.append(
+            masses.append(
                 Entry("masses", f"{name}_mass_kg", f"mass: {text}", symbol, "kg", float(mass))
             )
     mass_kg = float(design.total_mass_kg)
     values = ((q.TOTAL_MASS, mass_kg), (q.WING_LOADING, mass_kg / float(design.wing_area_m2)))
-    return [*found, *(_entry("masses", one, value) for one, value in values)]
+    return [*masses, *(_entry("masses", one, value) for one, value in values)]
 
 
 def _energy(analysis: Analysis) -> list[Entry]:

@@ -68,14 +68,14 @@ class DesignDifference(Result):
     def rows(self) -> list[tuple[Entry, float | str | None, float | str | None]]:
         """Quantities of either design, and their values in both; None where one has none."""
         one, two = ({q.key: q for q in sheet.quantities} for sheet in (self.first, self.second))
-        found = [(q, q.value, two[q.key].value if q.key in two else None) for q in one.values()]
+        pairs = [(q, q.value, two[q.key].value if q.key in two else None) for q in one.values()]
         for q in two.values():
             if q.key not in one:
                 last = max(
-                    (i for i, row in enumerate(found) if row[0].group == q.group), default=-1
+                    (i for i, row in enumerate(pairs) if row[0].group == q.group), default=-1
                 )
-                found.insert(last + 1, (q, None, q.value))
-        return found
+                pairs.insert(last + 1, (q, None, q.value))
+        return pairs
 
     def summary(self) -> Summary:
         """Quantities side by side, then the keys of the files that differ."""

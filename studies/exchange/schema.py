@@ -47,8 +47,8 @@ def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
 
 def _describe_node(root: Mapping[str, Any], node: Any, parts: list[str], known: Parameter) -> None:
     """Give a key its label and unit wherever it stands among the alternatives."""
-    for found in _alternatives(root, node):
-        place = found.get("properties", {}).get(parts[0])
+    for part in _alternatives(root, node):
+        place = part.get("properties", {}).get(parts[0])
         if place is None:
             continue
         if len(parts) > 1:

@@ -190,12 +190,12 @@ class _MalformedError(ValueError):
 def _assets() -> dict[str, bytes]:
     """Files of the page by their path; there is no other way to a file."""
     root = resources.files("studies.explorer") / "static"
-    found = {}
+    assets = {}
     for folder, prefix in ((root, ""), (root / "vendor", "vendor/")):
         for file in folder.iterdir():
             if file.is_file():
-                found[prefix + file.name] = file.read_bytes()
-    return found
+                assets[prefix + file.name] = file.read_bytes()
+    return assets
 
 
 async def _body(request: Request) -> dict[str, Any]:

@@ -116,10 +116,10 @@ def fields_of(
 
     ``at``: latitude [deg] and day of year at the start. Returns in the order of the page.
     """
-    found: dict[str, Field | Choice] = {f.key: f for f in _number_fields(aircraft, mission, at)}
+    fields: dict[str, Field | Choice] = {f.key: f for f in _number_fields(aircraft, mission, at)}
     for choice in _choices(aircraft, mission, solar):
-        found[choice.key] = choice
-    return found
+        fields[choice.key] = choice
+    return fields
 
 
 def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:

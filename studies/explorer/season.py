@@ -107,10 +107,10 @@ class SeasonMaps:
         elif light.day is None:
             light.rows, light.day = list(range(len(LATITUDES_DEG))), lit(LATITUDES_DEG)
         rows: list[list[float | None] | None] = [None] * len(LATITUDES_DEG)
-        found = performance(
+        flight = performance(
             *(aircraft, mission, solar), day=light.day, keep_trajectory=False, design=design
         )
-        hours = found.cycle.excess_time_h.reshape(len(light.rows), len(days))
+        hours = flight.cycle.excess_time_h.reshape(len(light.rows), len(days))
         for row, values in zip(light.rows, hours, strict=True):
             rows[row] = [round(v, 3) if isfinite(v) else None for v in values.tolist()]
         return {

@@ -211,11 +211,11 @@ class Session:
         known = self._last_day
         if known is not None and known[0] == settings:
             return known[1].copy()  # the page asks again for the exact map
-        found = self.analysis(settings)
-        perf, record = found.performance, found.to_dict()
+        analysis = self.analysis(settings)
+        perf, record = analysis.performance, analysis.to_dict()
         del record["scenarios"]
-        notes = [one.text for one in found.extrapolations]
-        slow = settling_line(found)
+        notes = [one.text for one in analysis.extrapolations]
+        slow = settling_line(analysis)
         charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
         view = {
             "curve": {
@@ -226,7 +226,7 @@ class Session:
             },
             "numbers": record,
             "masses_kg": {name: float(mass) for name, mass in perf.design.masses._asdict().items()},
-            "headline": found.headline(),
+            "headline": analysis.headline(),
             "notes": notes if slow is None else [slow, *notes],
         }
         self._last_day = settings, view, perf.design
@@ -301,9 +301,9 @@ def _digits(values: Any) -> list[float]:
 
 def _refusals(error: InputError, settings: Settings) -> list[Refusal]:
     """Mistakes by the field of the page that they belong to."""
-    found = []
+    refusals = []
     for problem in error.problems:
         named = [k for k in settings.values if k.removeprefix(MISSION_PREFIX) == problem.key]
         key = named[0] if named else problem.key
-        found.append(Refusal(key, settings.values.get(key), problem.message))
-    return found
+        refusals.append(Refusal(key, settings.values.get(key), problem.message))
+    return refusals

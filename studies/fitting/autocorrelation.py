@@ -59,13 +59,13 @@ def _autocorrelation(residual: FloatArray, run: IntArray) -> FloatArray:
     variance = float(np.mean(residual**2))
     if variance == 0.0 or count < 6:
         return np.zeros(0)
-    found = []
+    correlations = []
     for lag in range(1, count // 3):
         same = run[lag:] == run[:-lag]
         if np.count_nonzero(same) < 5:
             break
-        found.append(float(np.mean((residual[lag:] * residual[:-lag])[same])) / variance)
+        correlations.append(float(np.mean((residual[lag:] * residual[:-lag])[same])) / variance)
         # Beyond the first that are none, only noise is summed up.
-        if len(found) > 10 and max(found[-5:]) < 0.0:
+        if len(correlations) > 10 and max(correlations[-5:]) < 0.0:
             break
-    return np.array(found)
+    return np.array(correlations)

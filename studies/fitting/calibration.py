@@ -377,8 +377,8 @@ def _agreement(
             aircraft.battery.battery_energy_wh,
         ),
     )
-    for name, unit, wanted, found in rows:
-        if not abs(found - wanted) <= _AGREE * max(wanted, 1.0):
-            message = f"{name} cannot be met: {found:.6g} {unit} instead of {wanted:.6g} {unit}"
+    for name, unit, wanted, estimate in rows:
+        if not abs(estimate - wanted) <= _AGREE * max(wanted, 1.0):
+            message = f"{name} cannot be met: {estimate:.6g} {unit} instead of {wanted:.6g} {unit}"
             raise InputError([Problem(aircraft.name, None, None, "", message)])
     return rows

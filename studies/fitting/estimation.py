@@ -161,8 +161,8 @@ def estimate(
     held: list[Held] = []
     problem = _told_apart(problem, held)
     while True:
-        found = _solved(problem, light_sigma)
-        worst = _undetermined(problem, found)
+        solution = _solved(problem, light_sigma)
+        worst = _undetermined(problem, solution)
         if worst is None:
             break
         place, reason = worst
@@ -172,14 +172,21 @@ def estimate(
     fitted = tuple(
         Fitted(one, start, value, error, value - half, value + half)
         for one, start, value, error, half in zip(
-            *(problem.parameters, problem.start().tolist(), found.values.tolist()),
-            *(found.standard_error().tolist(), found.half_width.tolist()),
+            *(problem.parameters, problem.start().tolist(), solution.values.tolist()),
+            *(solution.standard_error().tolist(), solution.half_width.tolist()),
             strict=True,
         )
     )
     return Estimate(
-        *(channel, fitted, tuple(held), found.covariance, found.singular, found.independent),
-        *(before, found.residual),
+        *(
+            channel,
+            fitted,
+            tuple(held),
+            solution.covariance,
+            solution.singular,
+            solution.independent,
+        ),
+        *(before, solution.residual),
     )
 
 
@@ -226,13 +233,13 @@ def _alike(problem: _Problem, jacobian: FloatArray, kept: list[int], place: int)
     cosines = columns[:, kept].T @ columns[:, place]
     nearest = kept[int(np.argmax(np.abs(cosines)))]
     index = 1.0 / max(float(_singular_values(jacobian[:, [*kept, place]]).min()), 1e-300)
-    told = "above 1e6" if index > 1e6 else f"{index:.0f}"
+    ratio = "above 1e6" if index > 1e6 else f"{index:.0f}"
     other = problem.parameters[nearest].name
     if len(kept) > 1:
         other += " and the others"
     return (
         f"the log cannot tell it from {other}: correlation of their effects "
-        f"{float(np.max(np.abs(cosines))):.4f}, collinearity index {told} (at most {COLLINEAR:g})"
+        f"{float(np.max(np.abs(cosines))):.4f}, collinearity index {ratio} (at most {COLLINEAR:g})"
     )
 
 
@@ -249,19 +256,19 @@ class _Solution:
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
 
-def _undetermined(problem: _Problem, found: _Solution) -> tuple[int, str] | None:
+def _undetermined(problem: _Problem, solution: _Solution) -> tuple[int, str] | None:
     """Parameter that the log leaves open most of all, and why; None where there is none."""
     if not problem.parameters:
         return None
     last = len(problem.parameters) - 1
-    if found.independent < _FEWEST_INDEPENDENT:
+    if solution.independent < _FEWEST_INDEPENDENT:
         return last, (
-            f"only {found.independent:.1f} residuals are independent in effect: "
+            f"only {solution.independent:.1f} residuals are independent in effect: "
             "the log is too short, or its errors last too long"
         )
     worst, reason, most = None, "", 1.0
     for place, one in enumerate(problem.parameters):
-        value, half = float(found.values[place]), float(found.half_width[place])
+        value, half = float(solution.values[place]), float(solution.half_width[place])
         margin = _AT_END * (one.highest - one.lowest)
         if not one.lowest + margin < value < one.highest - margin:
             return place, f"the best value is at the end of what is possible, {value:g} {one.unit}"
@@ -281,13 +288,13 @@ def _solved(problem: _Problem, light_sigma: float) -> _Solution:
         nothing = np.zeros(0)
         residual = channel.residual(problem.aircraft)
         return _Solution(nothing, residual, np.zeros((0, 0)), nothing, nothing, math.inf)
-    asked = problem.parameters
-    low = np.array([one.lowest for one in asked])
-    high = np.array([one.highest for one in asked])
+    parameters = problem.parameters
+    low = np.array([one.lowest for one in parameters])
+    high = np.array([one.highest for one in parameters])
     start = np.clip(problem.start(), low + 1e-9, high * (1.0 - 1e-9))
-    scale = [max(one.widest(float(at)), 1e-12) for one, at in zip(asked, start, strict=True)]
-    found = least_squares(problem.residual, start, bounds=(low, high), x_scale=scale, xtol=1e-10)
-    residual, jacobian = np.asarray(found.fun), problem.jacobian(found.x)
+    scale = [max(one.widest(float(at)), 1e-12) for one, at in zip(parameters, start, strict=True)]
+    optimum = least_squares(problem.residual, start, bounds=(low, high), x_scale=scale, xtol=1e-10)
+    residual, jacobian = np.asarray(optimum.fun), problem.jacobian(optimum.x)
     inverse = np.linalg.pinv(jacobian.T @ jacobian)
     unknown = count + channel.levels
     correlated = correlation_time(residual, channel.run, unknown)
@@ -298,12 +305,12 @@ def _solved(problem: _Problem, light_sigma: float) -> _Solution:
     sandwich = inverse @ (scores.T @ scores) @ inverse * correlated
     sandwich = sandwich * independent / free
     # A factor on the light is taken for a change of the parameters.
-    shifted = problem.residual(found.x, 1.0 + 1e-3) - problem.residual(found.x, 1.0 - 1e-3)
+    shifted = problem.residual(optimum.x, 1.0 + 1e-3) - problem.residual(optimum.x, 1.0 - 1e-3)
     moved = inverse @ (jacobian.T @ (shifted / 2e-3)) * light_sigma
     tail = 0.5 + 0.5 * CONFIDENCE
     scatter = t.ppf(tail, free) ** 2 * np.diag(sandwich)
     half_width = np.sqrt(scatter + (norm.ppf(tail) * moved) ** 2)
     return _Solution(
-        *(found.x, residual, sandwich + np.outer(moved, moved), half_width),
+        *(optimum.x, residual, sandwich + np.outer(moved, moved), half_width),
         *(_singular_values(jacobian), independent),
     )

@@ -106,11 +106,11 @@ def _digits(value: float, standard_error: float) -> float:
     return rounded(value, standard_error / 10.0)
 
 
-def file_text(document: Document, told: Sequence[str]) -> str:
+def file_text(document: Document, notes: Sequence[str]) -> str:
     """Text of a file, with comments above that say where its numbers come from."""
     block = document.data["provenance"]
     origin = f"# Written by {block['tool']} on {block['date']} from {block['aircraft']}"
-    comments = [origin, *(f"# {printable(line)}" for line in told)]
+    comments = [origin, *(f"# {printable(line)}" for line in notes)]
     return "\n".join([*comments, to_yaml(document.data, compact=True)])
 
 

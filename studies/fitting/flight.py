@@ -83,8 +83,8 @@ class FlightFit(Result):
         """Aircraft, log, and how many parameters were fitted."""
         start, end = utc_label(self.log.time_s[0]), utc_label(self.log.time_s[-1])
         count = len(self.fitted)
-        told = f"{count} parameter{'' if count == 1 else 's'} fitted, {len(self.held)} held"
-        return f"{self.aircraft.name} fitted to {self.log.source}: {start} to {end}, {told}"
+        text = f"{count} parameter{'' if count == 1 else 's'} fitted, {len(self.held)} held"
+        return f"{self.aircraft.name} fitted to {self.log.source}: {start} to {end}, {text}"
 
     def summary(self) -> Summary:
         """Headline, parameters, how well each channel is met, and notes."""
@@ -243,8 +243,8 @@ def fit_flight(
     parameters = chosen(names, aircraft)
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
-    found = verify(aircraft, log, mission, correct=correct)
-    flown = Flown.of(found, mission)
+    verification = verify(aircraft, log, mission, correct=correct)
+    flown = Flown.of(verification, mission)
     known, missing = channels(flown, aircraft)
     estimates, lacking = [], []
     for name in dict.fromkeys(one.channel for one in parameters):
@@ -255,20 +255,20 @@ def fit_flight(
             continue
         reason = next(m for m in missing if m.startswith(name)).partition(": ")[2]
         lacking += [Held(one, one.value(aircraft), reason) for one in own]
-    told = [sentence for sentence, wrong in found.log_verdicts() if wrong]
-    told += () if found.alignment is None else found.alignment.notes
-    told += [note for part in estimates for note in part.channel.notes]
+    warnings = [sentence for sentence, wrong in verification.log_verdicts() if wrong]
+    warnings += () if verification.alignment is None else verification.alignment.notes
+    warnings += [note for part in estimates for note in part.channel.notes]
     if any(part.channel.name == "solar" and part.fitted for part in estimates):
-        told.append(
+        warnings.append(
             f"the intervals of the modules count {100 * light_sigma:g} % of uncertainty of the "
             "clear sky: module and MPPT efficiency, area and clearness are one factor to a log"
         )
     return FlightFit(
         aircraft=aircraft,
         mission=flown.mission,
-        log=found.log,
+        log=verification.log,
         estimates=tuple(estimates),
         missing=tuple(lacking),
         light_sigma=light_sigma,
-        notes=(*found.log.notes, *told),
+        notes=(*verification.log.notes, *warnings),
     )

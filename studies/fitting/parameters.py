@@ -40,10 +40,10 @@ class FitParameter:
 
     def value(self, aircraft: Aircraft) -> float:
         """Value that the aircraft's file has."""
-        found = parameter_value(aircraft, None, self.key)
-        if found is None:
+        value = parameter_value(aircraft, None, self.key)
+        if value is None:
             raise ValueError(f"{aircraft.name} has no {self.key}")
-        return found
+        return value
 
     def widest(self, value: float) -> float:
         """Half-width beyond which an interval says nothing."""
@@ -109,7 +109,7 @@ def chosen(names: tuple[str, ...], aircraft: Aircraft) -> tuple[FitParameter, ..
 
     Returns in the order of their names, each once.
     """
-    found = []
+    parameters = []
     for name in dict.fromkeys(names or default_names(aircraft)):
         if name not in PARAMETERS:
             raise ValueError(f"{name!r} cannot be fitted (allowed: {', '.join(PARAMETERS)})")
@@ -119,8 +119,8 @@ def chosen(names: tuple[str, ...], aircraft: Aircraft) -> tuple[FitParameter, ..
             raise ValueError(f"{name} cannot be fitted: {aircraft.name} has no {one.key}{other}")
         if one.key.startswith("battery.") and one.key.endswith("_efficiency"):
             _check_efficiency(one, aircraft)
-        found.append(one)
-    return tuple(found)
+        parameters.append(one)
+    return tuple(parameters)
 
 
 def _check_efficiency(one: FitParameter, aircraft: Aircraft) -> None:

@@ -46,11 +46,11 @@ _SIGMA_OF_MAD = 1.4826
 
 def other_anomalies(view: LogView, limited: BoolArray) -> list[Anomaly]:
     """All but limited charging; those that compare with the Full Model need it."""
-    found = _missing(view)
+    anomalies = _missing(view)
     if view.samples.detail is None:
-        return found
+        return anomalies
     tracking, dark = _not_tracking(view, limited)
-    return [*found, *tracking, *_shading(view, limited), *_side_bias(view, limited | dark)]
+    return [*anomalies, *tracking, *_shading(view, limited), *_side_bias(view, limited | dark)]
 
 
 def _not_tracking(view: LogView, limited: BoolArray) -> tuple[list[Anomaly], BoolArray]:
@@ -68,13 +68,13 @@ def _not_tracking(view: LogView, limited: BoolArray) -> tuple[list[Anomaly], Boo
     least = max(LOW_LIGHT_DEFICIT_RATED * view.rated_w, noise)
     flagged = low & (deficit > np.maximum(LOW_LIGHT_DEFICIT * modelled, least))
     odd_voltage = _odd_voltage(view)
-    found, lost = [], np.zeros(len(low), bool)
+    anomalies, lost = [], np.zeros(len(low), bool)
     for period in clusters(flagged, view.samples.time_s, MERGE_S):
         anomaly = _tracking_anomaly(view, period, flagged, low, odd_voltage)
         if anomaly is not None:
-            found.append(anomaly)
+            anomalies.append(anomaly)
             lost |= flagged & mask_of(len(low), period)
-    return found, lost
+    return anomalies, lost
 
 
 def _tracking_anomaly(
@@ -146,13 +146,13 @@ def _shading(view: LogView, limited: BoolArray) -> list[Anomaly]:
     shaded = (detail.shading_loss_w > least) & ~limited
     clear = (detail.shaded_m2 <= 0.0) & ~limited
     deficit = view.reference_w - view.samples.measured_w
-    found = []
+    anomalies = []
     for period in clusters(shaded, view.samples.time_s, MERGE_S):
         dips = _dips(view, period, shaded, clear, deficit)
         bad = shaded & mask_of(len(shaded), period)
         if (anomaly := _shading_anomaly(view, period, dips, bad)) is not None:
-            found.append(anomaly)
-    return found
+            anomalies.append(anomaly)
+    return anomalies
 
 
 def _dips(
@@ -228,14 +228,14 @@ def _side_bias(view: LogView, left_out: BoolArray) -> list[Anomaly]:
     relative = np.where(enough, error / np.where(enough, power, 1.0), np.nan).reshape(-1, 4)
     places = np.flatnonzero(good)
     period = Period(int(places[0]), int(places[-1]))
-    found = []
+    anomalies = []
     for number, name in enumerate(_SIDES):
         bad = np.zeros(len(good), bool)
         bad[places[side == number]] = True
         difference = _against_others(relative, number)
         if (anomaly := _side_anomaly(view, period, name, difference, bad)) is not None:
-            found.append(anomaly)
-    return found
+            anomalies.append(anomaly)
+    return anomalies
 
 
 def _against_others(relative: FloatArray, number: int) -> FloatArray:

@@ -38,7 +38,7 @@ def battery_full(view: LogView) -> tuple[list[Anomaly], BoolArray]:
     if charge is not None:
         # NaN compares false: samples without a charge are judged by neither rule.
         flagged &= charge >= NEAR_FULL
-    found, limited = [], np.zeros(len(ratio), bool)
+    spans, limited = [], np.zeros(len(ratio), bool)
     for period in clusters(flagged, view.samples.time_s, MERGE_S):
         if flagged[period.slice()].sum() * view.step_s < LIMITED_LEAST_S:
             continue
@@ -47,8 +47,8 @@ def battery_full(view: LogView) -> tuple[list[Anomaly], BoolArray]:
             continue
         whole = _widened(view, period, ratio)
         limited[whole.slice()] = True
-        found.append(_limitation(view, whole, ratio, reason))
-    return found, limited
+        spans.append(_limitation(view, whole, ratio, reason))
+    return spans, limited
 
 
 def _power_ratio(view: LogView) -> tuple[FloatArray, BoolArray]:
@@ -64,8 +64,8 @@ def _power_ratio(view: LogView) -> tuple[FloatArray, BoolArray]:
     share = np.maximum(view.smooth(counts, SMOOTH_S), 1e-9)
     measured = view.smooth(counts * view.samples.measured_w, SMOOTH_S) / share
     modelled = view.smooth(counts * view.reference_w, SMOOTH_S) / share
-    judged = (share >= LEAST_JUDGED) & (modelled >= BRIGHT * view.rated_w)
-    return np.where(judged, measured / np.maximum(modelled, 1e-9), 1.0), judged
+    comparable = (share >= LEAST_JUDGED) & (modelled >= BRIGHT * view.rated_w)
+    return np.where(comparable, measured / np.maximum(modelled, 1e-9), 1.0), comparable
 
 
 def _why_limited(

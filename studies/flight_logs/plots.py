@@ -133,25 +133,25 @@ def _gaps(result: Verification, mask: BoolArray, midnight_s: float) -> list[tupl
     time_s, runs = samples.time_s[mask], samples.run[mask]
     at = np.flatnonzero(np.diff(runs))
     log_s = result.log.time_s
-    found = []
+    gaps = []
     for start, end in zip(time_s[at], time_s[at + 1], strict=True):
         between = np.count_nonzero((log_s > start) & (log_s < end))
         if between * result.log.step_s < 0.5 * (end - start):  # else the log goes on in the dark
-            found.append(((start - midnight_s) / 3600.0, (end - midnight_s) / 3600.0))
-    return found
+            gaps.append(((start - midnight_s) / 3600.0, (end - midnight_s) / 3600.0))
+    return gaps
 
 
 def _faults(
     result: Verification, hours: FloatArray, midnight_s: float
 ) -> dict[Kind, list[tuple[float, float]]]:
     """What looks wrong in the hours that are shown, by its kind."""
-    found: dict[Kind, list[tuple[float, float]]] = {}
+    spans: dict[Kind, list[tuple[float, float]]] = {}
     for one in result.anomalies:
         start, end = ((t - midnight_s) / 3600.0 for t in (one.start_s, one.end_s))
         start, end = max(start, float(hours.min())), min(end, float(hours.max()))
         if one.kind != "missing_data" and end > start:
-            found.setdefault(one.kind, []).append((start, end))
-    return found
+            spans.setdefault(one.kind, []).append((start, end))
+    return spans
 
 
 def _view(result: Verification, mask: BoolArray, filter_s: float, *, attitude: bool) -> _View:
@@ -245,8 +245,8 @@ def _mark_faults(axes: Axes, view: _View, *, named: bool) -> None:
         label, hatch = _FAULTS[kind]
         style: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK_GREY, "hatch": hatch}
         for number, (start, end) in enumerate(spans):
-            told = label if named and number == 0 else None
-            axes.axvspan(start, end, zorder=0.5, linewidth=0.0, label=told, **style)
+            name = label if named and number == 0 else None
+            axes.axvspan(start, end, zorder=0.5, linewidth=0.0, label=name, **style)
 
 
 def _rows(view: _View) -> list[Draw]:

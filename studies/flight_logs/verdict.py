@@ -39,37 +39,37 @@ def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float
     return f"{model} is {abs(mean):.1f} % {word} the flight, and not alike at all hours ({numbers})"
 
 
-def log_sentences(found: Alignment, *, corrected: bool) -> Iterator[tuple[str, bool]]:
+def log_sentences(alignment: Alignment, *, corrected: bool) -> Iterator[tuple[str, bool]]:
     """What the power says of the log itself, and whether it is an error.
 
     ``corrected``: whether the models are compared with the corrected log.
     """
     how = "compared as corrected" if corrected else "compared as logged"
-    if found.power_unit != "W":
-        yield f"unit of the log: the power is in {found.power_unit}, not W; {how}", True
-    if (clock := found.clock_ahead_s) is not None:
+    if alignment.power_unit != "W":
+        yield f"unit of the log: the power is in {alignment.power_unit}, not W; {how}", True
+    if (clock := alignment.clock_ahead_s) is not None:
         # Beyond two minutes a word says which way.
         size_s = clock.value if not abs(clock.value) > 120.0 else abs(clock.value)
         minutes = f"{size_s / 60.0:.1f} +- {clock.sigma / 60.0:.1f} min"
-        if found.clock_wrong:
+        if alignment.clock_wrong:
             word = "ahead of" if clock.value > 0.0 else "behind"
-            zone = _zone(found)
+            zone = _zone(alignment)
             yield f"clock of the log: {minutes} {word} universal time{zone}; {how}", True
         else:
             yield f"clock of the log: right within its uncertainty ({minutes})", False
-    if (heading := found.heading_ahead_deg) is not None:
+    if (heading := alignment.heading_ahead_deg) is not None:
         size = f"{heading.value:+.1f} +- {heading.sigma:.1f} deg"
-        if found.heading_wrong:
+        if alignment.heading_wrong:
             yield f"heading of the log: off by {size} (clockwise is positive); {how}", True
         else:
             yield f"heading of the log: right within its uncertainty ({size})", False
-    for note in found.notes:
+    for note in alignment.notes:
         yield note, False
 
 
-def _zone(found: Alignment) -> str:
+def _zone(alignment: Alignment) -> str:
     """Time zone that would explain an error of the clock."""
-    half_hours, rest = divmod(found.clock_correction_s, HALF_HOUR_S)
+    half_hours, rest = divmod(alignment.clock_correction_s, HALF_HOUR_S)
     if rest:
         return ""
     hours, half = divmod(int(abs(half_hours)), 2)

@@ -194,19 +194,19 @@ class Verification(Result):
         }
 
     def _alignment_record(self) -> dict[str, Any]:
-        found = self.alignment
-        assert found is not None  # the caller checked
-        clock, heading = found.clock_ahead_s, found.heading_ahead_deg
+        alignment = self.alignment
+        assert alignment is not None  # the caller checked
+        clock, heading = alignment.clock_ahead_s, alignment.heading_ahead_deg
         return {
-            "power_unit": found.power_unit,
+            "power_unit": alignment.power_unit,
             "clock_ahead_s": None if clock is None else clock.value,
             "clock_sigma_s": None if clock is None else clock.sigma,
-            "clock_wrong": found.clock_wrong,
+            "clock_wrong": alignment.clock_wrong,
             "heading_ahead_deg": None if heading is None else heading.value,
             "heading_sigma_deg": None if heading is None else heading.sigma,
-            "heading_wrong": found.heading_wrong,
+            "heading_wrong": alignment.heading_wrong,
             "corrected": self.corrected,
-            "notes": list(found.notes),
+            "notes": list(alignment.notes),
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -369,7 +369,7 @@ def verify(
     samples, sources = lit_samples(log, aircraft, mission, geometry, shade)
     view = LogView.of(log, samples, aircraft)
     full, limited = battery_full(view)
-    found = [*full, *other_anomalies(view, limited)]
+    anomalies = [*full, *other_anomalies(view, limited)]
     masks = tuple(in_window(samples, window) for window in periods)
     for window, mask in zip(periods, masks, strict=True):
         if not mask.any():
@@ -392,6 +392,6 @@ def verify(
         days=sections(samples, limited, day_s, day_masks(samples)),
         day_filter_s=day_s,
         window_filter_s=window_s,
-        anomalies=tuple(sorted(found, key=lambda a: (a.start_s, a.kind))),
+        anomalies=tuple(sorted(anomalies, key=lambda a: (a.start_s, a.kind))),
         notes=(*log.notes, *reasons, *sources),
     )

@@ -128,49 +128,57 @@ def prepare(
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
     blanks["status"] = np.int8(Status.failed)
-    asked = MapConfiguration(aircraft, mission, solar, endurance)
+    configuration = MapConfiguration(aircraft, mission, solar, endurance)
     numbers = grid.chunks(cell_s)
     chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(ENDS, ENDS)
     return GridStudy(
-        Job(_map_chunk, asked, chunks, blanks, possible),
+        Job(_map_chunk, configuration, chunks, blanks, possible),
         np.concatenate(numbers),
         grid.coordinates(),
         described | _STATUS,
         (Status.failed, *ENDS),
         attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
-        lambda columns: _extrapolations_of_map(asked, grid, columns),
+        lambda columns: _extrapolations_of_map(configuration, grid, columns),
     )
 
 
 def _extrapolations_of_map(
-    asked: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
+    configuration: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the map takes from outside the range of a model: one design in all cells."""
     known = columns["status"] != Status.failed
     latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
-    design = design_of(asked.aircraft, asked.mission)
+    design = design_of(configuration.aircraft, configuration.mission)
     checks = [
-        *design_checks(asked.aircraft, asked.mission, design, asked.solar),
-        *correction_check(Scenarios(latitude[known], day[known]), asked.solar, asked.mission),
+        *design_checks(configuration.aircraft, configuration.mission, design, configuration.solar),
+        *correction_check(
+            Scenarios(latitude[known], day[known]), configuration.solar, configuration.mission
+        ),
     ]
     if "charge_rate" in columns:
         checks.append(Check.of("charge_rate_per_h", "battery", columns["charge_rate"][known]))
-    found = told(checks, of=int(known.sum()), what="cells")
+    extrapolations = told(checks, of=int(known.sum()), what="cells")
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = np.unravel_index(int(np.argmax(excess_h)), excess_h.shape)
     cell = Scenarios(latitude[best][np.newaxis], day[best][np.newaxis])
-    return with_worth(found, asked.aircraft, lambda: _in_cells(asked, cell, design))
+    return with_worth(
+        extrapolations, configuration.aircraft, lambda: _in_cells(configuration, cell, design)
+    )
 
 
-def _in_cells(asked: MapConfiguration, cells: Scenarios, design: Design) -> Performance:
+def _in_cells(configuration: MapConfiguration, cells: Scenarios, design: Design) -> Performance:
     """Flight of the map's design in some cells."""
-    day = solar_day(asked.aircraft, asked.mission, asked.solar, scenarios=cells)
-    return performance(asked.aircraft, asked.mission, asked.solar, day=day, design=design)
+    day = solar_day(
+        configuration.aircraft, configuration.mission, configuration.solar, scenarios=cells
+    )
+    return performance(
+        configuration.aircraft, configuration.mission, configuration.solar, day=day, design=design
+    )
 
 
 def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
     """Metrics of a rectangle of cells."""
-    found = map_block(
+    block = map_block(
         configuration.aircraft,
         configuration.mission,
         list(dict.fromkeys(cell[0] for cell in cells)),
@@ -178,7 +186,7 @@ def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[s
         configuration.solar,
         configuration.endurance,
     )
-    return {name: values.ravel() for name, values in found.items()}
+    return {name: values.ravel() for name, values in block.items()}
 
 
 def map_block(
@@ -213,13 +221,13 @@ def _cells(
     aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
 ) -> dict[str, NDArray[Any]]:
     sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
-    found = performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
+    flight = performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
     columns: dict[str, NDArray[Any]] = {
-        **{one.variable: one.of(found) for one in (*MAP, *([ENDURANCE] if endurance else []))},
-        "status": found.cycle.status.astype(np.int8),
+        **{one.variable: one.of(flight) for one in (*MAP, *([ENDURANCE] if endurance else []))},
+        "status": flight.cycle.status.astype(np.int8),
     }
     for check in charge_rate_check(
-        aircraft, mission, found.design, found.solar_power_w.max(axis=-1)
+        aircraft, mission, flight.design, flight.solar_power_w.max(axis=-1)
     ):
         columns["charge_rate"] = check.value
     return columns

@@ -95,9 +95,9 @@ def cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> floa
     """
     if not solar.needs_path:
         return _CELL_S
-    asked = f"model {solar.model}" if solar.model in ATTITUDE_MODELS else "correction loiter"
+    option = f"model {solar.model}" if solar.model in ATTITUDE_MODELS else "correction loiter"
     if aircraft.modules.geometry is None:
-        raise ValueError(f"{asked} needs modules.geometry on the aircraft {aircraft.name}")
+        raise ValueError(f"{option} needs modules.geometry on the aircraft {aircraft.name}")
     if mission.flight_path is None:
-        raise ValueError(f"{asked} needs a flight_path on the mission {mission.name}")
+        raise ValueError(f"{option} needs a flight_path on the mission {mission.name}")
     return _CELL_ON_PATH_S

@@ -120,10 +120,10 @@ def prepare(
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
     grid = Grid.of(latitudes, days)
     numbers = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))
-    asked = MapConfiguration(aircraft, mission, solar, objective=goal)
+    configuration = MapConfiguration(aircraft, mission, solar, objective=goal)
     chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(SizingStatus, SIZED)
     return GridStudy(
-        Job(_resized_chunk, asked, chunks, BLANKS, possible),
+        Job(_resized_chunk, configuration, chunks, BLANKS, possible),
         np.concatenate(numbers),
         grid.coordinates(),
         DESCRIBED,
@@ -133,27 +133,35 @@ def prepare(
             "objective": goal.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
-        lambda columns: _extrapolations(asked, grid, columns),
+        lambda columns: _extrapolations(configuration, grid, columns),
     )
 
 
 def _extrapolations(
-    asked: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
+    configuration: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the designs of all cells take from outside, its worth that of the lightest one."""
-    goal = asked.objective
+    goal = configuration.objective
     assert goal is not None
     mass_kg = np.where(np.isin(columns["status"], SIZED), columns["total_mass"], np.inf)
     row, column = np.unravel_index(int(np.argmin(mass_kg)), mass_kg.shape)
     cell = (float(grid.latitudes_deg[row]), int(grid.days[column]))
     return with_worth(
         told_of_cells(columns, SIZED, "cells"),
-        asked.aircraft,
-        lambda: sized_flight(asked.aircraft, asked.mission, cell, goal, asked.solar),
+        configuration.aircraft,
+        lambda: sized_flight(
+            configuration.aircraft, configuration.mission, cell, goal, configuration.solar
+        ),
     )
 
 
-def _resized_chunk(asked: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
+def _resized_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
     """Best designs of some cells."""
-    assert asked.objective is not None
-    return size_cells(asked.aircraft, asked.mission, cells, asked.objective, asked.solar)
+    assert configuration.objective is not None
+    return size_cells(
+        configuration.aircraft,
+        configuration.mission,
+        cells,
+        configuration.objective,
+        configuration.solar,
+    )

@@ -163,9 +163,9 @@ class Comparison(Result):
         by, truth = model_label(case.solar), model_label(reference.solar)
         itself = case.solar == reference.solar
         if case.built is None or reference.built is None:
-            told = f"By {by} {name} {case.prediction.outcome()}"
+            text = f"By {by} {name} {case.prediction.outcome()}"
             other = "" if itself else f"; judged by {truth} it {reference.prediction.outcome()}"
-            return f"{told}{other}."
+            return f"{text}{other}."
         aside = reference.built.result(self.objective)
         aside = "" if itself else f" (sized with {truth}: {aside})"
         if case.built.judged is None:
@@ -175,8 +175,8 @@ class Comparison(Result):
             return f"Sized with {by}, {none}{aside}."
         joined = " and" if itself else f"; judged by {truth} it"
         outcome = case.built.judged.outcome(self.required_excess_time_h)
-        told = f"Sized with {by} {name} gets {case.built.result(self.objective)}"
-        return f"{told}{joined} {outcome}{aside}."
+        text = f"Sized with {by} {name} gets {case.built.result(self.objective)}"
+        return f"{text}{joined} {outcome}{aside}."
 
     def summary(self) -> Summary:
         """Tables of the cases, the headline, and what the reader should know."""
@@ -234,11 +234,11 @@ class Comparison(Result):
 
     def _built_row(self, case: Case) -> tuple[Any, ...]:
         assert case.built is not None
-        judged, row = case.built.judged, (case.solar.model, case.solar.correction)
-        if judged is None:
+        prediction, row = case.built.judged, (case.solar.model, case.solar.correction)
+        if prediction is None:
             return (*row, case.built.sizing.status.label, None, None)
         value = case.built.value(self.objective)
-        return (*row, value, judged.excess_time_h, _endurance(judged))
+        return (*row, value, prediction.excess_time_h, _endurance(prediction))
 
     def to_dict(self) -> dict[str, Any]:
         """Whole comparison, JSON-ready; infinite numbers are null, and the status says why."""
@@ -379,7 +379,7 @@ def compare(
         def as_it_is(day: SolarDay, solar: SolarModel = solar) -> Performance:
             return performance(aircraft, mission, solar, day=day)
 
-        found = predict(as_it_is, sun.day(solar))
+        prediction = predict(as_it_is, sun.day(solar))
         advance()
         built = None
         if sized:
@@ -388,7 +388,7 @@ def compare(
         days = [of_latitude[solar] for of_latitude in flags]
         seasons = tuple(season_of(d, lat) for d, lat in zip(days, latitudes, strict=True))
         season = season_of(np.logical_and.reduce(days), float(np.mean(latitudes)))
-        cases[solar] = Case(solar, found, season, seasons, built)
+        cases[solar] = Case(solar, prediction, season, seasons, built)
     return Comparison(
         aircraft=aircraft,
         mission=mission,
@@ -415,8 +415,8 @@ def _extrapolations_of_case(
         *charge_rate_check(aircraft, mission, design, peak_w),
     ]
     built = None if case.built is None else case.built.sizing.simulated
-    found = () if built is None else extrapolations(aircraft, built)
-    return worst_of([*told(checks, day.scenarios), *found])
+    outside = () if built is None else extrapolations(aircraft, built)
+    return worst_of([*told(checks, day.scenarios), *outside])
 
 
 def _built(
@@ -439,11 +439,11 @@ def _built(
     if result.design is None:
         return Built(result, None)
     variables = result.design.variables
-    judged = predict(
+    prediction = predict(
         lambda day: performance_of_designs(aircraft, mission, variables, reference, day=day),
         sun.day(reference),
     )
-    return Built(result, judged)
+    return Built(result, prediction)
 
 
 def _notes(

@@ -111,7 +111,7 @@ def component_efficiencies(
 def _variables(power: ModulePower, weights: FloatArray) -> dict[str, Any]:
     """Variables of the data set: means over the attitudes, the second axis, with CF attributes."""
     aoi_deg = np.degrees(np.arccos(np.clip(power.cos_aoi_by_surface, -1.0, 1.0)))
-    found = {
+    columns = {
         "specific_power": (power.specific_power_w_per_m2, "W m-2", "specific power"),
         "irradiance": (power.irradiance_w_per_m2, "W m-2", "irradiance on the modules"),
         "module_temperature": (power.module_temperature_c, "degC", "module temperature"),
@@ -123,7 +123,7 @@ def _variables(power: ModulePower, weights: FloatArray) -> dict[str, Any]:
         "low_light_efficiency": (power.low_light_efficiency_by_surface, "1", "eps_I"),
     }
     result = {}
-    for name, (values, units, long_name) in found.items():
+    for name, (values, units, long_name) in columns.items():
         mean = np.tensordot(values, weights, axes=([1], [0]))
         dimensions = ("time", "surface")[: mean.ndim]
         result[name] = (dimensions, mean, {"units": units, "long_name": long_name})

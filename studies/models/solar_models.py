@@ -41,18 +41,18 @@ def combinations(
     """
     models = None if models is None else list(models)
     corrections = None if corrections is None else list(corrections)
-    found = []
+    pairs = []
     for model in MODEL_NAMES if models is None else models:
         if isinstance(model, SolarModel):
-            found.append(model)
+            pairs.append(model)
             continue
         _check_name("model", model, MODEL_NAMES)
         for name in CORRECTION_NAMES if corrections is None else corrections:
             _check_name("correction", name, CORRECTION_NAMES)
             by_report = (model, name) == ("FM", "loiter")
-            found.append(SolarModel(model, "report" if by_report else name))
+            pairs.append(SolarModel(model, "report" if by_report else name))
     if attitude:
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(pairs))
     named = [m.model if isinstance(m, SolarModel) else m for m in models or ()]
     named_corrections = [m.correction for m in models or () if isinstance(m, SolarModel)]
     for given in (*named, *named_corrections, *(corrections or ())):
@@ -60,7 +60,7 @@ def combinations(
             raise ValueError(
                 f"{given} needs modules.geometry of the aircraft and flight_path of the mission"
             )
-    horizontal = (s for s in found if not s.needs_path)
+    horizontal = (s for s in pairs if not s.needs_path)
     return list(dict.fromkeys(horizontal))
 
 

@@ -89,10 +89,10 @@ def _energy(
 def _errors(
     model: ModelName, wind: float, scenarios: Scenarios, energy: FloatArray, truth: FloatArray
 ) -> list[TransferredError]:
-    found = []
+    errors = []
     for i in np.flatnonzero(energy > 0.0):
         relative = energy[i] / truth[:, i] - 1.0
-        found.append(
+        errors.append(
             TransferredError(
                 model,
                 float(scenarios.latitude_deg[i]),
@@ -102,7 +102,7 @@ def _errors(
                 float(np.ptp(relative) / 2.0),
             )
         )
-    return found
+    return errors
 
 
 def transfer_table(errors: Sequence[TransferredError]) -> Table:

@@ -197,9 +197,9 @@ def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> lis
         infeasible = np.isin(status, [v for v, name in names.items() if name == "infeasible"])
         missed = data["violated_requirement"].to_numpy()
         reasons[infeasible] = [requirement_label(str(name)) for name in missed[infeasible]]
-    told = sorted(set(reasons[reasons != ""]))
-    hatches = dict(zip(told, itertools.cycle(_HATCHES), strict=False))
-    return hatch_cells(axes, x, y, reasons, hatches, {name: name for name in told})
+    occurring = sorted(set(reasons[reasons != ""]))
+    hatches = dict(zip(occurring, itertools.cycle(_HATCHES), strict=False))
+    return hatch_cells(axes, x, y, reasons, hatches, {name: name for name in occurring})
 
 
 def requirement_label(name: str) -> str:

@@ -98,16 +98,16 @@ def variables(
     ``columns``: values by name; what is not described is left out. Returns by name;
     :class:`xarray.Dataset` takes them as well.
     """
-    found: dict[str, Labelled] = {}
+    labelled: dict[str, Labelled] = {}
     for name, (unit, text) in described.items():
         if name in columns and name != "status":
-            found[name] = Labelled(dims, columns[name], {"units": unit, "long_name": text})
+            labelled[name] = Labelled(dims, columns[name], {"units": unit, "long_name": text})
     meanings = {
         "long_name": described["status"][1],
         "flag_values": np.array([flag.value for flag in flags], np.int8),
         "flag_meanings": " ".join(flag.name for flag in flags),
     }
-    return found | {"status": Labelled(dims, columns["status"], meanings)}
+    return labelled | {"status": Labelled(dims, columns["status"], meanings)}
 
 
 def attributes(
@@ -129,11 +129,11 @@ def attributes(
     }
 
 
-def extrapolation_attribute(found: Sequence[Extrapolation]) -> dict[str, str]:
+def extrapolation_attribute(extrapolations: Sequence[Extrapolation]) -> dict[str, str]:
     """Attribute that tells what lies outside the range of a model; none where nothing does."""
-    if not found:
+    if not extrapolations:
         return {}
-    return {"extrapolations": to_json([one.to_dict() for one in found])}
+    return {"extrapolations": to_json([one.to_dict() for one in extrapolations])}
 
 
 def extrapolations_of(data: OnGrid) -> tuple[Extrapolation, ...]:

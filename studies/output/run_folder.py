@@ -107,8 +107,8 @@ class RunFolder:
 
 def _refuse_newer(record: Any, text: str, source: str) -> None:
     """Refuse the record of a run in a format that is not known yet."""
-    found = record.get(FORMAT_KEY, 1) if isinstance(record, dict) else 1
-    trouble = format_trouble(found)
+    version = record.get(FORMAT_KEY, 1) if isinstance(record, dict) else 1
+    trouble = format_trouble(version)
     if trouble is not None:
         lines = enumerate(text.splitlines(), start=1)
         line = next((number for number, one in lines if f'"{FORMAT_KEY}"' in one), None)
@@ -194,7 +194,7 @@ def _with_named_files(
     The files are named by their role, a folder of polars by the one file that holds them all.
     """
     data = copy.deepcopy(dict(aircraft))
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     airframe = data["airframe"]
     for holder, key, role in (
         (airframe.get("aerodynamics"), "airfoil", POLAR),
@@ -207,8 +207,8 @@ def _with_named_files(
             continue
         suffix = ".txt" if path.endswith("/") else Path(path).suffix
         holder[key] = f"{role}{suffix}"
-        found[holder[key]] = Path(path)
-    return (data, found) if found else (aircraft, found)
+        files[holder[key]] = Path(path)
+    return (data, files) if files else (aircraft, files)
 
 
 def _content(path: Path) -> bytes:

@@ -83,11 +83,13 @@ def size_cells(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
     )
     problems = _programs(aircraft)
-    found = cell_sizing.size_cells(
+    sizings = cell_sizing.size_cells(
         problems.aircraft, mission, scenarios, objective, solar, problems=problems
     )
-    columns = _columns(found)
-    columns["extrapolations"] = _extrapolations_of_cells(aircraft, mission, scenarios, solar, found)
+    columns = _columns(sizings)
+    columns["extrapolations"] = _extrapolations_of_cells(
+        aircraft, mission, scenarios, solar, sizings
+    )
     for index in np.flatnonzero(scenarios.in_polar_night()):
         for name, blank in BLANKS.items():
             columns[name][index] = _POLAR_NIGHT.get(name, blank)
@@ -107,12 +109,12 @@ def sized_flight(
     """
     scenario = Scenarios(np.array([cell[0]]), np.array([cell[1]]))
     problems = _programs(aircraft)
-    found = cell_sizing.size_cells(
+    sizings = cell_sizing.size_cells(
         problems.aircraft, mission, scenario, objective, solar, problems=problems
     )
-    if found.status[0] not in SIZED:
+    if sizings.status[0] not in SIZED:
         return None
-    values = (None if v is None else np.ravel(v)[0] for v in found.variables)
+    values = (None if v is None else np.ravel(v)[0] for v in sizings.variables)
     day = solar_day(aircraft, mission, solar, scenarios=scenario)
     return performance_of_designs(aircraft, mission, DesignVariables(*values), solar, day=day)
 
@@ -123,17 +125,17 @@ def _programs(aircraft: Aircraft) -> SizingProblems:
     return SizingProblems(aircraft)
 
 
-def _columns(found: CellSizings) -> dict[str, Any]:
-    known = found.variables._asdict() | vars(found)
+def _columns(sizings: CellSizings) -> dict[str, Any]:
+    known = sizings.variables._asdict() | vars(sizings)
     return {
-        "status": found.status.astype(np.int8),
+        "status": sizings.status.astype(np.int8),
         **{one.variable: known[one.name] for one in (*DESIGN_COLUMNS, *REACHED)},
-        LOAD.variable: found.load_w,
-        "shortfall": found.shortfall,
-        "violated_requirement": found.requirement.tolist(),
+        LOAD.variable: sizings.load_w,
+        "shortfall": sizings.shortfall,
+        "violated_requirement": sizings.requirement.tolist(),
         "message": [
             "the solver did not converge" if status == SizingStatus.not_converged else text
-            for status, text in zip(found.status, found.message.tolist(), strict=True)
+            for status, text in zip(sizings.status, sizings.message.tolist(), strict=True)
         ],
     }
 
@@ -143,18 +145,18 @@ def _extrapolations_of_cells(
     mission: Mission,
     scenarios: Scenarios,
     solar: SolarModel,
-    found: CellSizings,
+    sizings: CellSizings,
 ) -> list[str]:
     """What the design of every cell takes from outside the range of a model."""
-    sized = np.isin(found.status, SIZED)
-    design = parametric_design(aircraft, mission, found.variables, found.total_mass_kg)
+    sized = np.isin(sizings.status, SIZED)
+    design = parametric_design(aircraft, mission, sizings.variables, sizings.total_mass_kg)
     checks = [
         *design_checks(aircraft, mission, design, solar),
         *correction_check(scenarios, solar, mission),
     ]
     if charge_rate_is_open(aircraft):
         day = solar_day(aircraft, mission, solar, scenarios=scenarios)
-        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * found.variables.module_area_m2
+        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * sizings.variables.module_area_m2
         checks += charge_rate_check(aircraft, mission, design, peak_w)
     texts = cell_texts(checks, len(scenarios))
     return [text if there else "" for text, there in zip(texts, sized, strict=True)]

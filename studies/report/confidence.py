@@ -38,15 +38,17 @@ def belief_section(subject: Subject) -> Section:
     """Ranges of the models that were left, errors of the solar models, and what is left out."""
     blocks: list[Block] = []
     if subject.verification is None:
-        found = subject.analysis
-        outside = found.extrapolations
+        analysis = subject.analysis
+        outside = analysis.extrapolations
         if outside:
             blocks.append(Text("Outside the range of a model:", "warning"))
             blocks.append(Items(tuple(one.text for one in outside)))
         else:
             blocks.append(Text("Nothing lies outside the range of a model.", "good"))
-        blocks.append(Text(uncertainty_line(found.low, found.high, found.worst, subject.mission)))
-        slow = settling_line(found)
+        blocks.append(
+            Text(uncertainty_line(analysis.low, analysis.high, analysis.worst, subject.mission))
+        )
+        slow = settling_line(analysis)
         if slow is not None:
             blocks.append(Text(slow, "warning"))
         condition = battery_line(subject.aircraft, subject.mission)
@@ -82,26 +84,26 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
         if mission.pessimistic_clearness == 1.0
         else f"The light is {100.0 * mission.pessimistic_clearness:.0f} % of a clear sky's"
     )
-    found = [f"{sky} all day; clouds come in with a weather record (--weather)."]
+    sentences = [f"{sky} all day; clouds come in with a weather record (--weather)."]
     if subject.verification is None and subject.analysis.days is None:
-        found.append(
+        sentences.append(
             "The day repeats itself: the date does not advance, and the battery's state at dawn is "
             "that of the settled cycle."
         )
     if subject.verification is None and subject.aircraft.battery.ageing is None:
-        found.append("The battery is new: the aircraft file has no ageing.")
+        sentences.append("The battery is new: the aircraft file has no ageing.")
     still = mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0
     if subject.verification is None and still:
-        found.append("The air is calm: level flight takes no more power than in still air.")
+        sentences.append("The air is calm: level flight takes no more power than in still air.")
     left_out = subject.with_uncertainty is None and subject.has_uncertain_inputs
     if subject.verification is None and left_out and not subject.uncertainty_is_quick:
-        found.append(
+        sentences.append(
             f"Uncertain inputs: left out, {len(mission.scenarios())} scenarios take long "
             "(--uncertainty)."
         )
     if mission.uncertainty_margins.given:
-        found.append("The mission's uncertainty margins are taken off every number here.")
-    return tuple(found)
+        sentences.append("The mission's uncertainty margins are taken off every number here.")
+    return tuple(sentences)
 
 
 def inputs_section(subject: Subject) -> Section:

@@ -229,10 +229,10 @@ def _with_margin(
     return margin_table(objective, solar, was, now)
 
 
-def _reliability(found: Mapping[str, Any]) -> Text:
+def _reliability(record: Mapping[str, Any]) -> Text:
     return Text(
-        f"Reliability: {100.0 * found['achieved']:.1f} % of {found['samples']} draws; asked for "
-        f"{100.0 * found['required']:g} %."
+        f"Reliability: {100.0 * record['achieved']:.1f} % of {record['samples']} draws; asked for "
+        f"{100.0 * record['required']:g} %."
     )
 
 

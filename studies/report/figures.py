@@ -91,11 +91,12 @@ def inline_svg(svg: bytes, *, title: str, description: str, key: str) -> str:
     drawing = re.sub(r"<(/?)(?:ns\d+|svg):", r"<\1", drawing)
     inside = drawing[drawing.index(">") + 1 : drawing.rindex("</svg>")]
     _, _, width, height = root.attrib["viewBox"].split()
-    told = f'<title id="{key}-title">{html.escape(title)}</title>'
-    told += f'<desc id="{key}-desc">{html.escape(description)}</desc>'
+    title_element = f'<title id="{key}-title">{html.escape(title)}</title>'
+    title_element += f'<desc id="{key}-desc">{html.escape(description)}</desc>'
     return (
         f'<svg class="figure" role="img" aria-labelledby="{key}-title {key}-desc" '
-        f'viewBox="0 0 {width} {height}" width="{width}" height="{height}">{told}{inside}</svg>'
+        f'viewBox="0 0 {width} {height}" width="{width}" height="{height}">'
+        f"{title_element}{inside}</svg>"
     )
 
 

@@ -55,24 +55,24 @@ def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block
     ``skip``: blocks at its beginning that the page has already.
     """
     looks = {"strong": "plain", "faint": "faint", "warning": "warning", "plain": "plain"}
-    found: list[Block] = []
+    blocks: list[Block] = []
     for block in summary.blocks[skip:]:
         if isinstance(block, Table | tuple):
             tables = (block,) if isinstance(block, Table) else block
-            found.append(
+            blocks.append(
                 Tables(tuple(dataclasses.replace(t, title=t.title or title) for t in tables))
             )
         elif isinstance(block, Line):
-            found.append(Text(block.text, looks[block.emphasis]))
+            blocks.append(Text(block.text, looks[block.emphasis]))
         elif block.startswith("- "):
-            last = found[-1] if found else None
+            last = blocks[-1] if blocks else None
             if isinstance(last, Items):
-                found[-1] = Items((*last.items, block.removeprefix("- ")))
+                blocks[-1] = Items((*last.items, block.removeprefix("- ")))
             else:
-                found.append(Items((block.removeprefix("- "),)))
+                blocks.append(Items((block.removeprefix("- "),)))
         else:
-            found.append(Text(block))
-    return found
+            blocks.append(Text(block))
+    return blocks
 
 
 def day_section(subject: Subject) -> Section:
@@ -150,12 +150,12 @@ def season_section(subject: Subject) -> Section | None:
         description=f"Excess time over the days of the year and all latitudes. {season}",
         key="season",
     )
-    told = [Text(season)] if season else []
+    texts = [Text(season)] if season else []
     caption = (
         "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
         "line: edge of perpetual flight; ring: the mission's scenarios."
     )
-    return Section("season", "The season", [*told, Figure(markup, caption, scrolls=True)])
+    return Section("season", "The season", [*texts, Figure(markup, caption, scrolls=True)])
 
 
 def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
@@ -176,9 +176,9 @@ def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
 
 def _season_text(subject: Subject) -> str:
     """Days of the year on which all latitudes of the mission are flown perpetually."""
-    found = subject.comparison
-    cases = () if found is None else found.cases
-    latitudes = () if found is None else found.mission.latitudes()
+    comparison = subject.comparison
+    cases = () if comparison is None else comparison.cases
+    latitudes = () if comparison is None else comparison.mission.latitudes()
     season = next((case.season for case in cases if case.solar == subject.solar), None)
     if season is None:
         return ""
@@ -186,11 +186,11 @@ def _season_text(subject: Subject) -> str:
     if season.days in (0, DAYS_PER_YEAR):
         day = "no day" if season.days == 0 else "every day"
         return f"At {where}, {day} of the year is flown perpetually."
-    told = f"At {where}, {season.days} days of the year are flown perpetually"
+    text = f"At {where}, {season.days} days of the year are flown perpetually"
     if season.first is None or season.last is None:
-        return f"{told}, none of them at midsummer."
+        return f"{text}, none of them at midsummer."
     window = f"{date_label(season.first)} to {date_label(season.last)}"
-    return f"{told}, {window} without a break."
+    return f"{text}, {window} without a break."
 
 
 def _places(latitudes: Sequence[float]) -> str:
@@ -206,13 +206,13 @@ def models_section(subject: Subject) -> Section | None:
     """All solar power models side by side; None for a mission that climbs."""
     title = "Solar power models"
     if subject.path_trouble is not None and not subject.climbs:
-        told = f"The solar power models are not compared: {subject.path_trouble}."
-        return Section("models", title, [Text(told)])
-    found = subject.comparison
-    if found is None:
+        text = f"The solar power models are not compared: {subject.path_trouble}."
+        return Section("models", title, [Text(text)])
+    comparison = subject.comparison
+    if comparison is None:
         return None
-    height = 1.9 + 0.26 * len(found.cases)
-    plot = plot_comparison(found, figure=page_options(_WIDTH_IN + 0.4, height))
+    height = 1.9 + 0.26 * len(comparison.cases)
+    plot = plot_comparison(comparison, figure=page_options(_WIDTH_IN + 0.4, height))
     markup = figure_markup(
         plot,
         title="Solar power models side by side",
@@ -221,19 +221,19 @@ def models_section(subject: Subject) -> Section | None:
         "numbers are in the table below.",
         key="models",
     )
-    at = found.mission.latitudes()
+    at = comparison.mission.latitudes()
     where = "" if len(at) == len(subject.mission.latitudes()) else f" at {_places(at)}"
     caption = (
         f"What each model predicts{where}: solar energy and excess time with bars of the model's "
         "RMS error, and the perpetual season."
     )
     blocks: list[Block] = [
-        Text(found.headline()),
+        Text(comparison.headline()),
         Figure(markup, caption, scrolls=True),
-        Tables(found.tables()[:1]),
+        Tables(comparison.tables()[:1]),
     ]
-    if found.notes:
-        blocks.append(Items(tuple(found.notes)))
+    if comparison.notes:
+        blocks.append(Items(tuple(comparison.notes)))
     return Section("models", title, blocks)
 
 
@@ -242,21 +242,21 @@ def models_section(subject: Subject) -> Section | None:
 
 def uncertainty_section(subject: Subject) -> Section | None:
     """How likely the flight is perpetual when the inputs scatter; None without such inputs."""
-    found = subject.uncertainty
-    if found is None:
+    uncertainty = subject.uncertainty
+    if uncertainty is None:
         return None
-    plot = plot_uncertainty(found, figure=page_options(9.6))
+    plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
     markup = figure_markup(
         plot,
         title="Excess time under uncertain inputs",
-        description=f"Histogram of the excess time. {found.headline()}. Beside it the inputs by "
-        "what they explain of its variance, as in the table below.",
+        description=f"Histogram of the excess time. {uncertainty.headline()}. Beside it the "
+        "inputs by what they explain of its variance, as in the table below.",
         key="scatter",
     )
-    blocks = summary_blocks(found.summary(), title="probability and spread")
+    blocks = summary_blocks(uncertainty.summary(), title="probability and spread")
     caption = (
-        f"Excess time of the weakest scenario in {found.samples} draws of the uncertain inputs, "
-        "and what it depends on."
+        f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
+        "inputs, and what it depends on."
     )
     return Section(
         "uncertainty",
@@ -267,18 +267,18 @@ def uncertainty_section(subject: Subject) -> Section | None:
 
 def weather_section(subject: Subject) -> Section | None:
     """Flight through a weather record; None without one."""
-    found = subject.weather
-    if found is None:
+    weather = subject.weather
+    if weather is None:
         return None
     markup = figure_markup(
-        plot_weather(found, figure=page_options(_WIDTH_IN + 0.4, 6.4)),
+        plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4)),
         title="Flight through the weather record",
-        description=f"{found.headline()}. Calendar of the state of charge at every dawn, share of "
-        "launches still airborne, and days that close in every month.",
+        description=f"{weather.headline()}. Calendar of the state of charge at every dawn, share "
+        "of launches still airborne, and days that close in every month.",
         key="weather",
     )
     caption = "State of charge at every dawn, survival of launches, and the season in this weather."
-    blocks = summary_blocks(found.summary(), title="flight through the record")
+    blocks = summary_blocks(weather.summary(), title="flight through the record")
     return Section(
         "weather", "Weather", [blocks[0], Figure(markup, caption, scrolls=True), *blocks[1:]]
     )
@@ -286,12 +286,14 @@ def weather_section(subject: Subject) -> Section | None:
 
 def verification_section(subject: Subject) -> Section | None:
     """Models against a flight log; None without one."""
-    found = subject.verification
-    if found is None:
+    verification = subject.verification
+    if verification is None:
         return None
-    blocks = summary_blocks(found.summary(), title="errors")
+    blocks = summary_blocks(verification.summary(), title="errors")
     drawn: list[Block] = []
-    for number, (name, draw) in enumerate(figures(found, figure=page_options(_WIDTH_IN + 0.4))):
+    for number, (name, draw) in enumerate(
+        figures(verification, figure=page_options(_WIDTH_IN + 0.4))
+    ):
         markup = figure_markup(
             draw(),
             title=f"Log and models, {name}",

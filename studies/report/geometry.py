@@ -206,7 +206,7 @@ def _module_places(
 
 def _outlines(geometry: ModuleGeometry | None) -> tuple[Rectangle, ...]:
     """Outlines of all modules; none where one of them has none."""
-    found = []
+    outlines = []
     for surface in () if geometry is None else geometry.surfaces:
         outline = surface.outline
         if outline is None:
@@ -214,8 +214,8 @@ def _outlines(geometry: ModuleGeometry | None) -> tuple[Rectangle, ...]:
         left, right = outline.inboard_m, outline.outboard_m
         if surface.side == "left":
             left, right = -right, -left
-        found.append(Rectangle(left, right, outline.front_m, outline.rear_m))
-    return tuple(found)
+        outlines.append(Rectangle(left, right, outline.front_m, outline.rear_m))
+    return tuple(outlines)
 
 
 def _dihedral(geometry: ModuleGeometry | None, span_m: float) -> tuple[float, float]:

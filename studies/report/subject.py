@@ -142,11 +142,11 @@ class Subject:
         """Every record that the report shows, JSON-ready."""
         if self.verification is not None:
             return {"verification": self.verification.to_dict()}
-        found: dict[str, Any] = {"analysis": self.record}
+        records: dict[str, Any] = {"analysis": self.record}
         if self.sizing is not None:
-            found["sizing"] = dict(self.sizing)
+            records["sizing"] = dict(self.sizing)
         for name in ("comparison", "uncertainty", "weather"):
             result = getattr(self, name)
             if result is not None:
-                found[name] = result.to_dict()
-        return found
+                records[name] = result.to_dict()
+        return records

@@ -55,51 +55,51 @@ def verdict(subject: Subject) -> Verdict:
         hold_h = float(analysis.scenario()[q.ENDURANCE])
         longest = "more than a year" if np.isinf(hold_h) else f"{hours(hold_h)} at most"
         without = hours(max(-float(excess), 0.0))
-        told = f"{fails} it stays up for {longest}, {without} of every day are without power"
+        text = f"{fails} it stays up for {longest}, {without} of every day are without power"
         if highs > 0.0:
-            return _verdict_item("edge", f"{told}; with {error} more sun it would fly perpetually.")
-        return _verdict_item("bad", f"{told}; {error} more sun would not change that.")
+            return _verdict_item("edge", f"{text}; with {error} more sun it would fly perpetually.")
+        return _verdict_item("bad", f"{text}; {error} more sun would not change that.")
     remain = "the sun always carries it" if np.isinf(excess) else f"{hours(excess)} of excess time"
-    told = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
+    text = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
     if excess < required:
-        return _verdict_item("bad", f"{told}, less than the required {required:g} h.")
+        return _verdict_item("bad", f"{text}, less than the required {required:g} h.")
     if required > 0.0 and np.isfinite(excess):
-        told += f", {hours(excess - required)} more than required"
+        text += f", {hours(excess - required)} more than required"
     if lows <= 0.0:
-        return _verdict_item("edge", f"{told}, but {error} less sun ends perpetual flight.")
+        return _verdict_item("edge", f"{text}, but {error} less sun ends perpetual flight.")
     if lows < required:
         return _verdict_item(
-            "edge", f"{told}, but {error} less sun leaves {hours(lows)}, too little."
+            "edge", f"{text}, but {error} less sun leaves {hours(lows)}, too little."
         )
     if np.isinf(lows):
-        return _verdict_item("good", f"{told}, also with {error} less sun.")
-    return _verdict_item("good", f"{told}, and {hours(lows)} with {error} less sun.")
+        return _verdict_item("good", f"{text}, also with {error} less sun.")
+    return _verdict_item("good", f"{text}, and {hours(lows)} with {error} less sun.")
 
 
-def _of_verification(found: Verification) -> Verdict:
+def _of_verification(verification: Verification) -> Verdict:
     """Which model comes closest to the flight, and whether the log looks sound."""
-    errors = _errors_over_days(found)
-    count = sum(one.severity != "normal" for one in found.anomalies)
+    errors = _errors_over_days(verification)
+    count = sum(one.severity != "normal" for one in verification.anomalies)
     looks = "no anomaly" if count == 0 else f"{count} anomal{'y' if count == 1 else 'ies'}"
     state, word = ("good", "No anomaly") if count == 0 else ("edge", "Look at the log")
     if not errors:
-        told = f"{found.log.source} has no sample to compare with, {looks}."
-        return Verdict("edge", told, "No comparison")
+        text = f"{verification.log.source} has no sample to compare with, {looks}."
+        return Verdict("edge", text, "No comparison")
     model = min(errors, key=lambda one: errors[one][1])
     average, rms = errors[model]
-    told = (
-        f"{model} comes closest to the flight of {found.aircraft}: it errs by "
+    text = (
+        f"{model} comes closest to the flight of {verification.aircraft}: it errs by "
         f"{100.0 * average:+.1f} % on average, RMS {100.0 * rms:.1f} %; {looks} in the log."
     )
-    return Verdict(state, told, word)
+    return Verdict(state, text, word)
 
 
-def _errors_over_days(found: Verification) -> dict[str, tuple[float, float]]:
+def _errors_over_days(verification: Verification) -> dict[str, tuple[float, float]]:
     """Average and RMS error of every model over all days, of the mean measured power [-]."""
-    days = [day for day in found.days if day.errors and day.samples > day.excluded]
+    days = [day for day in verification.days if day.errors and day.samples > day.excluded]
     counts = np.array([day.samples - day.excluded for day in days], float)
     over: dict[str, tuple[float, float]] = {}
-    for model in found.samples.modelled_w if days else ():
+    for model in verification.samples.modelled_w if days else ():
         each = [day.errors[model] for day in days]
         measured = float(counts @ [one.measured_mean_w for one in each])
         if measured > 0.0:
@@ -142,14 +142,16 @@ def _fact(quantity: q.Quantity, values: Mapping[q.Quantity, Any], note: str) -> 
     return Fact(label, number, unit, note)
 
 
-def _facts_of_verification(found: Verification) -> Iterator[Fact]:
-    log = found.log
-    yield Fact("samples", f"{len(found.samples.time_s)}", "", f"with the sun up, of {len(log)}")
+def _facts_of_verification(verification: Verification) -> Iterator[Fact]:
+    log = verification.log
+    yield Fact(
+        "samples", f"{len(verification.samples.time_s)}", "", f"with the sun up, of {len(log)}"
+    )
     yield Fact("flight", f"{(log.time_s[-1] - log.time_s[0]) / 3600.0:.1f}", "h",
                f"every {log.step_s:g} s")  # fmt: skip
-    for model, (average, rms) in _errors_over_days(found).items():
+    for model, (average, rms) in _errors_over_days(verification).items():
         yield Fact(f"error of {model}", f"{100.0 * average:+.1f}", "%",
                    f"RMS {100.0 * rms:.1f} %")  # fmt: skip
-    count = sum(one.severity != "normal" for one in found.anomalies)
+    count = sum(one.severity != "normal" for one in verification.anomalies)
     yield Fact("anomalies", f"{count}")
-    yield Fact("samples left out", f"{int(found.excluded.sum())}", "", "charging limited")
+    yield Fact("samples left out", f"{int(verification.excluded.sum())}", "", "charging limited")

@@ -199,8 +199,8 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             mesh, entries = _draw_contours(axes, part, names[:2], variable, norm)
             handles |= {str(entry.get_label()): entry for entry in entries}
             if value is not None and variable == _plotted_variables(data)[0]:
-                told = value if isinstance(value, str) else f"{value:g}"
-                axes.set_title(f"{_label(data, names[2])} = {told}", fontsize="medium")
+                value_text = value if isinstance(value, str) else f"{value:g}"
+                axes.set_title(f"{_label(data, names[2])} = {value_text}", fontsize="medium")
         unlimited = bool(np.isposinf(every).any())
         draw_colour_bar(figure, mesh, row, _label(data, variable), unlimited=unlimited)
     for axes in panels:

@@ -201,9 +201,9 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
     rows: list[dict[str, Any]] = [{} for _ in cells]
     for numbers, aircraft, mission in _flyable(configuration, cells, rows, Status):
         if isinstance(aircraft.airframe, MeasuredAirframe):
-            found = performance(aircraft, mission, configuration.solar)
-            outside = {"extrapolations": as_text(extrapolations(aircraft, found))}
-            row = _row_of_design(found, mission, (), {}, found.worst_endurance_h) | outside
+            flight = performance(aircraft, mission, configuration.solar)
+            outside = {"extrapolations": as_text(extrapolations(aircraft, flight))}
+            row = _row_of_design(flight, mission, (), {}, flight.worst_endurance_h) | outside
             for number in numbers:  # the same point, if it is there twice
                 rows[number] = row
             continue
@@ -211,12 +211,12 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         given = dict(zip(configuration.keys, columns, strict=True))
         variables = _variables(configuration, aircraft, given, len(numbers))
         day = solar_day(aircraft, mission, configuration.solar)
-        found = performance_of_designs(aircraft, mission, variables, configuration.solar, day=day)
-        missed = _missed(aircraft, mission, found)
-        texts = cell_texts(flight_checks(aircraft, found), len(numbers))
-        endurance_h = found.worst_endurance_h
+        flight = performance_of_designs(aircraft, mission, variables, configuration.solar, day=day)
+        missed = _missed(aircraft, mission, flight)
+        texts = cell_texts(flight_checks(aircraft, flight), len(numbers))
+        endurance_h = flight.worst_endurance_h
         for place, number in enumerate(numbers):
-            row = _row_of_design(found, mission, (place,), missed, endurance_h)
+            row = _row_of_design(flight, mission, (place,), missed, endurance_h)
             flown = row["status"] is not Status.infeasible
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
     return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
@@ -244,9 +244,9 @@ class _Missed(NamedTuple):
     text: str
 
 
-def _missed(aircraft: Aircraft, mission: Mission, found: Performance) -> dict[str, _Missed]:
+def _missed(aircraft: Aircraft, mission: Mission, flight: Performance) -> dict[str, _Missed]:
     """Requirements on a design that sizing has as well."""
-    design = found.design
+    design = flight.design
     conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     with np.errstate(invalid="ignore"):
         rows = {
@@ -267,14 +267,14 @@ _ROUNDING = 1e-9
 
 
 def _row_of_design(
-    found: Performance,
+    flight: Performance,
     mission: Mission,
     place: tuple[int, ...],
     missed: Mapping[str, _Missed],
     endurance_h: FloatArray,
 ) -> dict[str, Any]:
     """Row of one design."""
-    design = found.design
+    design = flight.design
     row: dict[str, Any] = {one.variable: _of_place(one.of(design), place) for one in CHOSEN}
     row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
     texts = [
@@ -286,14 +286,14 @@ def _row_of_design(
         # Of a design that cannot fly the other reasons mean nothing.
         text = texts[0] if missed["mass_budget"].amount[place] > 0.0 else "; ".join(texts)
         return row | {"status": Status.infeasible, "message": text}
-    cycle = found.cycle
+    cycle = flight.cycle
     excess = cycle.excess_time_h[place]
     worst = int(np.argmin(excess))
-    scenarios = found.day.scenarios
+    scenarios = flight.day.scenarios
     return row | {
         "status": Status(int(cycle.status[place][worst])),
         TOTAL_MASS.variable: _of_place(TOTAL_MASS.of(design), place),
-        **{one.variable: float(one.of(found)[place][worst]) for one in (*REACHED, LOAD)},
+        **{one.variable: float(one.of(flight)[place][worst]) for one in (*REACHED, LOAD)},
         ENDURANCE.variable: _of_place(endurance_h, place),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),

@@ -47,8 +47,8 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
     table = table.sort_values(["_better", column], ascending=[False, upwards], kind="stable")
     words = {True: "least", False: "largest"}[upwards]
     what = "a design" if objective else "perpetual flight"
-    told = f"{what} before none, then {words} {column.replace('_', ' ')}"
-    return table.drop(columns="_better"), told
+    text = f"{what} before none, then {words} {column.replace('_', ' ')}"
+    return table.drop(columns="_better"), text
 
 
 def sorted_by(data: xr.Dataset, key: str) -> tuple[pd.DataFrame, str]:

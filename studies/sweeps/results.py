@@ -81,20 +81,20 @@ def points_summary(
     heading = Line(f"{subject}: trade study of {count} {noun}, {counts}", "strong")
     if front is None:
         rows, order = best_first(data) if sort is None else sorted_by(data, sort)
-        told = f"best first: {order}" if sort is None else f"{order} first"
+        what = f"best first: {order}" if sort is None else f"{order} first"
         table = _table(data, rows, top, ())
     else:
         every = pareto_table(data, *front)
         rows = every[every["pareto_front"]]
         better = [f"{'more' if n in MORE_IS_BETTER else 'less'} {_plain(n)}" for n in front]
-        told = (
+        what = (
             f"Pareto front of {' and '.join(better)}: {len(rows)} of {len(every)} feasible points "
             "that no other beats in both"
         )
         table = _table(data, rows, top, front)
     blocks: list[Any] = [heading]
     if count > 1:
-        blocks.append(told)
+        blocks.append(what)
     blocks.append(table)
     if len(rows) > top:
         blocks.append(f"{len(rows) - top} more not shown: --top N shows more, --out FILE has all")

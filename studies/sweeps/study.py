@@ -192,7 +192,7 @@ def prepare(
         table, varied = points(axes, sample, base=base, samples=samples, seed=seed)
     except ValueError as error:
         raise _error("", str(error)) from None
-    asked = SweepConfiguration(
+    configuration = SweepConfiguration(
         files.aircraft_file.data,
         files.mission_file.data,
         tuple(axis.key for axis in axes),
@@ -207,9 +207,9 @@ def prepare(
     chunks = chunks_of(table, [order[piece] for piece in pieces(len(order), each)])
     flags, with_result = _statuses(objective)
     possible = can_be_result(flags, with_result)
-    job = Job(judge_points, asked, chunks, BLANKS, possible)
+    job = Job(judge_points, configuration, chunks, BLANKS, possible)
     if objective is not None:
-        job = Job(size_points, asked, chunks, SIZED_BLANKS, possible)
+        job = Job(size_points, configuration, chunks, SIZED_BLANKS, possible)
     title = f"Trade study of {aircraft.name} on {mission.name}"
     return GridStudy(
         job,
@@ -222,7 +222,7 @@ def prepare(
             "vary": to_json({axis.key: list(axis.names or axis.values) for axis in axes}),
             "sample": sample,
             "seed": seed,
-            "modules_cover_the_wing": int(asked.cover),
+            "modules_cover_the_wing": int(configuration.cover),
             "objective": "" if objective is None else objective.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
@@ -286,8 +286,8 @@ def _check_request(
         raise _error("", "nothing is varied")
     measured = isinstance(files.aircraft.airframe, MeasuredAirframe)
     if measured and (cover or resize is not None):
-        asked = "cover" if cover else "resize"
-        raise _error("", f"{asked} needs a parametric aircraft, this one is measured")
+        option = "cover" if cover else "resize"
+        raise _error("", f"{option} needs a parametric aircraft, this one is measured")
     for number, axis in enumerate(axes):
         if any(other.key == axis.key for other in axes[:number]):
             raise _error(axis.key, "is varied twice")
@@ -430,8 +430,8 @@ def dataset(study: GridStudy, outcome: Outcome) -> xr.Dataset:
     """Result of a study; the message of a point that failed is the reason."""
     messages = outcome.columns["message"].astype(object)
     messages[list(outcome.failures)] = list(outcome.failures.values())
-    told = outcome.columns | {"message": messages.astype(str)}
-    return study.dataset(replace(outcome, columns=told))
+    columns = outcome.columns | {"message": messages.astype(str)}
+    return study.dataset(replace(outcome, columns=columns))
 
 
 def to_table(data: xr.Dataset) -> pd.DataFrame:

@@ -29,7 +29,7 @@ def compare(options: Compare) -> None:
         # With surfaces and a path, the reference flies it even if no case does.
         require_path(case, options.needs_path or "the reference")
     with progress_of("models", lines=False) as progress:
-        found = comparison.compare(
+        compared = comparison.compare(
             case.aircraft,
             case.mission,
             models=options.models,
@@ -38,19 +38,21 @@ def compare(options: Compare) -> None:
             design=not options.no_design,
             progress=progress,
         )
-    record, folder = case.named(found.to_dict()), options.out_dir
+    record, folder = case.named(compared.to_dict()), options.out_dir
     files = {
-        options.table_file: table_of(found.to_frame, "models"),
-        options.plot_file: figure_of(lambda: plot_comparison(found, figure=options.figure)),
+        options.table_file: table_of(compared.to_frame, "models"),
+        options.plot_file: figure_of(lambda: plot_comparison(compared, figure=options.figure)),
     }
-    with told(case, record, found, out_dir=folder, files=files):
+    with told(case, record, compared, out_dir=folder, files=files):
         write_results(files)
         if folder is not None:
-            contents = {"comparison.csv": csv_bytes(found.to_frame())}
+            contents = {"comparison.csv": csv_bytes(compared.to_frame())}
             drawn = {
-                _IMAGE: lambda: figure_bytes(plot_comparison(found, figure=options.figure), _IMAGE)
+                _IMAGE: lambda: figure_bytes(
+                    plot_comparison(compared, figure=options.figure), _IMAGE
+                )
             }
             write_run_folder(Path(folder), case.inputs(), record, contents, drawn)
-    sized = [one.built for one in found.cases if one.built is not None]
+    sized = [one.built for one in compared.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)

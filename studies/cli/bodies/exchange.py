@@ -56,12 +56,12 @@ def export(options: Export) -> None:
 def diff(options: Diff) -> None:
     """Put two designs side by side."""
     first, second = options.case, replace(options.case, aircraft=options.other)
-    found = compare_designs(_analysed(first), _analysed(second))
-    write_results({options.table_file: table_of(found.to_frame, "designs")})
+    difference = compare_designs(_analysed(first), _analysed(second))
+    write_results({options.table_file: table_of(difference.to_frame, "designs")})
     if options.case.as_json:
-        print_json(found.to_dict())
+        print_json(difference.to_dict())
         return
-    show(found)
+    show(difference)
     if options.table_file is not None:
         tell_line(f"written to {options.table_file}")
 

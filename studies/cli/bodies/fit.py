@@ -39,32 +39,34 @@ def fit(options: Fit) -> None:
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--fit") from None
     log = read_log(options.log)
-    found = fit_flight(
+    fitted = fit_flight(
         case.aircraft, log, case.mission, names=options.names, light_sigma=options.light_sigma
     )
-    record, shown = case.named(found.to_dict()), found.summary()
+    record, shown = case.named(fitted.to_dict()), fitted.summary()
     if other_log is not None:
         other = read_log(replace(options.log, log_file=other_log))
-        prediction = predict_flight(found, other, case.mission)
+        prediction = predict_flight(fitted, other, case.mission)
         record["prediction"] = prediction.to_dict()
         shown = shown + Summary((prediction.table(),))
-    write_file, folder = (options.write_file, options.out_dir) if found.fitted else (None, None)
+    write_file, folder = (options.write_file, options.out_dir) if fitted.fitted else (None, None)
     with told(case, record, shown, out_dir=folder, files=(write_file,)):
         if write_file is not None or folder is not None:
-            document = _fitted(case, found, Path(log_file))
+            document = _fitted(case, fitted, Path(log_file))
             if write_file is not None:
-                write_text_atomically(write_file, file_text(document, fitted_lines(found)))
+                write_text_atomically(write_file, file_text(document, fitted_lines(fitted)))
             if folder is not None:
                 inputs = case.inputs(log=Path(log_file)).of_aircraft(document.data)
                 figure = options.figure
-                drawn = {"fit.png": lambda: figure_bytes(plot_fit(found, figure=figure), "fit.png")}
+                drawn = {
+                    "fit.png": lambda: figure_bytes(plot_fit(fitted, figure=figure), "fit.png")
+                }
                 write_run_folder(Path(folder), inputs, record, {}, drawn)
-    if not found.fitted:
+    if not fitted.fitted:
         click.echo("solar-uav: the log tells none of the parameters; nothing is written", err=True)
         sys.exit(EXIT_FAILED)
 
 
-def _fitted(case: Case, found: FlightFit, log_file: Path) -> Document:
+def _fitted(case: Case, fitted: FlightFit, log_file: Path) -> Document:
     """File of the fitted aircraft, with where its numbers come from."""
     log = InputFile.of(log_file)
     sources = {
@@ -73,7 +75,7 @@ def _fitted(case: Case, found: FlightFit, log_file: Path) -> Document:
         "log_sha256": log.sha256,
         "mission": case.where.document.source,
     }
-    return fitted_document(case.craft.document, found, sources)
+    return fitted_document(case.craft.document, fitted, sources)
 
 
 def calibrate(options: Calibrate) -> None:
@@ -82,13 +84,13 @@ def calibrate(options: Calibrate) -> None:
     built = open_aircraft(options.aircraft)
     models = open_aircraft(options.technology, options.overrides)
     sources = {"aircraft_sha256": built.sha256, "technology_sha256": models.sha256}
-    found = calibration.calibrate(built.document, models.document, sources)
+    estimated = calibration.calibrate(built.document, models.document, sources)
     if options.write_file is not None:
-        lines = [f"  {one.key}: {one.after:.5g}, from {one.source}" for one in found.factors]
-        write_text_atomically(options.write_file, file_text(found.document, lines))
+        lines = [f"  {one.key}: {one.after:.5g}, from {one.source}" for one in estimated.factors]
+        write_text_atomically(options.write_file, file_text(estimated.document, lines))
     if options.as_json:
-        print_json(found.to_dict())
+        print_json(estimated.to_dict())
         return
-    show(found.summary())
+    show(estimated.summary())
     if options.write_file is not None:
         tell_line(f"written to {options.write_file}")

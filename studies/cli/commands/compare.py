@@ -56,14 +56,14 @@ class Names(ParamType["tuple[str, ...]"]):
         Returns names, those of ``allowed``.
         """
         by_lower = {name.lower(): name for name in self.allowed}
-        found = []
+        models = []
         for part in str(value).split(","):
             name = by_lower.get(part.strip().lower())
             if name is None:
                 allowed = ", ".join(self.allowed)
                 self.fail(f"{part.strip()!r} is not one of {allowed}", param, ctx)
-            found.append(name)
-        return tuple(name for name in self.allowed if name in found)
+            models.append(name)
+        return tuple(name for name in self.allowed if name in models)
 
 
 @dataclass(frozen=True)

@@ -91,9 +91,9 @@ def bundled(parts: dict[str, str], entry: str) -> str:
     return "".join(done.values())
 
 
-def _taken(found: re.Match[str]) -> str:
-    names = re.sub(r"(\w+) as (\w+)", r"\1: \2", found[1])
-    return f"const {{{names}}} = {_variable(found[2])};\n"
+def _taken(match: re.Match[str]) -> str:
+    names = re.sub(r"(\w+) as (\w+)", r"\1: \2", match[1])
+    return f"const {{{names}}} = {_variable(match[2])};\n"
 
 
 def _variable(name: str) -> str:
@@ -102,14 +102,14 @@ def _variable(name: str) -> str:
 
 def _parts() -> dict[str, str]:
     """Files of the explorer's page, and the offline page's own in place of those of their names."""
-    found = {}
+    parts = {}
     static = resources.files("studies.explorer") / "static"
     own = resources.files("studies.explorer.offline")
     for folder, prefix in ((static, ""), (static / "vendor", "vendor/"), (own, "")):
         for file in folder.iterdir():
             if file.name.endswith((".js", ".css", ".html", ".svg")):
-                found[prefix + file.name] = file.read_text(encoding="utf-8")
-    return found
+                parts[prefix + file.name] = file.read_text(encoding="utf-8")
+    return parts
 
 
 def _policy(scripts: list[str], styles: list[str]) -> str:

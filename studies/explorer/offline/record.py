@@ -118,8 +118,8 @@ def _checks(session: Session, fields: list[dict[str, Any]], count: int) -> list[
     """Analyses at points chosen at random, the same every time."""
     chance = np.random.default_rng(1)
     moved = [one for one in fields if not one["fixed"] and one["key"] in (*AXES, *_FREE)]
-    found: list[dict[str, Any]] = []
-    while len(found) < count:
+    checks: list[dict[str, Any]] = []
+    while len(checks) < count:
         settings = {}
         for one in moved:
             value = chance.uniform(*one["slider"])
@@ -128,8 +128,8 @@ def _checks(session: Session, fields: list[dict[str, Any]], count: int) -> list[
             made = session.inputs(session.settings(settings))
         except RefusedError:  # settings that contradict each other
             continue
-        found.append({"settings": settings} | _status_and_excess(made))
-    return found
+        checks.append({"settings": settings} | _status_and_excess(made))
+    return checks
 
 
 def _status_and_excess(made: Inputs) -> dict[str, Any]:

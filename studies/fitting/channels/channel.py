@@ -67,12 +67,12 @@ class Flown:
     found: Verification
 
     @classmethod
-    def of(cls, found: Verification, mission: Mission) -> Flown:
+    def of(cls, verification: Verification, mission: Mission) -> Flown:
         """Mission in the place and the mean air of a log.
 
         ``mission``: clearness, payload, turbulence, and air where the log has none.
         """
-        return cls(found.log, mission_of_log(found.log, mission), found)
+        return cls(verification.log, mission_of_log(verification.log, mission), verification)
 
 
 def mission_of_log(log: FlightLog, mission: Mission) -> Mission:

@@ -23,7 +23,7 @@ def channels(flown: Flown, aircraft: Aircraft) -> tuple[dict[ChannelName, Channe
 
     ``aircraft``: its charge limit says where power may be held back.
     """
-    found: dict[ChannelName, Channel] = {}
+    made_channels: dict[ChannelName, Channel] = {}
     missing = []
     makers: dict[ChannelName, Callable[[], Channel | str]] = {
         "solar": lambda: solar_channel(flown, aircraft),
@@ -39,5 +39,5 @@ def channels(flown: Flown, aircraft: Aircraft) -> tuple[dict[ChannelName, Channe
                 f"{name}: {len(made.measured)} means over {BIN_S / 60:g} min are too few"
             )
         else:
-            found[name] = made
-    return found, missing
+            made_channels[name] = made
+    return made_channels, missing

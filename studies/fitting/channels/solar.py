@@ -39,13 +39,13 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     limited = flown.found.excluded | _may_be_limited(flown, aircraft)
     use = high & ~faulty & ~limited
     bins = Bins.of(samples.time_s, samples.run, use)
-    told = [f"{_hours_of(high & limited, flown)} h with charging that may be limited are left out"]
-    told += [f"{_hours_of(high & faulty, flown)} h in which the MPPT does not track are left out"]
+    notes = [f"{_hours_of(high & limited, flown)} h with charging that may be limited are left out"]
+    notes += [f"{_hours_of(high & faulty, flown)} h in which the MPPT does not track are left out"]
     model = solar_model(flown, np.asarray(samples.index[use], int))
     name = "FM" if samples.detail is not None else "CAM"
     if name == "CAM":
         error = 100.0 * UNCORRECTED_CAM.rms_relative
-        told.append(
+        notes.append(
             "without attitude or module surfaces the modules are fitted to CAM, whose own error "
             f"(RMS {error:.0f} % of the mean power) is in no interval"
         )
@@ -57,7 +57,7 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
         measured=bins.mean(samples.measured_w[use]),
         run=bins.run,
         predict=lambda craft, light: bins.mean(model(craft, light)),
-        notes=tuple(note for note in told if not note.startswith("0.0 h")),
+        notes=tuple(note for note in notes if not note.startswith("0.0 h")),
     )
 
 
@@ -65,11 +65,11 @@ def _hours_of(mask: BoolArray, flown: Flown) -> str:
     return f"{float(mask.sum()) * flown.log.step_s / 3600.0:.1f}"
 
 
-def _in_faults(found: Verification) -> BoolArray:
+def _in_faults(verification: Verification) -> BoolArray:
     """Samples within periods in which the MPPT does not track."""
-    time_s = found.samples.time_s
+    time_s = verification.samples.time_s
     marked = np.zeros(len(time_s), bool)
-    for one in found.anomalies:
+    for one in verification.anomalies:
         if one.kind == "mppt_not_tracking":
             marked |= (time_s >= one.start_s) & (time_s <= one.end_s)
     return marked

@@ -152,15 +152,15 @@ class _Part(NamedTuple):
 
     def fits(self, starts: list[tuple[float, float]]) -> list[Fit]:
         """Fits from some clocks [s] and headings [rad] to a level that may be."""
-        found = []
+        offsets = []
         for start in starts:
             fit = None
             if self.model.knows_heading:
                 fit = fitted(self.model, self.measured, *start, heading=True)
             if fit is None:  # a level wing has no derivative by the heading
                 fit = fitted(self.model, self.measured, *start, heading=False)
-            found.append(fit)
-        plausible = (fit for fit in found if fit is not None)
+            offsets.append(fit)
+        plausible = (fit for fit in offsets if fit is not None)
         return [f for f in plausible if LEVELS[0] < f.level / _unit(f.level)[1] < LEVELS[1]]
 
 
@@ -250,8 +250,8 @@ def _meaning_of_fit(model: ShiftedPower, measured: FloatArray, best: Fit) -> Ali
     """What the best fit means: which numbers are known, which are errors of the log."""
     unit, scale = _unit(best.level)
     if best.scale_w > MOST_SCATTER * _peak(measured):
-        told = "clock and heading are not checked: the power scatters too much (clouds?)"
-        return Alignment(power_unit=unit, level=best.level / scale, notes=(told,))
+        text = "clock and heading are not checked: the power scatters too much (clouds?)"
+        return Alignment(power_unit=unit, level=best.level / scale, notes=(text,))
     covariance = best.covariance + _systematic(model, best)
     notes: list[str] = []
     heading = _heading(best, covariance, model, measured, notes)

@@ -139,9 +139,9 @@ def _write_heading(figure: Figure, title: str, notes: Sequence[str]) -> None:
     """Title, and below it the notes, which break between each other rather than within."""
     # An escaped dollar begins no formula.
     title = title.replace("$", r"\$")
-    told = [note.replace("$", r"\$") for note in notes]
-    told = [n.replace(" ", "\u00a0") if len(n) <= _SHORT_NOTE else n for n in told]
-    line = " · ".join(told)
+    lines = [note.replace("$", r"\$") for note in notes]
+    lines = [n.replace(" ", "\u00a0") if len(n) <= _SHORT_NOTE else n for n in lines]
+    line = " · ".join(lines)
     write = getattr(figure, "set_heading", None)
     if write is not None:
         write(title, line)
@@ -193,9 +193,9 @@ def caption(solar: SolarModel) -> str:
     return f"{solar.model}, {corrected}"
 
 
-def outside_ranges(found: Sequence[Extrapolation]) -> str:
+def outside_ranges(extrapolations: Sequence[Extrapolation]) -> str:
     """What lies outside the range of a model, for the line below a title; empty if nothing does."""
-    return extrapolation_caption(found)
+    return extrapolation_caption(extrapolations)
 
 
 def dataset_caption(data: OnGrid) -> str:

@@ -328,14 +328,16 @@ def _restore(artist: Text, before: dict[str, Any], looks: dict[str, Any]) -> Non
 
 def _inwards(box: Bbox, frame: Bbox) -> tuple[float, float]:
     """Shift that brings a box into a frame; none where it is larger, or lies outside of it."""
-    found = []
+    inwards = []
     for low, high, first, last in (
         (box.x0, box.x1, frame.x0, frame.x1),
         (box.y0, box.y1, frame.y0, frame.y1),
     ):
         outside = high <= first or low >= last or high - low > last - first
-        found.append(0.0 if outside else max(first + 1.0 - low, 0.0) - max(high - last + 1.0, 0.0))
-    return found[0], found[1]
+        inwards.append(
+            0.0 if outside else max(first + 1.0 - low, 0.0) - max(high - last + 1.0, 0.0)
+        )
+    return inwards[0], inwards[1]
 
 
 def _wrapped(text: Text, words: str, room: float) -> str:

@@ -111,10 +111,10 @@ class FigureOptions:
         ValueError
             If there is no such style, or its file is not one.
         """
-        found = _settings_of_file(_shipped("default"), "default")
+        settings_of_style = _settings_of_file(_shipped("default"), "default")
         if self.style != "default":
-            found |= style_settings(self.style)
-        return found
+            settings_of_style |= style_settings(self.style)
+        return settings_of_style
 
 
 DEFAULT = FigureOptions()
@@ -224,7 +224,7 @@ def _settings_of_file(text: str, source: str) -> dict[str, Any]:
     """Settings of a file; matplotlib's own reader goes on after a mistake, this one tells it."""
     import matplotlib as mpl
 
-    found: Any = mpl.RcParams()
+    parameters: Any = mpl.RcParams()
     for number, line in enumerate(text.splitlines(), 1):
         content = _BEFORE_COMMENT.match(line)[0]  # type: ignore[index]  # matches any text
         if not content.strip():
@@ -239,11 +239,11 @@ def _settings_of_file(text: str, source: str) -> dict[str, Any]:
         if value[:1] == value[-1:] == '"':
             value = value[1:-1]
         try:
-            found[key] = value
+            parameters[key] = value
         except ValueError as error:
             raise ValueError(f"{source}:{number}: {key}: {error}") from None
-        _check_lengths(key, found[key], f"{source}:{number}: {key}")
-    return dict(found)
+        _check_lengths(key, parameters[key], f"{source}:{number}: {key}")
+    return dict(parameters)
 
 
 def _check_lengths(key: str, value: Any, where: str) -> None:

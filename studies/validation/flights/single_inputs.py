@@ -232,15 +232,15 @@ def explain(
     """
     tell = progress or (lambda done, total: None)
     tell(0, len(misses))
-    found = []
+    rows = []
     for miss in misses:
         trial = miss.flight.trial()
         factor = _root(miss, SOLAR_POWER, trial)
         needed = tuple(_needed(miss, spread, trial, factor) for spread in miss.spreads)
         computed = miss.quantity.compute(trial)
-        found.append(Explanation(miss, computed, needed, _together(miss, trial, computed)))
-        tell(len(found), len(misses))
-    return Explanations(tuple(found))
+        rows.append(Explanation(miss, computed, needed, _together(miss, trial, computed)))
+        tell(len(rows), len(misses))
+    return Explanations(tuple(rows))
 
 
 def _together(miss: Miss, trial: Trial, computed: float) -> float:
@@ -262,16 +262,16 @@ def _needed(miss: Miss, spread: Spread, trial: Trial, factor: float | None) -> N
     source = spread.input
     used = source.read(trial)
     if source is SOLAR_POWER or source.scales_power:
-        found = None if factor is None else factor * used
+        needed = None if factor is None else factor * used
     else:
-        found = _root(miss, source, trial)
+        needed = _root(miss, source, trial)
     others: dict[str, float] = {}
-    if found is not None:
-        changed = source.change(trial, found)
+    if needed is not None:
+        changed = source.change(trial, needed)
         others = {
             q.name: q.compute(changed) for q in miss.flight.quantities if q is not miss.quantity
         }
-    return Needed(spread, used, found, others)
+    return Needed(spread, used, needed, others)
 
 
 def _root(miss: Miss, source: Input, trial: Trial) -> float | None:
