@@ -9,7 +9,8 @@ The topmost layer and the only one that draws, prints or parses a command line. 
 * ``calibrate_aircraft``: a parametric aircraft of a measured one
 * ``perpetual_ceiling``: how high an aircraft flies perpetually
 * ``feasibility_map``, ``resized_map``: where and when it does, and which design would
-* ``sweep``: trade studies; ``plot_cycle``: an analysis as a figure
+* ``sweep``: trade studies; ``to_table``: these and maps with a row for each cell
+* ``plot_cycle``: an analysis as a figure
 """
 
 import lazy_loader

@@ -15,8 +15,10 @@ from studies.cli.command import OutputFile, OutputFolder, argument, group, optio
 from studies.cli.telling import tell_error
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 from studies.output.formats import (
+    GRID_FORMATS,
     IMAGE_FORMATS,
     TABLE_FORMATS,
+    grid_format,
     image_format,
     missing_writer,
     table_format,
@@ -387,6 +389,22 @@ def table_option(contents: str, name: str = "--table", *, older: str = "--csv") 
         metavar="FILE",
         callback=checked,
         help=f"Write {contents} ({', '.join(TABLE_FORMATS)}).",
+    )
+
+
+def grid_option(contents: str) -> Any:
+    """Option ``--out FILE`` of commands whose result lies on a grid."""
+
+    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
+        if path is not None:
+            check_table(path, grid_format(path), GRID_FORMATS, "--out")
+        return path
+
+    return option(
+        *("--out",),
+        type=OutputFile(),
+        callback=checked,
+        help=f"Write {contents} ({', '.join(GRID_FORMATS)}).",
     )
 
 

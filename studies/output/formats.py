@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 IMAGE_FORMATS = ("png", "svg", "pdf")
 TABLE_FORMATS = ("csv", "parquet", "xlsx")
+GRID_FORMATS = ("nc", *TABLE_FORMATS)
 # Libraries that are not installed with the package, and the extra that brings each.
 _WRITERS = {"parquet": ("Parquet", "pyarrow", "parquet"), "xlsx": ("Excel", "xlsxwriter", "excel")}
 # Excel's own limits: rows of a sheet, and characters of its name and those that it may not have.
@@ -24,6 +25,12 @@ def image_format(path: str) -> str | None:
     """Image format of a file name, none if it is not one that can be drawn."""
     suffix = PurePath(path).suffix.lstrip(".").lower()
     return suffix if suffix in IMAGE_FORMATS else None
+
+
+def grid_format(path: str) -> str | None:
+    """Format of the file of a result on a grid, none if it is not one that can be written."""
+    suffix = PurePath(path).suffix.lstrip(".").lower()
+    return suffix if suffix in GRID_FORMATS else None
 
 
 def table_format(path: str) -> str | None:

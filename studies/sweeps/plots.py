@@ -48,9 +48,10 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT, NAMES
+from studies.output.grid_files import to_table
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.ranking import MORE_IS_BETTER, pareto_table
-from studies.sweeps.study import feasible, to_table
+from studies.sweeps.study import feasible
 
 __all__ = ["plot_pareto", "plot_sweep"]
 

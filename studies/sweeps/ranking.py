@@ -11,7 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sizing.optimisation.objectives import Objective
-from studies.sweeps.study import feasible, to_table
+from studies.output.grid_files import to_table
+from studies.sweeps.study import feasible
 
 __all__ = [
     "MORE_IS_BETTER",

@@ -36,7 +36,6 @@ from studies.output.columns import (
     SizingStatus,
     attributes,
     resize_objective,
-    status_names,
     told_of_cells,
 )
 from studies.output.gridded import Labelled, can_be_result
@@ -65,10 +64,9 @@ from studies.sweeps.points import (
 )
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
-__all__ = ["dataset", "feasible", "prepare", "sweep", "to_table"]
+__all__ = ["dataset", "feasible", "prepare", "sweep"]
 
 _WING = {WINGSPAN.name, ASPECT_RATIO.name}
 
@@ -432,18 +430,6 @@ def dataset(study: GridStudy, outcome: Outcome) -> xr.Dataset:
     messages[list(outcome.failures)] = list(outcome.failures.values())
     columns = outcome.columns | {"message": messages.astype(str)}
     return study.dataset(replace(outcome, columns=columns))
-
-
-def to_table(data: xr.Dataset) -> pd.DataFrame:
-    """One row per point; the status in words, attributes of the data in those of the table."""
-    names = status_names(data)
-    table = data.to_dataframe().reset_index()
-    table["status"] = [names[int(value)] for value in table["status"]]
-    first = [str(name) for name in data.coords if name in table.columns]
-    rest = [name for name in table.columns if name not in (*first, "status", "sample")]
-    table = table[[*first, "status", *rest]]
-    table.attrs = dict(data.attrs)
-    return table
 
 
 def feasible(data: xr.Dataset) -> xr.DataArray:

@@ -10,7 +10,8 @@ from studies.cli.files import Case, load
 from studies.cli.jobs import completed
 from studies.cli.outputs import call, deliver, figure_of
 from studies.maps import feasibility, results
-from studies.output.gridded import to_netcdf_bytes
+from studies.output.formats import grid_format
+from studies.output.grid_files import to_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,7 +43,7 @@ def map_(options: Map) -> None:
             case.named(record(data)),
             lambda: table(data),
             files={
-                options.out_file: lambda _: to_netcdf_bytes(data),
+                options.out_file: lambda path: to_bytes(data, grid_format(path), "cells"),
                 options.plot_file: figure_of(lambda: _drawn_map(data, options)),
             },
             next_step=call("report", "--out", "report.html"),

@@ -16,11 +16,12 @@ from studies.cli.checks import refuse_climb, require_path
 from studies.cli.commands.sweep import Sweep
 from studies.cli.files import Case, load
 from studies.cli.jobs import completed
-from studies.cli.options import EXIT_FAILED, check_table
+from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import call, figure_bytes, told
 from studies.cli.telling import tell_error
+from studies.output.formats import grid_format
+from studies.output.grid_files import to_bytes
 from studies.sweeps.axes import axis_names
-from studies.sweeps.files import FORMATS, table_format, to_bytes
 from studies.sweeps.points import BLANKS, SIZED_BLANKS
 from studies.sweeps.study import dataset, prepare
 
@@ -36,9 +37,6 @@ def sweep(options: Sweep) -> None:
     """Compute the points of a trade study, write them, and tell them."""
     _check_shown(options)
     out_file, plot_file = options.out_file, options.plot_file
-    file_format = None if out_file is None else table_format(out_file)
-    if out_file is not None:
-        check_table(out_file, file_format, FORMATS, "--out")
     case = load(options.case)
     refuse_climb(case, "sweep")
     require_path(case)
@@ -50,8 +48,8 @@ def sweep(options: Sweep) -> None:
         record, summary = _record_and_summary(data, options)
         step = f"{call('explore')} (the same with sliders)"
         with told(case, case.named(record), summary, files=contents, next_step=step):
-            if out_file is not None and file_format is not None:
-                contents[out_file] = to_bytes(data, file_format)
+            if out_file is not None:
+                contents[out_file] = to_bytes(data, grid_format(out_file), "points")
             if plot_file is not None:
                 try:
                     contents[plot_file] = figure_bytes(_chart(data, options), plot_file)

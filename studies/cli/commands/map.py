@@ -8,17 +8,19 @@ import click
 from click.core import ParameterSource
 
 from sizing.optimisation.objectives import RESIZE_NAMES
-from studies.cli.command import Command, OutputFile, option
+from studies.cli.command import Command, option
 from studies.cli.options import (
     CaseOptions,
     Grid,
     WorkOptions,
     case_options,
     figure_options,
+    grid_option,
     plot_option,
     work_options,
 )
 from studies.output.figures.options import FigureOptions
+from studies.output.formats import grid_format
 
 # Options of a map over latitudes, and those of one in a weather record.
 _OF_LATITUDES = {
@@ -31,13 +33,6 @@ _OF_LATITUDES = {
     "work_dir": "a record is flown in seconds, there are no parts to keep",
     "keep_parts": "a record is flown in seconds, there are no parts to keep",
 }
-
-
-def _netcdf(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
-    """Refuse a file of another format than NetCDF."""
-    if path is not None and not path.lower().endswith(".nc"):
-        raise click.BadParameter(f"{path!r} must end in .nc", param_hint="--out")
-    return path
 
 
 @dataclass(frozen=True)
@@ -87,9 +82,7 @@ class Map:
         show_default=True,
         help="With --weather: batteries, as multiples of the aircraft's own.",
     )
-    out_file: str | None = option(
-        "--out", type=OutputFile(), callback=_netcdf, help="Write the map as NetCDF (nc)."
-    )
+    out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw the map")
     work: WorkOptions = work_options()
     figure: FigureOptions = figure_options()
@@ -111,6 +104,9 @@ class Map:
         for name, reason in _OF_LATITUDES.items():
             if name in given:
                 raise click.UsageError(f"{given[name]} does not go with --weather: {reason}")
+        if self.out_file is not None and grid_format(self.out_file) != "nc":
+            message = f"{self.out_file!r} must end in .nc with --weather: days and half months"
+            raise click.BadParameter(message, param_hint="--out")
 
 
 map_ = Command(

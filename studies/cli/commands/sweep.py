@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sizing.optimisation.objectives import RESIZE_NAMES
-from studies.cli.command import Command, OutputFile, option
+from studies.cli.command import Command, option
 from studies.cli.options import (
     CaseOptions,
     Parsed,
@@ -16,6 +16,7 @@ from studies.cli.options import (
     case_options,
     completes,
     figure_options,
+    grid_option,
     plot_option,
     work_options,
 )
@@ -76,9 +77,7 @@ class Sweep:
     seed: int = option(
         "--seed", type=click.IntRange(0), default=0, show_default=True, help="For drawing."
     )
-    out_file: str | None = option(
-        "--out", type=OutputFile(), help="Write all points (nc, csv, parquet, xlsx)."
-    )
+    out_file: str | None = grid_option("all points")
     plot_file: str | None = plot_option("Draw the study")
     pareto: tuple[str, str] | None = option(
         "--pareto",

@@ -3,6 +3,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from click.testing import CliRunner
@@ -180,12 +181,34 @@ def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
     assert np.diff(bar.get_yticks()) == pytest.approx(0.5)
 
 
-def test_a_map_is_no_table(tmp_path: Path) -> None:
-    target = tmp_path / "map.csv"
-    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target)])
-    assert answer.exit_code == 2
-    assert "must end in .nc" in answer.output
-    assert not target.exists()
+def test_a_map_as_a_table_has_a_row_for_each_cell(tmp_path: Path) -> None:
+    call = ["map", "atlantiksolar-as2", "--latitudes", "-80:80:40", "--days", "1:365:91"]
+    for name in ("map.csv", "map.nc"):
+        answer = CliRunner().invoke(cli, [*call, "--out", str(tmp_path / name)])
+        assert answer.exit_code == 0, answer.output
+    table = pd.read_csv(tmp_path / "map.csv", comment="#")
+    configuration = json.loads((tmp_path / "map.csv").read_text().splitlines()[0].removeprefix("#"))
+    assert json.loads(configuration["aircraft"])["name"] == "atlantiksolar-as2"
+    with xr.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as data:
+        cells = table.set_index(["latitude", "day"])
+        assert len(cells) == data["status"].size
+        for (latitude, day), row in cells.iterrows():
+            cell = data.sel(latitude=latitude, day=day)
+            assert row["excess_time"] == pytest.approx(float(cell["excess_time"]), nan_ok=True)
+        assert set(table["status"]) <= set(data["status"].attrs["flag_meanings"].split())
+
+
+def test_what_a_map_cannot_be_written_to_is_refused(tmp_path: Path) -> None:
+    weather = ["--weather", "colorado-2023"]
+    for name, more, what in (
+        ("map.txt", [], "must end in .nc, .csv"),
+        ("map.csv", weather, "must end in .nc with --weather"),
+    ):
+        target = tmp_path / name
+        answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target), *more])
+        assert answer.exit_code == 2
+        assert what in " ".join(answer.output.split())
+        assert not target.exists()
 
 
 def test_picture_shows_a_map_of_one_cell() -> None:

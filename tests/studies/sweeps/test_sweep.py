@@ -33,11 +33,12 @@ from studies.cli.__main__ import cli
 from studies.engine.run import Job, compute
 from studies.maps.feasibility import MapConfiguration
 from studies.output.columns import SizingStatus
+from studies.output.grid_files import to_table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.points import held, judge_points, plain_data
 from studies.sweeps.ranking import pareto_front
-from studies.sweeps.study import dataset, prepare, sweep, to_table
+from studies.sweeps.study import dataset, prepare, sweep
 
 AS2 = load_aircraft("atlantiksolar-as2")
 DESIGN = load_aircraft("atlantiksolar-design")
