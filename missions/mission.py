@@ -465,6 +465,6 @@ class Scenarios:
 
 
 def latitude_label(latitude_deg: float) -> str:
-    """Readable latitude, for instance ``47.6 N``."""
-    hemisphere = "S" if latitude_deg < 0 else "N"
-    return f"{abs(float(latitude_deg)):g} {hemisphere}"
+    """Readable latitude, for instance ``47.6° N``."""
+    hemisphere = "" if latitude_deg == 0 else " S" if latitude_deg < 0 else " N"
+    return f"{abs(float(latitude_deg)):g}\N{DEGREE SIGN}{hemisphere}"

@@ -23,13 +23,21 @@ from sizing.performance import performance
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-__all__ = ["COARSE_STEP_H", "SeasonMaps"]
+__all__ = [
+    "COARSE_DAYS",
+    "COARSE_LATITUDES_DEG",
+    "COARSE_STEP_H",
+    "DAYS",
+    "LATITUDES_DEG",
+    "SeasonMaps",
+]
 
 # Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.
 COARSE_STEP_H = 0.25
-LATITUDES_DEG = np.arange(-90.0, 91.0, 5.0)
-DAYS = np.arange(1, 366, 8)
-_DAYS_ON_PATH = np.arange(1, 366, 16)
+# Evenly spaced: the page interpolates. A coarse map has every second row and column.
+LATITUDES_DEG, DAYS = np.linspace(-90.0, 90.0, 73), np.arange(1, 366, 4)
+COARSE_LATITUDES_DEG, COARSE_DAYS = LATITUDES_DEG[::2], DAYS[::2]
+_DAYS_ON_PATH = DAYS[::4]
 # Keys of the mission that light knows of; the rest of it changes the load alone.
 _KEYS_OF_LIGHT = (
     "altitude_m",
@@ -41,7 +49,7 @@ _KEYS_OF_LIGHT = (
     "wind_from_deg",
     "flight_path",
 )
-_KEPT = 6  # lights, of 4 MB at most each
+_KEPT = 6  # lights, of 16 MB at most each
 # Of filling a slow map, before others have their turn: while a slider moves, and when it rests.
 _SHORT_TURN_S, _TURN_S = 0.02, 0.12
 
@@ -86,7 +94,8 @@ class SeasonMaps:
         """Excess time in every cell that is known.
 
         ``aircraft``, ``mission``: what flies, in which air, with which load; the mission's own
-        place plays no part. ``coarse``: use steps of a quarter of an hour; slow models always do.
+        place plays no part. ``coarse``: every second row and column, in steps of a quarter of an
+        hour; slow models always have these.
         ``design``: of the aircraft on the mission, where it is known already. Returns
         ``latitudes_deg``, ``days``, ``step_h`` and ``excess_time_h``: rows of hours to three
         decimals, null where it is unlimited; a row that is not yet known is null. ``complete`` says
@@ -94,7 +103,8 @@ class SeasonMaps:
         """
         on_path = solar.needs_path
         step_h = COARSE_STEP_H if coarse or on_path else DEFAULT_STEP_H
-        days = _DAYS_ON_PATH if on_path else DAYS
+        latitudes = COARSE_LATITUDES_DEG if coarse or on_path else LATITUDES_DEG
+        days = _DAYS_ON_PATH if on_path else COARSE_DAYS if coarse else DAYS
         light = self._light_of(aircraft, mission, solar, step_h)
 
         def lit(latitudes_deg: FloatArray) -> SolarDay:
@@ -105,8 +115,8 @@ class SeasonMaps:
         if on_path:
             _fill(light, lit, _SHORT_TURN_S if coarse else _TURN_S)
         elif light.day is None:
-            light.rows, light.day = list(range(len(LATITUDES_DEG))), lit(LATITUDES_DEG)
-        rows: list[list[float | None] | None] = [None] * len(LATITUDES_DEG)
+            light.rows, light.day = list(range(len(latitudes))), lit(latitudes)
+        rows: list[list[float | None] | None] = [None] * len(latitudes)
         flight = performance(
             *(aircraft, mission, solar), day=light.day, keep_trajectory=False, design=design
         )
@@ -114,7 +124,7 @@ class SeasonMaps:
         for row, values in zip(light.rows, hours, strict=True):
             rows[row] = [round(v, 3) if isfinite(v) else None for v in values.tolist()]
         return {
-            "latitudes_deg": LATITUDES_DEG.tolist(),
+            "latitudes_deg": latitudes.tolist(),
             "days": days.tolist(),
             "step_h": step_h,
             "excess_time_h": rows,
@@ -137,10 +147,10 @@ class SeasonMaps:
 def _fill(light: _Light, sunlit: Callable[[FloatArray], SolarDay], turn_s: float) -> None:
     """Add rows that are missing, as many as a turn allows and at least one."""
     end = time.monotonic() + turn_s
-    for row in _spread_order(len(LATITUDES_DEG)):
+    for row in _spread_order(len(COARSE_LATITUDES_DEG)):
         if row in light.rows:
             continue
-        light.add(row, sunlit(LATITUDES_DEG[row : row + 1]))
+        light.add(row, sunlit(COARSE_LATITUDES_DEG[row : row + 1]))
         if time.monotonic() > end:
             return
 

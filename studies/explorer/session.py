@@ -34,6 +34,7 @@ from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
 from studies.explorer.worker import ReportTask
 from studies.output.run_folder import InputFile, RunInputs
+from studies.output.season_scale import page_scale
 
 __all__ = ["Inputs", "Session"]
 
@@ -135,6 +136,7 @@ class Session:
                 if isinstance(choice, Choice)
             ],
             "objectives": objectives,
+            "season_scale": page_scale(),
             "cannot_size": (
                 "a measured airframe cannot be sized: its mass does not follow from its geometry"
                 if self.measured

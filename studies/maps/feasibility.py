@@ -27,7 +27,7 @@ from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.grid import GridStudy, chunks_of
-from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapConfiguration, cell_time_s
+from studies.maps.grid import Grid, MapConfiguration, cell_time_s
 from studies.output.columns import attributes
 from studies.output.gridded import OnGrid, can_be_result
 
@@ -60,8 +60,8 @@ def feasibility_map(
     aircraft: Aircraft,
     mission: Mission,
     *,
-    latitudes: ArrayLike = LATITUDES_DEG,
-    days: ArrayLike = DAYS,
+    latitudes: ArrayLike | None = None,
+    days: ArrayLike | None = None,
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
     endurance: bool = False,
@@ -77,9 +77,11 @@ def feasibility_map(
     mission : Mission
         In which air and with which load; its own latitudes and dates play no part.
     latitudes : array_like, optional
-        Latitudes [deg], north positive, ascending.
+        Latitudes [deg], north positive, ascending; by default from 70 south to 70 north, each
+        degree, or each second one where a cell takes milliseconds.
     days : array_like, optional
-        Days of year from 1 to 365, or dates (``["06-21"]``, a ``DatetimeIndex``), ascending.
+        Days of year from 1 to 365, or dates (``["06-21"]``, a ``DatetimeIndex``), ascending; by
+        default each, or each fourth one where a cell takes milliseconds.
     model : {"CAM", "CDM", "VM", "FM"}, optional
         Solar power model.
     correction : {"none", "report", "loiter"}, optional
@@ -116,13 +118,13 @@ def feasibility_map(
 def prepare(
     aircraft: Aircraft,
     mission: Mission,
-    latitudes: ArrayLike,
-    days: ArrayLike,
+    latitudes: ArrayLike | None,
+    days: ArrayLike | None,
     solar: SolarModel,
     endurance: bool = False,
 ) -> GridStudy:
     """Check a map and divide it into chunks."""
-    grid = Grid.of(latitudes, days)
+    grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}

@@ -18,10 +18,19 @@ from solar.types import FloatArray, IntArray
 from studies.engine.run import pieces
 from studies.output.gridded import Labelled
 
-__all__ = ["DAYS", "LATITUDES_DEG", "Grid", "MapConfiguration", "cell_time_s"]
+__all__ = [
+    "DAYS",
+    "LATITUDES_DEG",
+    "SLOW_DAYS",
+    "SLOW_LATITUDES_DEG",
+    "Grid",
+    "MapConfiguration",
+    "cell_time_s",
+]
 
-# Of a map for which no other grid is asked.
-LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 2.0), np.arange(1, 366, 4)
+# Of a map for which no other grid is requested, and of one whose cells take milliseconds.
+LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366)
+SLOW_LATITUDES_DEG, SLOW_DAYS = LATITUDES_DEG[::2], DAYS[::4]
 
 # Time of a cell [s], roughly: it decides the size of a chunk and nothing else. A chunk must not
 # depend on the workers, or results would.
@@ -48,11 +57,16 @@ class Grid:
     days: IntArray
 
     @classmethod
-    def of(cls, latitudes: ArrayLike, days: ArrayLike) -> Grid:
+    def of(cls, latitudes: ArrayLike | None, days: ArrayLike | None, *, slow: bool) -> Grid:
         """Check a grid.
 
-        ``days``: days of year, whole numbers from 1 to 365, or dates.
+        ``latitudes``, ``days``: None for 1 degree and 1 day, or 2 degrees and 4 days of ``slow``
+        cells; days of year are whole numbers from 1 to 365, or dates.
         """
+        if latitudes is None:
+            latitudes = SLOW_LATITUDES_DEG if slow else LATITUDES_DEG
+        if days is None:
+            days = SLOW_DAYS if slow else DAYS
         north = np.atleast_1d(np.asarray(latitudes, float))
         date = np.asarray(days_of_year(days), float)
         for name, values, low, high in (

@@ -1,7 +1,7 @@
 """Figures of maps over season and latitude.
 
-Cells are drawn as they are: nothing is smoothed or filled in between. Cells without a result are
-hatched, by the reason.
+Excess time is drawn between cells too, linear in both directions; designs are drawn as cells, each
+of which is a design of its own. Cells without a result are hatched, by the reason.
 """
 
 from __future__ import annotations
@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import from_levels_and_colors
 from matplotlib.figure import Figure
 
 from missions.dates import MONTH_NAMES, date_label
+from missions.mission import latitude_label
 from sizing.optimisation.objectives import Objective
 from studies.output.cells import (
     cell_edges,
-    diverging,
     draw_cells,
     draw_colour_bar,
     draw_level_lines,
@@ -37,13 +38,13 @@ from studies.output.figures.drawing import (
 )
 from studies.output.figures.options import DEFAULT
 from studies.output.gridded import OnGrid
+from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
 
 if TYPE_CHECKING:
     from solar.types import FloatArray
 
 __all__ = ["plot_map", "plot_resized_map"]
 
-_LEVELS = 6  # on either side of zero
 _DATES = 6  # along an axis of less than two months
 
 
@@ -64,19 +65,24 @@ def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     """
     drawn, axes = _begun(figure, data, "line: edge of perpetual flight")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
-    excess = data["excess_time"].to_numpy()
-    top = np.nanmax(np.where(np.isfinite(excess), excess, np.nan), initial=1.0)
-    shown = np.where(np.isposinf(excess), 2.0 * top, excess)
-    levels = _levels(top)
-    norm = BoundaryNorm(levels, ncolors=256, extend="both")
-    mesh = axes.pcolormesh(cell_edges(days), cell_edges(latitudes), shown, norm=norm)
-    mesh.set_cmap(diverging())
-    bar = drawn.colorbar(mesh, ax=axes, ticks=levels)
-    bar.set_label("excess time [h]; beyond the top: no night")
-    if min(excess.shape) > 1 and np.any(shown > 0.0) and np.any(shown <= 0.0):
-        # No edge leads along cells of which nothing is known.
-        perpetual = np.where(np.isnan(shown), np.nan, shown > 0.0)
-        axes.contour(days, latitudes, perpetual, [0.5], colors=ink())
+    excess_h = data["excess_time"].to_numpy()
+    shown_h = np.where(np.isposinf(excess_h), 2.0 * UNLIMITED_H, excess_h)
+    levels = (*LEVELS_H, UNLIMITED_H)
+    colour_map, norm = from_levels_and_colors(levels, list(colours()), extend="both")
+    shades: ScalarMappable | None = None
+    if min(shown_h.shape) == 1 or np.isnan(shown_h).any():
+        # Beside a cell without a result the bands end at the centres of its neighbours.
+        edges = cell_edges(days), cell_edges(latitudes)
+        shades = axes.pcolormesh(*edges, shown_h, cmap=colour_map, norm=norm)
+    if min(shown_h.shape) > 1:
+        shades = axes.contourf(
+            days, latitudes, shown_h, levels, cmap=colour_map, norm=norm, extend="both"
+        )
+        if np.any(shown_h > 0.0) and np.any(shown_h <= 0.0):
+            axes.contour(days, latitudes, shown_h, [0.0], colors=ink())
+    assert shades is not None
+    bar = drawn.colorbar(shades, ax=axes, ticks=LEVELS_H)
+    bar.set_label("excess time [h]; darkest: no night")
     _finish(drawn, axes, data)
     return drawn
 
@@ -137,13 +143,6 @@ def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
     _season_axes(axes, days)
 
 
-def _levels(top: float) -> FloatArray:
-    """Symmetric levels around zero, so that white is where perpetual flight begins."""
-    steps = (0.5, 1.0, 2.0, 3.0, 4.0)
-    step = next((s for s in steps if top <= _LEVELS * s), float(np.ceil(top / _LEVELS)))
-    return step * np.arange(-_LEVELS, _LEVELS + 1.0)
-
-
 def _season_axes(axes: Axes, days: FloatArray) -> None:
     """Months along the axis of days, and the name of the other one."""
     starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
@@ -154,4 +153,5 @@ def _season_axes(axes: Axes, days: FloatArray) -> None:
         shown = np.unique(np.linspace(days.min(), days.max(), _DATES).round().astype(int))
         axes.set_xticks(shown, [date_label(int(day)) for day in shown])
     lowest, highest = axes.get_ylim()
-    axes.set(ylabel="latitude [deg]", ylim=(max(lowest, -90.0), min(highest, 90.0)))
+    axes.set(ylabel="latitude", ylim=(max(lowest, -90.0), min(highest, 90.0)))
+    axes.yaxis.set_major_formatter(lambda value, _: latitude_label(value))

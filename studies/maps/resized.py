@@ -18,7 +18,7 @@ from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import Cell, Job, compute
 from studies.grid import GridStudy, chunks_of
-from studies.maps.grid import DAYS, LATITUDES_DEG, Grid, MapConfiguration, cell_time_s
+from studies.maps.grid import Grid, MapConfiguration, cell_time_s
 from studies.output.columns import (
     BLANKS,
     DESCRIBED,
@@ -44,8 +44,8 @@ def resized_map(
     mission: Mission,
     objective: str | Objective,
     *,
-    latitudes: ArrayLike = LATITUDES_DEG,
-    days: ArrayLike = DAYS,
+    latitudes: ArrayLike | None = None,
+    days: ArrayLike | None = None,
     required_excess_time_h: float | None = None,
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
@@ -64,9 +64,11 @@ def resized_map(
         ``min_wingspan``, ``min_mass``, ``max_excess_time``, ``max_payload_mass`` or
         ``max_payload_power``.
     latitudes : array_like, optional
-        Latitudes [deg], north positive, ascending.
+        Latitudes [deg], north positive, ascending; by default each second degree from 70 south to
+        70 north.
     days : array_like, optional
-        Days of year from 1 to 365, or dates (``["06-21"]``, a ``DatetimeIndex``), ascending.
+        Days of year from 1 to 365, or dates (``["06-21"]``, a ``DatetimeIndex``), ascending; by
+        default each fourth.
     required_excess_time_h : float, optional
         Excess time that every design must have [h]; by default the mission's.
     model : {"CAM", "CDM", "VM", "FM"}, optional
@@ -110,15 +112,15 @@ def prepare(
     aircraft: Aircraft,
     mission: Mission,
     objective: str | Objective,
-    latitudes: ArrayLike,
-    days: ArrayLike,
+    latitudes: ArrayLike | None,
+    days: ArrayLike | None,
     solar: SolarModel,
 ) -> GridStudy:
     """Check a map and divide it into chunks."""
     goal = resize_objective(objective)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
-    grid = Grid.of(latitudes, days)
+    grid = Grid.of(latitudes, days, slow=True)
     numbers = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))
     configuration = MapConfiguration(aircraft, mission, solar, objective=goal)
     chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(SizingStatus, SIZED)

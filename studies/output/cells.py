@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection, QuadMesh
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.path import Path
@@ -49,12 +48,6 @@ _REQUIREMENTS = {
     "module_coverage": "modules: larger than the wing",
     "airspeed_above_wind": "wind: above the airspeed",
 }
-# Ends and middle of the colours on either side of zero: CIE L*, a*, b*.
-_BROWN_LAB, _WHITE_LAB, _PURPLE_LAB = (40.0, 28.0, 48.0), (96.0, 0.0, 0.0), (40.0, 28.0, -48.0)
-_D65 = np.array([0.95047, 1.0, 1.08883])
-_SRGB_OF_XYZ = np.array(
-    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
-)
 _UNLIMITED = VERMILLION  # a colour that the scale does not have
 
 
@@ -76,32 +69,6 @@ def finite_range(values: FloatArray) -> Normalize:
         return Normalize(0.0, 1.0)
     low, high = float(finite.min()), float(finite.max())
     return Normalize(low, high if high > low else low + 1.0)
-
-
-@cache
-def diverging() -> ListedColormap:
-    """Colours from brown over white to purple: equal steps on either side of zero look equal.
-
-    Straight lines in CIE 1976 L*a*b* (D65), where distance is what the eye tells apart, between
-    ends of the same lightness.
-    """
-    low, zero, high = np.array([_BROWN_LAB, _WHITE_LAB, _PURPLE_LAB])
-    share = np.linspace(0.0, 1.0, 128)[:, np.newaxis]
-    lab = np.concatenate([low + share * (zero - low), zero + share * (high - zero)])
-    return ListedColormap(_srgb_of_lab(lab), name="perpetual")
-
-
-def _srgb_of_lab(lab: FloatArray) -> FloatArray:
-    """Colours of a screen, IEC 61966-2-1, of CIE L*a*b* with the white point D65."""
-    f_y = (lab[:, 0] + 16.0) / 116.0
-    f = np.stack([f_y + lab[:, 1] / 500.0, f_y, f_y - lab[:, 2] / 200.0], axis=1)
-    edge = 6.0 / 29.0
-    xyz = np.where(f > edge, f**3, 3.0 * edge**2 * (f - 4.0 / 29.0)) * _D65
-    linear = np.clip(xyz @ _SRGB_OF_XYZ.T, 0.0, 1.0)
-    srgb: FloatArray = np.where(
-        linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
-    )
-    return srgb
 
 
 def draw_cells(

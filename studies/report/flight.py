@@ -165,7 +165,7 @@ def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
         day, latitude_deg = (*days, *days), (latitudes[0], *latitudes, latitudes[1])
     axes = plot.axes[0]
     for contour in axes.collections:
-        if isinstance(contour, ContourSet):
+        if isinstance(contour, ContourSet) and not contour.filled:
             contour.set_edgecolor(_ON_CELLS)
     for colour, size, width in (("white", 9.0, 3.2), (_ON_CELLS, 9.0, 1.4)):
         axes.plot(

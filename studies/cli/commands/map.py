@@ -45,19 +45,17 @@ class Map:
     """
 
     case: CaseOptions = case_options()
-    latitudes: list[float] = option(
+    latitudes: list[float] | None = option(
         "--latitudes",
         type=Grid(-90.0, 90.0, latitudes=True),
-        default="-70:70:2",
-        show_default=True,
-        help="Latitudes [deg], north positive; the last one is met where the steps lead to it.",
+        help="Latitudes [deg], north positive; the last one is met where the steps lead to it. "
+        "[default: -70:70:1; with --resize, --endurance, VM, FM and loiter -70:70:2]",
     )
-    days: list[float] = option(
+    days: list[float] | None = option(
         "--days",
         type=Grid(1.0, 365.0, whole=True),
-        default="1:365:4",
-        show_default=True,
-        help="Days of the year, 1 to 365; the last one is met where the steps lead to it.",
+        help="Days of the year, 1 to 365; the last one is met where the steps lead to it. "
+        "[default: 1:365:1; where --latitudes has steps of 2 by itself 1:365:4]",
     )
     endurance: bool = option(
         "--endurance",

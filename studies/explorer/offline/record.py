@@ -13,7 +13,13 @@ from sizing.results.records import finite
 from sizing.sunlight import DEFAULT_STEP_H
 from studies.explorer.fields import DAY, LATITUDE, Field
 from studies.explorer.offline.tables import AXES, Axis, design_table, light_table
-from studies.explorer.season import COARSE_STEP_H, DAYS, LATITUDES_DEG
+from studies.explorer.season import (
+    COARSE_DAYS,
+    COARSE_LATITUDES_DEG,
+    COARSE_STEP_H,
+    DAYS,
+    LATITUDES_DEG,
+)
 from studies.explorer.session import Inputs, Session
 from studies.explorer.settings import RefusedError
 
@@ -67,7 +73,10 @@ def offline_record(session: Session, *, checks: int = CHECKS) -> dict[str, Any]:
             "supply_efficiency": supply,
         },
         "rms_relative": session.solar.rms_relative,
-        "season": {"latitudes_deg": LATITUDES_DEG.tolist(), "days": DAYS.tolist()},
+        "season": {
+            "coarse": [COARSE_LATITUDES_DEG.tolist(), COARSE_DAYS.tolist()],
+            "exact": [LATITUDES_DEG.tolist(), DAYS.tolist()],
+        },
         "step_h": DEFAULT_STEP_H,
         "coarse_step_h": COARSE_STEP_H,
         "checks": _checks(session, fields, checks),

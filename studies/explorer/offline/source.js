@@ -135,16 +135,17 @@ export function offlineSource(record) {
   }
 
   function headlineOf(numbers) {
-    const latitude = numbers.latitude_deg, side = latitude < 0 ? "S" : "N";
+    const latitude = numbers.latitude_deg;
+    const side = latitude === 0 ? "" : latitude < 0 ? " S" : " N";
     const hours = numbers.excess_time_h;
     const excess = hours === null ? "unlimited" : `${hours.toFixed(2)} h`;
-    const where = `${+Math.abs(latitude).toFixed(2)} ${side}, ${dateLabel(numbers.day_of_year)}`;
+    const where = `${+Math.abs(latitude).toFixed(2)}°${side}, ${dateLabel(numbers.day_of_year)}`;
     return `${numbers.aircraft} on ${numbers.mission} at ${where}: ` +
       `excess time ${excess}, ${numbers.status.replace("_", " ")}`;
   }
 
-  function seasonOf(design, time, step) {
-    const {latitudes_deg: latitudes, days} = record.season;
+  function seasonOf(design, time, step, detail) {
+    const [latitudes, days] = record.season[detail];
     if (!mapLight.has(step)) {
       mapLight.set(step, latitudes.map(
         (latitude) => days.map((day) => lightAt(light, latitude, day, time))));
@@ -185,8 +186,8 @@ export function offlineSource(record) {
       sequence: body.sequence ?? null,
     };
     const wanted = body.season ?? "none";
-    if (wanted === "coarse") answer.season = seasonOf(design, coarse, record.coarse_step_h);
-    if (wanted === "exact") answer.season = seasonOf(design, fine, record.step_h);
+    if (wanted === "coarse") answer.season = seasonOf(design, coarse, record.coarse_step_h, wanted);
+    if (wanted === "exact") answer.season = seasonOf(design, fine, record.step_h, wanted);
     return {status: 200, body: answer};
   }
 

@@ -19,9 +19,10 @@ export function clock(value) {
   return minutes === 1440 ? "24:00" : `${pad(Math.floor(minutes / 60) % 24)}:${pad(minutes % 60)}`;
 }
 
-/** Latitude as `47.6 N`. */
+/** Latitude as `47.6° N`. */
 export function latitude(value) {
-  return `${Number(Math.abs(value).toFixed(2))}° ${value < 0 ? "S" : "N"}`;
+  const side = value === 0 ? "" : value < 0 ? " S" : " N";
+  return `${Number(Math.abs(value).toFixed(2))}°${side}`;
 }
 
 const LENGTHS = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];

@@ -159,7 +159,7 @@ async function begin() {
   const controls = new Controls($("controls"), state);
   const numbers = new Numbers($("numbers"), $("verdict-title"), $("verdict-text"));
   const day = new Day($("day"), $("day-legend"), $("day-readout"), $("day-words"));
-  const season = new Season($("season"), $("season-readout"), $("season-legend"), $("season-detail"), state);
+  const season = new Season($("season"), $("season-readout"), $("season-legend"), $("season-detail"), state, session.season_scale);
   const masses = new Masses($("masses"), $("masses-total"), session.aircraft.measured);
   new Sizing($("sizing"), $("sizing-result"), session, state, api);
 

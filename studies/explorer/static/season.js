@@ -2,38 +2,17 @@
 
 import { MINUS, MONTHS, MONTH_STARTS, date, element, hours, latitude } from "./format.js";
 
-// ColorBrewer BrBG, readable with any colour vision: brown is limited, green perpetual.
-const BANDS = [
-  [-Infinity, [140, 81, 10]],
-  [-12, [191, 129, 45]],
-  [-6, [223, 194, 125]],
-  [-3, [246, 232, 195]],
-  [0, [199, 234, 229]],
-  [3, [128, 205, 193]],
-  [6, [53, 151, 143]],
-  [9, [1, 102, 94]],
-  [Infinity, [0, 60, 48]],
-];
-const UNLIMITED = 48; // stands for it in the interpolation; never shown as a number
 const LATITUDE = "mission.latitude_deg";
 const DAY = "mission.day_of_year";
 const MARGIN = { left: 40, right: 8, top: 6, bottom: 20 };
 
-const packed = new Uint32Array(BANDS.length);
-new Uint8Array(packed.buffer).set(BANDS.flatMap(([, colour]) => [...colour, 255]));
-
-/** Pixel of a value; the last band is that of unlimited. */
-function pixelOf(value) {
-  if (value >= 24) return packed[8];
-  let i = 7;
-  while (i > 0 && value < BANDS[i][0]) i -= 1;
-  return packed[i];
-}
-
 /** Map in an element with a canvas. */
 export class Season {
-  constructor(holder, readout, legend, detail, state) {
-    Object.assign(this, { holder, readout, detail, state });
+  constructor(holder, readout, legend, detail, state, scale) {
+    Object.assign(this, { holder, readout, detail, state, scale });
+    this.beyond = 2 * scale.unlimited_h; // stands for unlimited between cells; never shown as a number
+    this.packed = new Uint32Array(scale.colours.length);
+    new Uint8Array(this.packed.buffer).set(scale.colours.flatMap((colour) => [...colour, 255]));
     this.canvas = holder.querySelector("canvas");
     this.image = document.createElement("canvas");
     this.legend(legend);
@@ -51,12 +30,24 @@ export class Season {
   }
 
   legend(holder) {
-    const labels = [`< ${MINUS}12`, `${MINUS}12`, `${MINUS}6`, `${MINUS}3`, "0", "3", "6", "9 h", "unlimited"];
-    BANDS.forEach(([, colour], i) => {
+    const level = (value) => (value < 0 ? MINUS : "") + Math.abs(value);
+    const levels = this.scale.levels_h.map(level);
+    const labels = [`< ${levels[0]}`, ...levels, "no night"];
+    labels[labels.length - 2] += " h";
+    this.scale.colours.forEach((colour, i) => {
       const swatch = element("i");
       swatch.style.background = `rgb(${colour})`;
       holder.append(element("span", {}, swatch, labels[i]));
     });
+  }
+
+  /** Pixel of a value; the last band is that of unlimited. */
+  pixelOf(value) {
+    const { levels_h: levels, unlimited_h: unlimited } = this.scale;
+    if (value >= unlimited) return this.packed[levels.length + 1];
+    let i = levels.length;
+    while (i > 0 && value < levels[i - 1]) i -= 1;
+    return this.packed[i];
   }
 
   /** Take a map; rows that are not known yet stay empty. */
@@ -84,7 +75,7 @@ export class Season {
     if (!low && !high) return undefined;
     low ??= high;
     high ??= low;
-    const v = (row, k) => row[k] ?? UNLIMITED;
+    const v = (row, k) => row[k] ?? this.beyond;
     return (1 - s) * ((1 - t) * v(low, c) + t * v(low, c + 1)) + s * ((1 - t) * v(high, c) + t * v(high, c + 1));
   }
 
@@ -92,7 +83,7 @@ export class Season {
   paint() {
     const { latitudes_deg: lats, days, excess_time_h: rows } = this.map;
     const [width, height] = [729, 361];
-    const known = rows.map((row) => row && Float32Array.from(row, (v) => v ?? UNLIMITED));
+    const known = rows.map((row) => row && Float32Array.from(row, (v) => v ?? this.beyond));
     const column = new Uint16Array(width);
     const share = new Float32Array(width);
     for (let x = 0; x < width; x += 1) {
@@ -115,7 +106,7 @@ export class Season {
       for (let i = 0; i < line.length; i += 1) line[i] = low[i] + (at - row) * (high[i] - low[i]);
       for (let x = 0; x < width; x += 1, k += 1) {
         const i = column[x];
-        pixels[k] = pixelOf(line[i] + share[x] * (line[i + 1] - line[i]));
+        pixels[k] = this.pixelOf(line[i] + share[x] * (line[i + 1] - line[i]));
       }
     }
     this.image.width = width;
@@ -166,7 +157,7 @@ export class Season {
       c.moveTo(f.x, at);
       c.lineTo(f.x + f.w, at);
       c.stroke();
-      c.fillText(lat === 0 ? "0°" : `${Math.abs(lat)}° ${lat < 0 ? "S" : "N"}`, f.x - 5, at);
+      c.fillText(latitude(lat), f.x - 5, at);
     }
     const { start, values } = this.state;
     if (start[DAY] !== values[DAY] || start[LATITUDE] !== values[LATITUDE]) {
@@ -221,7 +212,7 @@ export class Season {
       return;
     }
     const value = this.at(at[DAY], at[LATITUDE]);
-    const text = value === undefined ? "" : value >= 24 ? "unlimited" : hours(value);
+    const text = value === undefined ? "" : value >= this.scale.unlimited_h ? "unlimited" : hours(value);
     this.readout.textContent = `${date(at[DAY])}, ${latitude(at[LATITUDE])}  ${text}`;
   }
 

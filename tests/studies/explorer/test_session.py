@@ -125,6 +125,11 @@ def test_season_is_the_map_of_the_command_line() -> None:
     assert_allclose(shown, cells, rtol=0.0, atol=5.1e-4)
     coarse = DESIGN.season(settings, coarse=True)
     assert coarse["step_h"] == COARSE_STEP_H
+    assert (coarse["latitudes_deg"], coarse["days"]) == (
+        LATITUDES_DEG[::2].tolist(),
+        DAYS[::2].tolist(),
+    )
+    cells = cells[::2, ::2]
     finite = np.isfinite(cells)
     assert np.array_equal(np.isfinite(as_array(coarse)), finite)
     # What docs/explorer.md says of the coarse map.
@@ -160,7 +165,7 @@ def test_slow_model_fills_its_map_turn_by_turn() -> None:
     assert found["complete"]
     assert known[0] >= 1
     assert known == sorted(known)
-    row = int(np.flatnonzero(LATITUDES_DEG == 45.0)[0])
+    row = int(np.flatnonzero(np.array(found["latitudes_deg"]) == 45.0)[0])
     days = np.array(found["days"])
     made = one.inputs(settings)
     from sizing.performance import performance

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 from figure_checks import heading
+from matplotlib.contour import ContourSet
 
 from missions.library import load_mission
 from missions.mission import Scenarios
@@ -19,6 +20,7 @@ from studies.cli.__main__ import cli
 from studies.maps import feasibility as study
 from studies.maps.plots import plot_map
 from studies.output.gridded import to_netcdf_bytes
+from studies.output.season_scale import LEVELS_H
 
 AS2 = load_aircraft("atlantiksolar-as2")
 JULY = load_mission("rafz-july")
@@ -151,7 +153,7 @@ def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
 def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
     figure = plot_map(data)
     axes, bar = figure.axes
-    assert axes.get_ylabel() == "latitude [deg]"
+    assert axes.get_ylabel() == "latitude"
     assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
     assert "CAM, uncorrected" in heading(figure)
     assert "[h]" in bar.get_ylabel()
@@ -177,8 +179,29 @@ def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
     axes, bar = plot_map(lit).axes
     assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
     assert axes.get_ylim()[1] == 90.0  # there is no latitude beyond the pole
-    # No cell has a finite excess time: the least range, by half hours.
-    assert np.diff(bar.get_yticks()) == pytest.approx(0.5)
+    assert bar.get_yticks().tolist() == list(LEVELS_H)
+
+
+def test_edge_of_perpetual_flight_is_drawn_between_cells(data: xr.Dataset) -> None:
+    (line,) = [
+        one
+        for one in plot_map(data).axes[0].collections
+        if isinstance(one, ContourSet) and not one.filled
+    ]
+    excess_h = data["excess_time"]
+    for path in line.get_paths()[:1]:
+        for day, latitude in path.vertices:
+            around = excess_h.sel(
+                latitude=[edge(data["latitude"].values, latitude, side) for side in (-1, 1)],
+                day=[edge(data["day"].values, day, side) for side in (-1, 1)],
+            )
+            assert around.min() <= 0.0 <= around.max()
+
+
+def edge(axis: np.ndarray, value: float, side: int) -> float:
+    """Last value of an axis below, or first one above."""
+    beyond = axis[axis <= value + 1e-9] if side < 0 else axis[axis >= value - 1e-9]
+    return float(beyond[-1] if side < 0 else beyond[0])
 
 
 def test_a_map_as_a_table_has_a_row_for_each_cell(tmp_path: Path) -> None:

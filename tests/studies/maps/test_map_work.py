@@ -56,7 +56,7 @@ def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Res
 @pytest.mark.parametrize("cell_s", [1e-6, 0.004, 0.03, 10.0])
 def test_chunks_hold_every_cell_once_and_are_rectangles(cell_s: float) -> None:
     latitudes, days = np.linspace(-70, 70, 15), np.arange(1, 362, 20)
-    grid = Grid.of(latitudes, days)
+    grid = Grid.of(latitudes, days, slow=False)
     chunks = chunks_of(grid.cells(), grid.chunks(cell_s))
     cells = [cell for chunk in chunks for cell in chunk]
     assert sorted(cells) == [(lat, day) for lat in latitudes for day in days]
