@@ -39,7 +39,7 @@ def main() -> None:
     # The same aircraft on every day of the year.
     solar = sizing.SolarModel("CAM", "report")
     days = sizing.perpetual_days(aircraft, mission, 47.6, solar)
-    print(f"perpetual flight at 47.6 N on {len(days)} days, {days[0]} to {days[-1]} of the year")
+    print(f"perpetual flight at 47.6° N on {len(days)} days, {days[0]} to {days[-1]} of the year")
     if len(sys.argv) > 1:
         studies.plot_cycle(sizing.analyse(aircraft, mission)).savefig(sys.argv[1], dpi=150)
 

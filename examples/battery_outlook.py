@@ -46,7 +46,7 @@ def main() -> None:
             print(f"{date}, {energy:.0f} Wh/kg: {reached}")
         axes.plot(SPECIFIC_ENERGIES_WH_PER_KG, column, marker=marker, label=date)
     axes.set(
-        xlabel="specific energy of the battery [Wh/kg]", ylabel="smallest wingspan, 47.6 N [m]"
+        xlabel="specific energy of the battery [Wh/kg]", ylabel="smallest wingspan, 47.6° N [m]"
     )
     axes.legend(title="3 h of excess time\n(CAM, correction: report)")
     axes.grid(alpha=0.3)

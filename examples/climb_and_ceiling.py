@@ -13,7 +13,7 @@ import missions
 import sizing
 import studies
 
-# 47.6 N on 21 June in standard air; empty brackets take out what the file says of the air.
+# 47.6° N on 21 June in standard air; empty brackets take out what the file says of the air.
 JUNE = {"dates": {"on": "06-21"}, "air": {}}
 
 

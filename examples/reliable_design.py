@@ -47,7 +47,7 @@ def main() -> None:
         xytext=(8, -4),
     )
     axes.set(
-        xlabel="smallest wingspan, 47.6 N on 15 July [m]",
+        xlabel="smallest wingspan, 47.6° N on 15 July [m]",
         ylabel="probability of 3 h of excess time [%]",
         ylim=(20, 102),
     )

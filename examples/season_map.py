@@ -53,7 +53,7 @@ def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     axes.plot([], [], "k--", label="with half the battery")
     low, high = MID_EUROPE_DEG
     window = (SOLSTICE - HALF_WINDOW_D, low), 2 * HALF_WINDOW_D, high - low
-    published = "published: 6 months around 21 June, mid-European latitudes (here 45 to 50 N)"
+    published = "published: 6 months around 21 June, mid-European latitudes (here 45° to 50° N)"
     axes.add_patch(Rectangle(*window, fill=False, color="#D55E00", linewidth=2, label=published))
     all_year = LATITUDES_DEG[studies.season_length(built) == len(DAYS)]
     label = f"all year, as built: {-all_year.min():g} S to {all_year.max():g} N"

@@ -18,7 +18,7 @@ def main() -> None:
     """Print the sized aircraft for two margins, or what stands in the way."""
     # AtlantikSolar's technology; span, battery and module area are free within its design space.
     aircraft = sizing.load_aircraft("atlantiksolar-design")
-    # 45 to 50 N, 1 May to 15 August, with a payload.
+    # 45° to 50° N, 1 May to 15 August, with a payload.
     camera = {"payload.mass_kg": 0.25, "payload.power_w": 3}
     mission = missions.load_mission("central-europe-summer", camera)
 

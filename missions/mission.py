@@ -454,7 +454,7 @@ class Scenarios:
         return np.asarray(self.day_of_year + 0.5)
 
     def label(self, index: int) -> str:
-        """Readable name of a scenario, for instance ``47.6 N, 21 Jun``."""
+        """Readable name of a scenario, for instance ``47.6° N, 21 Jun``."""
         date = dates.date_label(int(self.day_of_year[index]))
         return f"{latitude_label(float(self.latitude_deg[index]))}, {date}"
 

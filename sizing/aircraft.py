@@ -486,7 +486,7 @@ class Aircraft(FileRecord):
             "wingspan [m]": self.airframe.wingspan_m,
             "aspect ratio": self.airframe.aspect_ratio,
             "battery [kg]": self.battery.mass_kg,
-            "modules [m2]": self.modules.area_m2,
+            "modules [m²]": self.modules.area_m2,
         }
 
     @property

@@ -50,6 +50,12 @@ class SolarModel:
                 raise ValueError(f"unknown {word} {name!r}; allowed: {', '.join(allowed)}")
 
     @property
+    def label(self) -> str:
+        """Model and correction in words, for instance ``CAM, uncorrected``."""
+        by = "uncorrected" if self.correction == "none" else f"correction {self.correction}"
+        return f"{self.model}, {by}"
+
+    @property
     def needs_path(self) -> bool:
         """Whether module surfaces and a flight path are needed: VM, FM, loiter correction."""
         return self.model in ATTITUDE_MODELS or self.correction == "loiter"

@@ -2,7 +2,7 @@
 
 Source: Oettershagen, "High-Fidelity Solar Power Income Modeling for Solar-Electric UAVs",
 table 3: errors of the average power relative to flight, and RMS errors of the filtered power,
-for one flight (47.6 N, 1 July 2015, sunrise to 9.72 h solar time, 2 m/s of easterly wind). Used
+for one flight (47.6° N, 1 July 2015, sunrise to 9.72 h solar time, 2 m/s of easterly wind). Used
 elsewhere they are an extrapolation: the sun is higher at noon and in the tropics, and what the
 simple models leave out then matters less.
 """

@@ -30,7 +30,6 @@ from studies.output.figures.drawing import (
     LOAD,
     SUN,
     Canvas,
-    caption,
     new_figure,
     outside_ranges,
     styled,
@@ -85,9 +84,7 @@ class Ceiling(Result):
 
     def summary(self) -> Summary:
         """Headline, and a table of altitudes around and below the ceiling."""
-        note = (
-            f"{self.solar.model}, correction: {self.solar.correction}; energy of the day, electric"
-        )
+        note = f"{self.solar.label}; energy of the day, electric"
         outside = extrapolation_blocks(self.extrapolations)
         return Summary(
             (Line(self.headline(), "strong"), self.table(), *outside, Line(note, "faint"))
@@ -210,7 +207,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         3,
         canvas=figure,
         title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
-        notes=(caption(result.solar), outside_ranges(result.extrapolations)),
+        notes=(result.solar.label, outside_ranges(result.extrapolations)),
         size_in=(9.0, 5.2),
         sharey=True,
     )

@@ -29,10 +29,7 @@ def ceilings() -> Table:
         aircraft = load_aircraft(name)
         found = [highest_perpetual_altitude(aircraft, mission, m, step_m=1000.0) for m in MODELS]
         rows.append((f"`{name}`", *(f.highest and f.highest.altitude_m for f in found)))
-    models = [
-        Column(f"{m.model}, correction {m.correction}", form="{:.0f} m", missing="none")
-        for m in MODELS
-    ]
+    models = [Column(m.label, form="{:.0f} m", missing="none") for m in MODELS]
     return Table("ceilings of perpetual flight", (Column("aircraft"), *models), tuple(rows))
 
 

@@ -259,7 +259,7 @@ def _without_impossible(
         first = int(np.flatnonzero(wrong)[0])
         message = (
             f"{count} of {len(up)} rows have light that cannot be (first here): is the time zone "
-            "or the unit wrong? W/m2 are needed"
+            "or the unit wrong? W/m² are needed"
         )
         raise InputError([Problem(source, int(lines[first]) or None, None, "", message)])
     return [f"{count} rows with impossible light taken out"] if count else []

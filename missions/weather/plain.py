@@ -37,7 +37,7 @@ _COLUMNS = {
 CSV_HELP = (
     "a plain table begins with lines '# latitude_deg: 46.8', '# longitude_deg: 6.9' and "
     "'# altitude_m: 491', then a line of column names: time_utc (ISO 8601, start of the interval), "
-    "ghi, dni, dhi [W/m2] (two of them, or ghi alone), temperature_c, wind_m_per_s"
+    "ghi, dni, dhi [W/m²] (two of them, or ghi alone), temperature_c, wind_m_per_s"
 )
 
 

@@ -91,7 +91,7 @@ def answer(analysis: Analysis) -> str:
     clock = f"{clock_label(empty % 24.0)}{later} (solar time{_utc(analysis, first_day, empty)})"
     text = (
         f"It flies {hours(flight.endurance_h)} at best: launched with a full battery at "
-        f"{clock_label(launched)} it stays up{level} until {clock}"
+        f"{clock_label(launched)} it flies{level} until {clock}"
     )
     if np.isfinite(flight.before_sun_h):
         text += f", {hours(flight.before_sun_h)} before the sun carries the load"
@@ -154,7 +154,7 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
     plain = solar.correction == "none"
     error = "the model's RMS error" if plain else "the RMS error left after it"
     return (
-        f"{solar.model}, correction: {solar.correction}; {error} of "
+        f"{solar.label}; {error} of "
         f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."
     )
 

@@ -43,7 +43,7 @@ class Words(NamedTuple):
 def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
     """Words for a requirement or bound as results name it.
 
-    ``name``: such as ``excess_time (45 N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
+    ``name``: such as ``excess_time (45° N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
     maximum`` or ``wingspan_m at its bound``. ``aircraft``: whose design space has the keys of
     limits; without it they are those under ``limits``. Returns the name itself where nothing is
     known of it.

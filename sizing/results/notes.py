@@ -44,7 +44,7 @@ def extrapolation_caption(extrapolations: Sequence[Extrapolation]) -> str:
         else f"{one.holder} (without it excess time {hours(one.excess_time_h)})"
         for one in extrapolations
     )
-    return f"outside model range: {', '.join(names)}"
+    return f"extrapolated: {', '.join(names)}"
 
 
 def structure_blocks(structure: StructureAssessment | None) -> list[Any]:

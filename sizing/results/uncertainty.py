@@ -155,7 +155,7 @@ class UncertaintyAnalysis(Result):
         ]
         blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
         blocks += extrapolation_blocks(self.extrapolations)
-        text = f"{self.solar.model}, correction: {self.solar.correction}; seed {self.seed}."
+        text = f"{self.solar.label}; seed {self.seed}."
         if not self.inputs.independent:
             text += " Inputs are correlated: shares of the variance are not defined."
         blocks.append(Line(text, "faint"))

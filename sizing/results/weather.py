@@ -307,7 +307,7 @@ class WeatherAnalysis(Result):
         kind = "typical year, months of several years" if self.weather.typical else "one record"
         blocks.append(
             Line(
-                f"{solar.model}, correction: {solar.correction}; {self.weather.layout}, "
+                f"{solar.label}; {self.weather.layout}, "
                 f"{kind}. A day closes if, begun at dawn with the charge carried over, it reaches "
                 "the next dawn without an empty battery.",
                 "faint",

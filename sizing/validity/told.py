@@ -148,7 +148,7 @@ def from_text(text: str) -> tuple[Extrapolation, ...]:
     for part in text.split("; ") if text else ():
         match = _LINE.fullmatch(part)
         if match is None:
-            raise ValueError(f"tells of no model: {part[:80]!r}")
+            raise ValueError(f"names no model: {part[:80]!r}")
         model, quantity, *numbers = match.groups()
         value, low, high = map(float, numbers)
         outside.append(extrapolation(_range_of(quantity, model), value, low, high))

@@ -103,7 +103,7 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
         *_energy(analysis),
         *_technology_quantities(analysis),
     )
-    notes = (f"Energy: {worst}; {solar.model}, correction: {solar.correction}.",)
+    notes = (f"Energy: {worst}; {solar.label}.",)
     return DesignSheet(
         f"{analysis.aircraft.name} on {analysis.mission.name}",
         tuple(one for one in quantities if one.value is not None),

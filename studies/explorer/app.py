@@ -97,7 +97,7 @@ class Explorer:
         return _json(self.session.describe())
 
     async def _post(self, answer: Answer, request: Request) -> Response:
-        """Answer with JSON; what is wrong with a request is told in words."""
+        """Answer with JSON; what is wrong with a request is said in a sentence."""
         try:
             return _json(await answer(request, await _body(request)))
         except RefusedError as error:

@@ -102,7 +102,7 @@ def _tracking_anomaly(
         period,
         view.severity_of_loss(lost),
         f"{missing:.0%} of the modelled power missing in {affected:.0f} s below "
-        f"{LOW_LIGHT_W_PER_M2:g} W/m2 on the modules; {voltage}",
+        f"{LOW_LIGHT_W_PER_M2:g} W/m² on the modules; {voltage}",
         affected,
         lost,
     )
@@ -199,7 +199,7 @@ def _shading_anomaly(
         period,
         view.severity_of_loss(lost),
         f"power drops by {mean:.1f} W ({mean / modelled:.0%}) in {len(dips)} passages of the "
-        f"tail's shadow, of up to {detail.shaded_m2[bad].max():.3f} m2; in proportion to the area "
+        f"tail's shadow, of up to {detail.shaded_m2[bad].max():.3f} m²; in proportion to the area "
         f"it would be {expected:.1f} W",
         affected,
         lost,

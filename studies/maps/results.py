@@ -19,6 +19,7 @@ from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS, WINGSPAN
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
+from sizing.sunlight import SolarModel
 from solar.types import BoolArray, IntArray
 from studies.maps.feasibility import perpetual_cells
 from studies.output.columns import SIZED, SizingStatus, extrapolations_of
@@ -204,6 +205,6 @@ def _range(least: float, largest: float) -> str:
 def _model(data: OnGrid) -> str:
     days = data["day"].to_numpy()
     return (
-        f"{data.attrs['solar_model']}, correction: {data.attrs['correction']}; days {days[0]} to "
+        f"{SolarModel(data.attrs['solar_model'], data.attrs['correction']).label}; days {days[0]} to "
         f"{days[-1]}, {len(days)} of them"
     )

@@ -1,7 +1,7 @@
 """Solar power models side by side: what each predicts, and what each would have built.
 
 Every model with every correction predicts the same aircraft on the same mission. A parametric
-aircraft is also sized with each of them, and each of the designs is judged by the best knowledge
+aircraft is also sized with each of them, and each of the designs is evaluated by the best knowledge
 there is: the corrected Full Model on the mission's flight path.
 """
 
@@ -164,7 +164,7 @@ class Comparison(Result):
         itself = case.solar == reference.solar
         if case.built is None or reference.built is None:
             text = f"By {by} {name} {case.prediction.outcome()}"
-            other = "" if itself else f"; judged by {truth} it {reference.prediction.outcome()}"
+            other = "" if itself else f"; evaluated by {truth} it {reference.prediction.outcome()}"
             return f"{text}{other}."
         aside = reference.built.result(self.objective)
         aside = "" if itself else f" (sized with {truth}: {aside})"
@@ -173,7 +173,7 @@ class Comparison(Result):
             if case.built.sizing.status is not SizingStatus.infeasible:
                 none = f"{name} comes to no result, as the solver does not converge"
             return f"Sized with {by}, {none}{aside}."
-        joined = " and" if itself else f"; judged by {truth} it"
+        joined = " and" if itself else f"; evaluated by {truth} it"
         outcome = case.built.judged.outcome(self.required_excess_time_h)
         text = f"Sized with {by} {name} gets {case.built.result(self.objective)}"
         return f"{text}{joined} {outcome}{aside}."
@@ -183,12 +183,13 @@ class Comparison(Result):
         reference = self.reference.solar
         worst = dict.fromkeys(case.prediction.scenario for case in self.cases)
         lines = [
-            f"reference: {reference.model}, correction {reference.correction}; solar energy: of a "
-            "day, mean of all scenarios",
+            f"reference: {reference.label}; solar energy: of a day, mean of all scenarios",
             f"worst scenario: {' or '.join(worst)}; season: days of perpetual flight in the year",
             *self.notes,
         ]
-        title = f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, judged by "
+        title = (
+            f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, evaluated by "
+        )
         title += model_label(reference)
         notes = (Line(f"- {line}", "faint") for line in lines)
         outside = extrapolation_blocks(self.extrapolations)
@@ -212,7 +213,7 @@ class Comparison(Result):
             title = (
                 f"designs by {objective.value} with {self.required_excess_time_h:g} h of excess "
             )
-            title += "time, then judged by the reference"
+            title += "time, then evaluated by the reference"
             built = tuple(self._built_row(case) for case in self.cases)
             tables.append(Table(title, columns, built, sections=tuple(sections)))
         return tuple(tables)

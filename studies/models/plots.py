@@ -137,7 +137,7 @@ def _legend(comparison: Comparison) -> list[Line2D]:
     entries = [entry(_LOOKS[c][2], *_LOOKS[c][:2]) for c in shown]
     entries.append(entry(f"{truth} (reference)", ls=":"))
     if comparison.has_designs:
-        entries.append(entry(f"comes down, judged by {truth}", marker="x"))
+        entries.append(entry(f"comes down, evaluated by {truth}", marker="x"))
     return entries
 
 

@@ -63,7 +63,7 @@ class Prediction:
         if self.status is Status.always_lit:
             return "flies perpetually, as solar power always exceeds the load"
         if self.status is not Status.perpetual:
-            return f"remains airborne {duration(self.endurance_h)} at {at}: {self._reason()}"
+            return f"flies {duration(self.endurance_h)} at {at}: {self._reason()}"
         if excess_h < required_excess_time_h - _MET_H:
             return (
                 f"flies perpetually, but with {excess_h:.2f} h of excess time at {at} instead of "

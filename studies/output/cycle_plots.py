@@ -26,7 +26,6 @@ from studies.output.figures.drawing import (
     SUN,
     SUN_LINE,
     Canvas,
-    caption,
     ink,
     new_figure,
     outside_ranges,
@@ -90,7 +89,7 @@ def plot_cycle(
         panels,
         canvas=figure,
         title=f"{analysis.aircraft.name} on {where}",
-        notes=(caption(perf.solar), outside_ranges(analysis.extrapolations)),
+        notes=(perf.solar.label, outside_ranges(analysis.extrapolations)),
         size_in=(8.0, 2.8 * panels),
         sharex=True,
     )
@@ -239,7 +238,7 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
         2,
         canvas=canvas,
         title=f"{analysis.aircraft.name} on {where}: limited, {hours:.1f} h",
-        notes=(caption(perf.solar), outside_ranges(analysis.extrapolations)),
+        notes=(perf.solar.label, outside_ranges(analysis.extrapolations)),
         size_in=(8.0, 5.6),
         sharex=True,
     )
@@ -317,7 +316,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
         2,
         canvas=figure,
         title=f"{analysis.aircraft.name} on {analysis.mission.name}",
-        notes=(caption(analysis.performance.solar), outside_ranges(analysis.extrapolations)),
+        notes=(analysis.performance.solar.label, outside_ranges(analysis.extrapolations)),
         size_in=(9.0, 5.6),
         sharex=True,
     )
@@ -399,7 +398,7 @@ def plot_sensitivities(
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{name}: what one per cent more changes",
-        notes=(caption(solar), outside_ranges(extrapolations)),
+        notes=(solar.label, outside_ranges(extrapolations)),
         size_in=(9.0, 1.2 + 0.32 * len(shown)),
         lines=True,
         grid="x",

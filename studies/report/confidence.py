@@ -56,7 +56,7 @@ def belief_section(subject: Subject) -> Section:
             blocks.append(Text(f"{condition[:1].upper()}{condition[1:]}."))
     blocks.append(Tables((_published_errors(),)))
     blocks.append(Items(_left_out(subject)))
-    return Section("belief", "What to believe", blocks)
+    return Section("belief", "Confidence", blocks)
 
 
 def _published_errors() -> Table:
@@ -71,7 +71,7 @@ def _published_errors() -> Table:
         for model, error in REPORTED_ERRORS.items()
     ]
     note = (
-        "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6 N, 1 July 2015, "
+        "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6° N, 1 July 2015, "
         "sunrise to 9.72 h (Oettershagen, High-Fidelity Solar Power Income Modeling, table 3)"
     )
     return Table("published errors of the solar power models", columns, tuple(rows), (note,))
@@ -137,7 +137,7 @@ def provenance_section(subject: Subject, run: dict[str, Any]) -> Section:
         *((name, version) for name, version in run["libraries"].items()),
     ]
     if subject.verification is None:
-        made.insert(0, ("solar power model", f"{solar.model}, correction {solar.correction}"))
+        made.insert(0, ("solar power model", solar.label))
     columns = (Column("what"), Column("source", "file"), Column("sha256", "SHA-256"))
     files = [
         (kind, file["source"], file["sha256"] or "not read again (a pipe)")

@@ -55,7 +55,7 @@ def verdict(subject: Subject) -> Verdict:
         hold_h = float(analysis.scenario()[q.ENDURANCE])
         longest = "more than a year" if np.isinf(hold_h) else f"{hours(hold_h)} at most"
         without = hours(max(-float(excess), 0.0))
-        text = f"{fails} it stays up for {longest}, {without} of every day are without power"
+        text = f"{fails} it flies for {longest}, {without} of every day are without power"
         if highs > 0.0:
             return _verdict_item("edge", f"{text}; with {error} more sun it would fly perpetually.")
         return _verdict_item("bad", f"{text}; {error} more sun would not change that.")

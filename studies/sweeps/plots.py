@@ -264,7 +264,7 @@ def _draw_contours(
     return mesh, entries
 
 
-_LIMITED = {True: "not perpetual"}
+_LIMITED = {True: "limited"}
 
 
 # ---- Samples
@@ -310,7 +310,7 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         axes.spines[side].set_visible(False)
     if len(good):
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes)
-        bar.set_label(f"{_label(data, variable)}; grey: not perpetual")
+        bar.set_label(f"{_label(data, variable)}; grey: limited")
     return figure
 
 

@@ -47,8 +47,8 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
     upwards = column not in MORE_IS_BETTER
     table = table.sort_values(["_better", column], ascending=[False, upwards], kind="stable")
     words = {True: "least", False: "largest"}[upwards]
-    what = "a design" if objective else "perpetual flight"
-    text = f"{what} before none, then {words} {column.replace('_', ' ')}"
+    what = "points with a design" if objective else "perpetual flight"
+    text = f"{what} first, then the {words} {column.replace('_', ' ')}"
     return table.drop(columns="_better"), text
 
 

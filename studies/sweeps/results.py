@@ -81,7 +81,7 @@ def points_summary(
     heading = Line(f"{subject}: trade study of {count} {noun}, {counts}", "strong")
     if front is None:
         rows, order = best_first(data) if sort is None else sorted_by(data, sort)
-        what = f"best first: {order}" if sort is None else f"{order} first"
+        what = f"sorted: {order}{'' if sort is None else ' first'}"
         table = _table(data, rows, top, ())
     else:
         every = pareto_table(data, *front)

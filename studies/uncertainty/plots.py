@@ -16,7 +16,6 @@ from studies.output.figures.drawing import (
     ORANGE,
     VERMILLION,
     Canvas,
-    caption,
     ink,
     is_narrow,
     new_figure,
@@ -55,7 +54,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     count = min(len(analysis.inputs), _MOST_BARS)
     size_in = (10.0, max(3.6, 1.8 + 0.42 * count))
     narrow = is_narrow(figure, size_in)
-    notes: tuple[str, ...] = (caption(analysis.solar),)
+    notes: tuple[str, ...] = (analysis.solar.label,)
     if count == 1:
         (only,) = analysis.inputs.inputs
         notes = (*notes, f"one input scatters: {only.label}")

@@ -183,8 +183,9 @@ def _season() -> Iterator[Number]:
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
     source = "AtlantikSolar: a 6-month window around 21 June"
     for correction in CORRECTION_NAMES:
-        name = f"perpetual season at 47.6 N, CAM, correction {correction}"
-        days = perpetual_days(aircraft, mission, 47.6, SolarModel("CAM", correction))
+        solar = SolarModel("CAM", correction)
+        name = f"perpetual season at 47.6° N, {solar.label}"
+        days = perpetual_days(aircraft, mission, 47.6, solar)
         yield Number(name, source, "months", 6.0, len(days) / (365.0 / 12.0), 1.25)
 
 

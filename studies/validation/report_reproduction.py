@@ -258,7 +258,7 @@ def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Fi
     wind = f"loiter in {mission.wind_m_per_s:g} m/s of easterly wind"
     drawn, (axes,) = new_figure(
         canvas=figure,
-        title=f"{aircraft.name} on {mission.name}, 47.6 N, 1 Jul",
+        title=f"{aircraft.name} on {mission.name}, 47.6° N, 1 Jul",
         notes=("all models, uncorrected", wind),
     )
     for model in MODEL_NAMES:

@@ -29,7 +29,7 @@ from sizing.sunlight import SolarModel
 from sizing.validity.checks import record_check
 from sizing.validity.told import told
 from solar.types import IntArray
-from studies.output.figures.drawing import Canvas, caption, new_figure, styled
+from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ def plot_battery_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     Figure
     """
     solar = SolarModel(data.attrs["model"], data.attrs["correction"])
-    title = f"{data.attrs['aircraft']} at {data.attrs['site']} ({caption(solar)})"
+    title = f"{data.attrs['aircraft']} at {data.attrs['site']} ({solar.label})"
     drawn, (axes,) = new_figure(1, 1, title=title, size_in=(8.0, 4.2), grid="", canvas=figure)
     mass = data["battery_mass"].to_numpy()
     half = np.diff(mass).mean() / 2.0 if len(mass) > 1 else 0.5 * mass[0]

@@ -62,7 +62,9 @@ def fit(options: Fit) -> None:
                 }
                 write_run_folder(Path(folder), inputs, record, {}, drawn)
     if not fitted.fitted:
-        click.echo("solar-uav: the log tells none of the parameters; nothing is written", err=True)
+        click.echo(
+            "solar-uav: the log determines none of the parameters; nothing is written", err=True
+        )
         sys.exit(EXIT_FAILED)
 
 

@@ -26,7 +26,7 @@ from studies.output.formats import grid_format
 _OF_LATITUDES = {
     "latitudes": "a weather record has its own site",
     "days": "all days of the record are flown",
-    "endurance": "solar-uav analyse --weather tells the endurance of each day's launch",
+    "endurance": "solar-uav analyse --weather gives the endurance of each day's launch",
     "objective": "solar-uav size --weather --survive finds the smallest design of a season",
     "workers": "a record is flown in seconds, by one process",
     "scheduler": "a record is flown in seconds, by one process",

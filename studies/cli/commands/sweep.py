@@ -92,7 +92,7 @@ class Sweep:
         metavar="KEY",
         shell_complete=completes("sort"),
         help="Sort the table by a result or varied key, the least first; by -KEY the largest "
-        "first.  [default: the best first]",
+        "first.  [default: from best to worst]",
     )
     top: int = option(
         "--top",

@@ -45,7 +45,7 @@ function tell() {
     `At ${found.points} points chosen at random over all sliders, the excess time of this page ` +
     `is within ${hours(found.excess_time_90_h)} of the analysis at nine of ten, and within ` +
     `${hours(found.excess_time_largest_h)} at all` +
-    (others ? ` but ${others}, where perpetual flight hangs by a thread and the verdict differs.` : ".");
+    (others ? ` but ${others}, where a small error changes the verdict.` : ".");
   document.documentElement.dataset.errors = JSON.stringify(found);
 }
 // After the first curve: nobody waits for it.

@@ -45,7 +45,7 @@ export function offlineSource(record) {
     const span = settings["airframe.wingspan_m"], area = settings["modules.area_m2"];
     const wing = span * span / settings["airframe.aspect_ratio"];
     if (!(area > wing)) return [];
-    const message = `must not exceed the wing area of ${+wing.toPrecision(3)} m2 (got ${area})`;
+    const message = `must not exceed the wing area of ${+wing.toPrecision(3)} m² (got ${area})`;
     return [{field: "modules.area_m2", value: area, message, allowed: ""}];
   }
 

@@ -187,12 +187,6 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
 # ---- Words of headings
 
 
-def caption(solar: SolarModel) -> str:
-    """Model and correction, for every figure."""
-    corrected = "uncorrected" if solar.correction == "none" else f"correction: {solar.correction}"
-    return f"{solar.model}, {corrected}"
-
-
 def outside_ranges(extrapolations: Sequence[Extrapolation]) -> str:
     """What lies outside the range of a model, for the line below a title; empty if nothing does."""
     return extrapolation_caption(extrapolations)
@@ -200,7 +194,7 @@ def outside_ranges(extrapolations: Sequence[Extrapolation]) -> str:
 
 def dataset_caption(data: OnGrid) -> str:
     """Model and correction that a map or a trade study was computed with."""
-    return caption(SolarModel(data.attrs["solar_model"], data.attrs["correction"]))
+    return SolarModel(data.attrs["solar_model"], data.attrs["correction"]).label
 
 
 def objective_caption(objective: str | Objective) -> str:

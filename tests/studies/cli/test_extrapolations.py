@@ -119,7 +119,7 @@ def test_a_map_tells_of_the_cells_with_too_fast_a_charge() -> None:
 
 
 def test_figures_name_what_is_outside_in_a_line_of_their_title() -> None:
-    where, line = mission(wind_m_per_s=50.0), "outside model range: airspeed"
+    where, line = mission(wind_m_per_s=50.0), "extrapolated: airspeed"
     ceiling = perpetual_ceiling(AS2, where, highest_m=2000.0, step_m=1000.0)
     figures = [
         plot_cycle(analyse(AS2, where)),
