@@ -204,7 +204,5 @@ def _range(least: float, largest: float) -> str:
 
 def _model(data: OnGrid) -> str:
     days = data["day"].to_numpy()
-    return (
-        f"{SolarModel(data.attrs['solar_model'], data.attrs['correction']).label}; days {days[0]} to "
-        f"{days[-1]}, {len(days)} of them"
-    )
+    solar = SolarModel(data.attrs["solar_model"], data.attrs["correction"])
+    return f"{solar.label}; days {days[0]} to {days[-1]}, {len(days)} of them"
