@@ -14,8 +14,9 @@ from pydantic import ValidationError
 
 from missions.air import standard_air
 from sizing.aerodynamics.parabolic import DragPolar
+from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.propulsion.blade_elements import BladeElementPropeller
-from sizing.propulsion.electric import BatteryVoltage, Controller, Gear, Motor, MotorState
+from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.operating_point import Propulsor, operating_point
 from sizing.propulsion.propeller_files import read_propeller
 
