@@ -523,9 +523,10 @@ def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -
     for _ in range(_ROUNDS):
         design = closed(chain)
         assert design.chain is not None
-        moved = np.abs(np.asarray(design.chain.efficiency) - chain.efficiency)
         chain = design.chain
-        if not np.any(moved > _SETTLED):
+        with np.errstate(invalid="ignore"):
+            open_share = np.abs(design.masses.total_kg / design.total_mass_kg - 1.0)
+        if not np.any(open_share > _SETTLED):
             break
     missing = ~np.isfinite(np.asarray(chain.efficiency))
     masses = Masses(*(np.where(missing, np.inf, one) for one in design.masses))
@@ -548,7 +549,7 @@ def _links_of(chain: Propulsion, function: Callable[[Value], Value]) -> Propulsi
     return chain.model_copy(update=links)
 
 
-# Rounds in which mass and efficiencies settle, and the change that ends them.
+# Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
 _ROUNDS, _SETTLED = 30, 1e-10
 # Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
 # closes, a long step might pass the lightest solution and find a heavier one.
@@ -633,6 +634,16 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
         propulsion_power_w=float(design.propulsion_power_w),
         airspeed_m_per_s=float(design.airspeed_m_per_s),
     )
+
+
+def with_level_chain(aircraft: Aircraft, mission: Mission) -> Aircraft:
+    """Aircraft with the constant efficiencies that it has in level flight, as its file gives it."""
+    if not isinstance(getattr(aircraft.airframe, "propulsion", None), OperatingPointPropulsion):
+        return aircraft
+    airframe = aircraft.airframe.model_copy(
+        update={"propulsion": design_of(aircraft, mission).chain}
+    )
+    return aircraft.model_copy(update={"airframe": airframe})
 
 
 def operating_trouble(

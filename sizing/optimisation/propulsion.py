@@ -42,19 +42,10 @@ def with_fixed_chain(
     """Aircraft with the constant efficiencies that its optimum has at its operating point.
 
     One with constants is returned as it is. Without an optimum the efficiencies are those of the
-    design in the file, for what explains the failure.
+    design in the file, for what explains the failure. Its motor's efficiency is that of all links
+    but the propeller. Also returns the optimum, where one was searched for.
 
-    Returns
-    -------
-    aircraft : Aircraft
-        The motor's efficiency is that of all links but the propeller.
-    start : DesignVariables or None
-        Optimum, where one was searched for.
-
-    Raises
-    ------
-    ImpossibleDesignError
-        If the propulsors cannot do level flight at the optimum, with what would do.
+    Raises :class:`ImpossibleDesignError` if the propulsors cannot do level flight at the optimum.
     """
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion):
@@ -65,7 +56,9 @@ def with_fixed_chain(
         fixed = _with(aircraft, chain)
         result = _optimum(fixed, mission, objective, solar, required_excess_time_h, start)
         if result.design is None:
-            return (_as_filed(aircraft, mission) if start is None else fixed), start
+            if start is None:
+                fixed = _with(aircraft, design_of(aircraft, mission).chain or chain)
+            return fixed, start
         start = result.design.variables
         exact = parametric_design(aircraft, mission, start, result.design.total_mass_kg)
         assert exact.chain is not None
@@ -97,13 +90,6 @@ def _optimum(
     if objective.of_range:
         return widest_range(*given, required_excess_time_h=required_h).sizing
     return size_aircraft(*given, required_excess_time_h=required_h, start=start, explain=False)
-
-
-def _as_filed(aircraft: Aircraft, mission: Mission) -> Aircraft:
-    """Aircraft with the efficiencies of the design in its file."""
-    chain = design_of(aircraft, mission).chain
-    assert chain is not None
-    return _with(aircraft, chain)
 
 
 def _with(aircraft: Aircraft, chain: Propulsion) -> Aircraft:

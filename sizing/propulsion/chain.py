@@ -337,14 +337,17 @@ def _check_one_rating(chain: Propulsion | OperatingPointPropulsion) -> None:
         )
 
 
+# Keys that an operating point alone has.
+PARTS = OperatingPointPropulsion.model_fields.keys() - Propulsion.model_fields.keys()
+
+
 def _constant_by_default(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
     """Chains without a kind are constant; that kind does not count as given."""
     if not isinstance(value, Mapping) or "kind" in value:
         return handler(value)
-    parts = OperatingPointPropulsion.model_fields.keys() - Propulsion.model_fields.keys()
-    if parts & value.keys():
+    if PARTS & value.keys():
         message = "required key is missing; {part} goes with operating_point"
-        context = {"key": "kind", "part": min(parts & value.keys())}
+        context = {"key": "kind", "part": min(PARTS & value.keys())}
         raise PydanticCustomError("no_kind", message, context)
     chain = handler({"kind": "constant", **value})
     chain.__pydantic_fields_set__.discard("kind")

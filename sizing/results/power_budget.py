@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, level_point
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion
-from sizing.propulsion.operating_point import OperatingPoint
 from sizing.results.records import finite
-from sizing.results.tables import Table, facts
 
-__all__ = ["PowerBudget", "power_budget", "power_table"]
+if TYPE_CHECKING:
+    from sizing.propulsion.operating_point import OperatingPoint
+
+__all__ = ["PowerBudget", "power_budget", "power_line"]
 
 # Key of every row, and its words.
 _ROWS = {
@@ -25,6 +26,13 @@ _ROWS = {
     "payload_w": "payload",
     "supply_loss_w": "lost in the power supply",
     "heater_w": "heater of the battery",
+}
+# Words that are long in a sentence.
+_SHORT = {
+    one: one.removeprefix("lost in the ")
+    .removesuffix(" of level flight")
+    .removesuffix(" in level flight (measured)")
+    for one in _ROWS.values()
 }
 
 
@@ -58,7 +66,7 @@ class PowerBudget:
             return "A measured aircraft is known by its electric power; what drag takes is not."
         chain = f"From battery to thrust: {100.0 * self.efficiencies['chain']:.1f} %"
         if self.point is None:
-            return f"{chain}, constants of the file: assumed, not of an operating point."
+            return f"{chain} by constants of the file (assumed)."
         point, off = self.point, (self.assumed or 0.0) - self.efficiencies["chain"]
         told = f"; the optimiser's efficiency is {off:+.1e} off" if abs(off) > 1e-9 else ""
         return (
@@ -85,15 +93,8 @@ class PowerBudget:
 def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerBudget:
     """Power budget of a design in level flight on a mission.
 
-    Parameters
-    ----------
-    aircraft, mission, design
-        The design may be an optimum with the aircraft's technology.
-
-    Returns
-    -------
-    PowerBudget
-        With the exact operating point of the design's mass, where the aircraft has one.
+    The design may be an optimum with the aircraft's technology. An operating point is computed
+    anew, at the design's mass.
     """
     level_w, chain, point = float(design.propulsion_power_w), design.chain, None
     watts, efficiencies = {"propulsion_w": level_w}, {}
@@ -124,8 +125,7 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
     return PowerBudget(watts, efficiencies, point, assumed)
 
 
-def power_table(budget: PowerBudget) -> Table:
-    """Power budget as a list of facts."""
-    rows = [(label, f"{watts:.2f} W") for label, watts in budget.rows()]
-    total = ("load on the bus", f"{budget.bus_w:.2f} W")
-    return facts("", [("power in level flight", ""), *rows, total], (budget.note(),))
+def power_line(budget: PowerBudget) -> str:
+    """Power budget in a sentence."""
+    parts = [f"{_SHORT.get(one, one)} {watts:.2f} W" for one, watts in budget.rows()]
+    return f"power in level flight, {budget.bus_w:.2f} W: {', '.join(parts)}. {budget.note()}"

@@ -28,7 +28,7 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
-from sizing.results.power_budget import power_table
+from sizing.results.power_budget import power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
@@ -60,7 +60,7 @@ def summary(study: SizingStudy) -> Summary:
         blocks.append(Line(f"at the end of the design space: {words}", "warning"))
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     if study.power_budget is not None:
-        blocks.append(power_table(study.power_budget))
+        blocks.append(power_line(study.power_budget))
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)
     blocks += _confidence(study)
