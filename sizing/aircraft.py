@@ -49,6 +49,7 @@ ENTRY_KEYS.update(
         "charge_limit",
     ),
     motor=("motor_efficiency",),
+    table=(),
 )
 # A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
 _FULL_WING = 1e-6

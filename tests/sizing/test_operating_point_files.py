@@ -165,7 +165,7 @@ def test_wrong_parts_are_told_by_their_key(parts: dict[str, Any], key: str, mess
 
 
 def test_without_a_voltage_there_is_no_operating_point() -> None:
-    with pytest.raises(InputError, match="battery.voltage: required key is missing"):
+    with pytest.raises(InputError, match=r"battery\.voltage: required key is missing"):
         aircraft(voltage=None)
 
 
