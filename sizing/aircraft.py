@@ -432,6 +432,8 @@ class Aircraft(FileRecord):
         propulsion = getattr(self.airframe, "propulsion", None)
         if isinstance(propulsion, Propulsion):
             found += taken(propulsion, "motor", "motors", "airframe.propulsion.")
+        elif isinstance(propulsion, OperatingPointPropulsion):
+            found += propulsion.taken()
         return found
 
     @model_validator(mode="after")

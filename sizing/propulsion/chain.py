@@ -23,7 +23,7 @@ from pydantic_core import PydanticCustomError
 from missions.air import GAS_CONSTANT_AIR, Air
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
-from sizing.catalogues.choice import filled, found_entry
+from sizing.catalogues.choice import Taken, filled, found_entry
 from sizing.own_models import propulsion_mass_function
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.smooth import Value
@@ -242,6 +242,19 @@ class OperatingPointPropulsion(Record):
             wiring_resistance_ohm=self.wiring_resistance_ohm,
             maximum_tip_mach=self.maximum_tip_mach,
         )
+
+    def taken(self) -> list[Taken]:
+        """Constants of the motor that the catalogue gives, with their sources."""
+        if not isinstance(self.motor, str):
+            return []
+        one = found_entry("motor", "motors", self.motor)
+        return [
+            Taken(
+                f"airframe.propulsion.motor.{key}", value, self.motor, one.label, one.source_of(key)
+            )
+            for key, value in one.numbers().items()
+            if key in Motor.model_fields
+        ]
 
     def point(
         self,
