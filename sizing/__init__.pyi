@@ -11,6 +11,7 @@ from .design import closed_design as closed_design
 from .design import design_of as design_of
 from .design import with_total_mass as with_total_mass
 from .energy.battery import Battery as Battery
+from .energy.battery_voltage import BatteryVoltage as BatteryVoltage
 from .energy.cycle import Cycle as Cycle
 from .energy.cycle import simulate_cycle as simulate_cycle
 from .energy.endurance import longest_flight as longest_flight
@@ -26,7 +27,6 @@ from .performance import Performance as Performance
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days
 from .propulsion.blade_elements import BladeElementPropeller as BladeElementPropeller
-from .propulsion.electric import BatteryVoltage as BatteryVoltage
 from .propulsion.electric import Controller as Controller
 from .propulsion.electric import Gear as Gear
 from .propulsion.electric import Motor as Motor

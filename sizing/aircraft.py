@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     ModelWrapValidatorHandler,
@@ -23,16 +22,13 @@ from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
-from sizing.own_models import propulsion_mass_function
-from sizing.smooth import Value
+from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
-# Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
-_CLIMB_POWER_RATIO = 5.0
 _TOTAL_MASS = (
     "a known total mass is --mass of analyse; parts are battery.mass_kg, "
     "airframe.avionics_mass_kg, airframe.other_mass_kg and what the models compute"
@@ -53,6 +49,7 @@ ENTRY_KEYS.update(
         "charge_limit",
     ),
     motor=("motor_efficiency",),
+    table=(),
 )
 # A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
 _FULL_WING = 1e-6
@@ -98,81 +95,6 @@ class MeasuredAirframe(Record):
     level_flight: LevelFlight
 
 
-class Propulsion(Record):
-    """Propulsion chain from the battery bus to thrust power, and its mass.
-
-    The group's mass follows its rated electric power: level flight's times ``climb_power_ratio``
-    (5 by default), or what climbing at ``climb_rate_m_per_s`` takes at the airspeed of level
-    flight, ``P_level + m g v_climb / efficiency``. One of the two, not both.
-
-    ``motor`` names an entry of the catalogue of motors, which gives the motor's best efficiency at
-    ``motor_voltage_v``. ``mass_model`` names a model of the user's own for the mass, instead of
-    ``mass_kg_per_w``: see :func:`sizing.register_propulsion_mass`.
-    """
-
-    motor: Text | None = None
-    motor_voltage_v: PositiveReal | None = None
-    controller_efficiency: Fraction = 0.97
-    motor_efficiency: Fraction = 0.82
-    gearbox_efficiency: Fraction = 0.96
-    propeller_efficiency: Fraction = 0.82
-    mass_kg_per_w: NonNegativeReal = 0.0011
-    climb_power_ratio: Annotated[float, Strict(), Field(ge=1.0)] | None = None
-    climb_rate_m_per_s: PositiveReal | None = None
-    mass_model: (
-        Annotated[Text, AfterValidator(lambda name: propulsion_mass_function(name) and name)] | None
-    ) = None
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _from_catalogue(
-        cls, data: Any, handler: ModelWrapValidatorHandler[Propulsion]
-    ) -> Propulsion:
-        return filled(data, handler, "motor", "motors")
-
-    @model_validator(mode="after")
-    def _check_rating(self) -> Propulsion:
-        if self.climb_power_ratio is not None and self.climb_rate_m_per_s is not None:
-            raise PydanticCustomError(
-                "two_ratings",
-                "is an alternative to climb_power_ratio: give one of them, null for the other "
-                "(got {rate} and a ratio of {ratio})",
-                {
-                    "key": "climb_rate_m_per_s",
-                    "rate": f"{self.climb_rate_m_per_s:g}",
-                    "ratio": f"{self.climb_power_ratio:g}",
-                },
-            )
-        return self
-
-    def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
-        """Rated electric power [W].
-
-        Returns ``level_w + weight_n v_climb / efficiency`` where a climb rate is given, else the
-        climb power ratio times ``level_w`` [W].
-        """
-        if self.climb_rate_m_per_s is not None:
-            return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency
-        ratio = self.climb_power_ratio
-        return (_CLIMB_POWER_RATIO if ratio is None else ratio) * level_w
-
-    def mass_kg(self, rated_w: Value) -> Value:
-        """Mass of the propulsion group for its rated electric power [kg]."""
-        if self.mass_model is not None:
-            return propulsion_mass_function(self.mass_model)(rated_w)
-        return self.mass_kg_per_w * rated_w
-
-    @property
-    def efficiency(self) -> float:
-        """Efficiency of the whole chain [-]."""
-        return (
-            self.controller_efficiency
-            * self.motor_efficiency
-            * self.gearbox_efficiency
-            * self.propeller_efficiency
-        )
-
-
 def _parabolic_by_default(value: Any) -> Any:
     """Polars without a model are parabolic."""
     if isinstance(value, dict) and "model" not in value:
@@ -201,7 +123,7 @@ class ParametricAirframe(Record):
     aspect_ratio: PositiveReal
     structure: Structure = SparStructure()
     aerodynamics: Aerodynamics
-    propulsion: Propulsion = Propulsion()
+    propulsion: AnyPropulsion = Propulsion()
     avionics_mass_kg: NonNegativeReal
     other_mass_kg: NonNegativeReal = 0.0
     distributed_battery_fraction: Annotated[float, Strict(), Field(ge=0.0, le=1.0)] = 1.0
@@ -494,8 +416,10 @@ class Aircraft(FileRecord):
         """Text of every file that it names, by path; see :func:`texts_as_read`."""
         texts = own_entries(self.modules, "cell") | own_entries(self.battery, "cell")
         propulsion = getattr(self.airframe, "propulsion", None)
-        if isinstance(propulsion, Propulsion):
+        if propulsion is not None and isinstance(propulsion.motor, str):
             texts |= own_entries(propulsion, "motor")
+        if isinstance(propulsion, OperatingPointPropulsion):
+            texts |= propulsion.propeller.texts_read()
         polar = getattr(self.airframe, "aerodynamics", None)
         if isinstance(polar, WingPolar) and (text := polar.contents_read()) is not None:
             texts[polar.airfoil] = text
@@ -508,6 +432,8 @@ class Aircraft(FileRecord):
         propulsion = getattr(self.airframe, "propulsion", None)
         if isinstance(propulsion, Propulsion):
             entries += taken(propulsion, "motor", "motors", "airframe.propulsion.")
+        elif isinstance(propulsion, OperatingPointPropulsion):
+            entries += propulsion.taken()
         return entries
 
     @model_validator(mode="after")
@@ -533,6 +459,17 @@ class Aircraft(FileRecord):
                     "highest": f"{highest:.4g}",
                     "maximum": f"{lift.maximum:g}",
                 },
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _check_bus(self) -> Aircraft:
+        chain = getattr(self.airframe, "propulsion", None)
+        if isinstance(chain, OperatingPointPropulsion) and self.battery.voltage is None:
+            raise PydanticCustomError(
+                "no_voltage",
+                "required key is missing: airframe.propulsion.kind is operating_point",
+                {"key": "battery.voltage"},
             )
         return self
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, ParametricAirframe, Propulsion
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import ImpossibleDesignError, design_of
+from sizing.propulsion.chain import LINKS, Propulsion
 from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
 
 __all__ = ["with_operating_point"]
@@ -41,7 +42,6 @@ def with_operating_point(
     Returns
     -------
     aircraft : Aircraft
-        ``controller_efficiency`` is that of controller and wiring together.
     point : OperatingPoint
         Of one propulsor.
 
@@ -87,7 +87,10 @@ def _point(
 
 def _propulsion(aircraft: Aircraft) -> Propulsion:
     assert isinstance(aircraft.airframe, ParametricAirframe)
-    return aircraft.airframe.propulsion
+    chain = aircraft.airframe.propulsion
+    if not isinstance(chain, Propulsion):
+        raise ValueError(f"{aircraft.name} has a propulsion at its operating point already")
+    return chain
 
 
 def _with_efficiencies(aircraft: Aircraft, point: OperatingPoint) -> Aircraft:
@@ -96,10 +99,10 @@ def _with_efficiencies(aircraft: Aircraft, point: OperatingPoint) -> Aircraft:
         update={
             "motor": None,
             "motor_voltage_v": None,
-            "controller_efficiency": float(point.controller_efficiency * point.wiring_efficiency),
-            "motor_efficiency": float(point.motor_efficiency),
-            "gearbox_efficiency": float(point.gear_efficiency),
-            "propeller_efficiency": float(point.propeller_efficiency),
+            **{
+                f"{name}_efficiency": float(getattr(point, f"{link}_efficiency"))
+                for name, link in LINKS.items()
+            },
         }
     )
     airframe = aircraft.airframe.model_copy(update={"propulsion": changed})

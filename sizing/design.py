@@ -12,12 +12,12 @@ from dataclasses import replace
 from functools import cache
 from operator import itemgetter
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GRAVITY_M_PER_S2
+from missions.air import GRAVITY_M_PER_S2, Air
 from missions.mission import Mission
 from sizing.aerodynamics.parabolic import (
     DragPolar,
@@ -29,6 +29,7 @@ from sizing.aerodynamics.parabolic import (
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.parameters import catalogue, replaced
+from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
@@ -36,6 +37,9 @@ from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from sizing.propulsion.operating_point import OperatingPoint
 
 
 class ImpossibleDesignError(ValueError):
@@ -101,7 +105,8 @@ class Design(NamedTuple):
 
     ``propulsion_power_w`` is electric, of level flight in calm air; ``constant_power_w`` is what
     avionics, payload and the battery's heater draw; ``airspeed_m_per_s`` may be unknown (None) for
-    a measured aircraft.
+    a measured aircraft. ``chain``: efficiencies of the propulsion in level flight; None for a
+    measured aircraft.
     """
 
     variables: DesignVariables
@@ -111,6 +116,7 @@ class Design(NamedTuple):
     propulsion_power_w: Value
     constant_power_w: Value
     airspeed_m_per_s: Value
+    chain: Propulsion | None = None
 
     @property
     def wing_area_m2(self) -> Value:
@@ -138,6 +144,12 @@ class FlightConditions(NamedTuple):
     battery_capacity_fraction: Value
     battery_heater_w: Value
     gust_fraction: Value
+    temperature_k: Value
+
+    @property
+    def air(self) -> Air:
+        """State of the air."""
+        return air_of(self.density_kg_per_m3, self.dynamic_viscosity, self.temperature_k)
 
     @classmethod
     def of(cls, mission: Mission, aircraft: Aircraft) -> FlightConditions:
@@ -159,6 +171,7 @@ class FlightConditions(NamedTuple):
             ),
             battery_heater_w=_scalar(battery.heater_w(air_c)),
             gust_fraction=_scalar(gust_speed_fraction(mission.altitude_m)),
+            temperature_k=_scalar(air.temperature_k),
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -199,10 +212,12 @@ def parametric_design(
     mission: Mission | FlightConditions,
     variables: DesignVariables,
     total_mass_kg: Value,
+    chain: Propulsion | None = None,
 ) -> Design:
     """Masses and power of a parametric aircraft for an assumed total mass.
 
-    The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``.
+    The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``. ``chain``: assumed
+    efficiencies of the propulsion, instead of those of the aircraft.
 
     Returns of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
     """
@@ -222,12 +237,15 @@ def parametric_design(
         density_kg_per_m3=air.density_kg_per_m3,
         dynamic_viscosity=air.dynamic_viscosity,
     )
-    electric_w = shaft_w / airframe.propulsion.efficiency
     airspeed = aerodynamics.airspeed_m_per_s(
         mass_kg=total_mass_kg,
         wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
         density_kg_per_m3=air.density_kg_per_m3,
     )
+    found = airframe.propulsion if chain is None else chain
+    if isinstance(found, OperatingPointPropulsion):
+        found = found.in_flight(shaft_w, airspeed, air.air, _bus_voltage_v(aircraft))
+    electric_w = shaft_w / found.efficiency
     return Design(
         variables=variables,
         total_mass_kg=total_mass_kg,
@@ -236,6 +254,7 @@ def parametric_design(
             airframe,
             air,
             variables,
+            found,
             total_mass_kg=total_mass_kg,
             electric_w=electric_w,
             airspeed_m_per_s=airspeed,
@@ -246,7 +265,14 @@ def parametric_design(
         propulsion_power_w=electric_w,
         constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
         airspeed_m_per_s=airspeed,
+        chain=found,
     )
+
+
+def _bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
+    """Voltages of the bus with an empty and with a full battery [V]."""
+    assert aircraft.battery.voltage is not None  # refused at validation
+    return aircraft.battery.voltage.ends_v
 
 
 def flown_at(
@@ -267,6 +293,7 @@ def _masses(
     airframe: ParametricAirframe,
     air: FlightConditions,
     variables: DesignVariables,
+    propulsion: Propulsion,
     *,
     total_mass_kg: Value,
     electric_w: Value,
@@ -275,7 +302,6 @@ def _masses(
     modules = aircraft.modules
     modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
-    propulsion = airframe.propulsion
     return Masses(
         structure=airframe.structure.mass_kg(
             _structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
@@ -452,19 +478,79 @@ def closed_design(
         mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
     )
 
-    def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
-        some = flat.mapped(itemgetter(designs))
-        closing = parametric_design(aircraft, conditions, some, assumed_kg)
-        return np.asarray(closing.masses.total_kg, float)
+    def closed(chain: Propulsion | None) -> Design:
+        def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
+            some = flat.mapped(itemgetter(designs))
+            given = None if chain is None else _links_of(chain, lambda one: np.ravel(one)[designs])
+            closing = parametric_design(aircraft, conditions, some, assumed_kg, given)
+            return np.asarray(closing.masses.total_kg, float)
 
-    mass = lightest_mass_kg(
-        budget_kg, np.array(flat.battery_mass_kg), relative_tolerance=relative_tolerance
+        mass = lightest_mass_kg(
+            budget_kg, np.array(flat.battery_mass_kg), relative_tolerance=relative_tolerance
+        )
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = mass.reshape(np.shape(arrays.wingspan_m))
+            return parametric_design(aircraft, conditions, arrays, total)
+
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return closed(None)
+    chain = _links_of(first_chain(propulsion), lambda one: np.full(np.shape(arrays[0]), one))
+    return _settled(closed, chain)
+
+
+def first_chain(propulsion: OperatingPointPropulsion) -> Propulsion:
+    """Chain of these parts at which a search for their operating point begins."""
+    usual = Propulsion()
+    return propulsion.with_links({name: _link(usual, name) for name in LINKS})
+
+
+def mixed_chain(chain: Propulsion, other: Propulsion, beyond: float) -> Propulsion:
+    """Chain beyond a first one by a share of what it differs from another."""
+    links = {name: _link(chain, name) for name in LINKS}
+    further = {
+        f"{name}_efficiency": one + beyond * (one - _link(other, name))
+        for name, one in links.items()
+    }
+    return chain.model_copy(update=further)
+
+
+def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -> Design:
+    """Design whose mass closes with the efficiencies that it has itself in level flight.
+
+    An operating point that does not exist leaves NaN, and with it an infinite mass.
+    """
+    for _ in range(_ROUNDS):
+        design = closed(chain)
+        assert design.chain is not None
+        chain = design.chain
+        with np.errstate(invalid="ignore"):
+            open_share = np.abs(design.masses.total_kg / design.total_mass_kg - 1.0)
+        if not np.any(open_share > _SETTLED):
+            break
+    missing = ~np.isfinite(np.asarray(chain.efficiency))
+    masses = Masses(*(np.where(missing, np.inf, one) for one in design.masses))
+    return design._replace(
+        total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
+        masses=masses,
+        propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
     )
-    with np.errstate(over="ignore", invalid="ignore"):
-        total = mass.reshape(np.shape(arrays.wingspan_m))
-        return parametric_design(aircraft, conditions, arrays, total)
 
 
+def _link(chain: Propulsion, name: str) -> Value:
+    """Efficiency of a link; 1 where a chain has none."""
+    efficiency = getattr(chain, f"{name}_efficiency")
+    return 1.0 if efficiency is None else efficiency
+
+
+def _links_of(chain: Propulsion, function: Callable[[Value], Value]) -> Propulsion:
+    """Chain with a function of every link's efficiency."""
+    links = {f"{name}_efficiency": function(_link(chain, name)) for name in LINKS}
+    return chain.model_copy(update=links)
+
+
+# Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
+_ROUNDS, _SETTLED = 30, 1e-10
 # Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
 # closes, a long step might pass the lightest solution and find a heavier one.
 _STEEPEST = 0.8
@@ -536,8 +622,9 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     design = closed_design(aircraft, mission, variables_of(aircraft))
     if not np.isfinite(design.total_mass_kg):
         raise ImpossibleDesignError(
-            f"{aircraft.name} cannot carry its own mass on mission {mission.name}: structure and "
-            "propulsion grow faster than the lift they add"
+            operating_trouble(aircraft, mission)
+            or f"{aircraft.name} cannot carry its own mass on mission {mission.name}: structure "
+            "and propulsion grow faster than the lift they add"
         )
     return design._replace(
         variables=variables_of(aircraft),
@@ -547,6 +634,50 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
         propulsion_power_w=float(design.propulsion_power_w),
         airspeed_m_per_s=float(design.airspeed_m_per_s),
     )
+
+
+def with_level_chain(aircraft: Aircraft, mission: Mission) -> Aircraft:
+    """Aircraft with the constant efficiencies that it has in level flight, as its file gives it."""
+    if not isinstance(getattr(aircraft.airframe, "propulsion", None), OperatingPointPropulsion):
+        return aircraft
+    airframe = aircraft.airframe.model_copy(
+        update={"propulsion": design_of(aircraft, mission).chain}
+    )
+    return aircraft.model_copy(update={"airframe": airframe})
+
+
+def operating_trouble(
+    aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
+) -> str:
+    """Why the propulsors cannot do level flight, with what would do; empty where they can.
+
+    ``variables``: of the design, by default those of the aircraft's file.
+    """
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return ""
+    variables = variables_of(aircraft) if variables is None else variables
+    airframe = aircraft.airframe.model_copy(update={"propulsion": first_chain(propulsion)})
+    usual = aircraft.model_copy(update={"airframe": airframe})
+    design = closed_design(usual, mission, variables)
+    if not np.isfinite(design.total_mass_kg):
+        return ""
+    reason = str(level_point(aircraft, mission, design).reason)
+    where = f"{mission.name} at {mission.altitude_m:g} m"
+    return reason and (
+        f"the propulsion of {aircraft.name} cannot do level flight on {where}: {reason}"
+    )
+
+
+def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
+    """Operating point of one propulsor of a design of known mass in level flight."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    assert isinstance(propulsion, OperatingPointPropulsion)
+    usual, mass_kg = first_chain(propulsion), design.total_mass_kg
+    flown = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
+    power_w = flown.propulsion_power_w * usual.efficiency
+    air = FlightConditions.of(mission, aircraft).air
+    return propulsion.point(power_w, flown.airspeed_m_per_s, air, _bus_voltage_v(aircraft))
 
 
 def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:

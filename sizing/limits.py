@@ -16,6 +16,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import Design, FlightConditions, flown_at
 from sizing.parameters import label, unit
+from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
 
 # What is missed by less, relative to its limit, is met: the solver meets its rows to about 1e-8.
@@ -35,6 +36,12 @@ class DesignInFlight(NamedTuple):
         airframe = self.aircraft.airframe
         assert isinstance(airframe, ParametricAirframe)
         return airframe
+
+    @property
+    def chain(self) -> Propulsion:
+        """Propulsion with its efficiencies in level flight."""
+        assert self.design.chain is not None
+        return self.design.chain
 
     @property
     def lift_coefficient(self) -> Value:
@@ -60,16 +67,14 @@ class DesignInFlight(NamedTuple):
     def rated_power_w(self) -> Value:
         """Largest electric power of the propulsion [W]."""
         weight_n = self.design.total_mass_kg * GRAVITY_M_PER_S2
-        return self.airframe.propulsion.rated_power_w(
-            self.design.propulsion_power_w, weight_n=weight_n
-        )
+        return self.chain.rated_power_w(self.design.propulsion_power_w, weight_n=weight_n)
 
     @property
     def climb_rate_m_per_s(self) -> Value:
         """Climb at the airspeed of level flight and rated power [m/s]: excess power over weight."""
         spare_w = self.rated_power_w - self.design.propulsion_power_w
         weight_n = self.design.total_mass_kg * GRAVITY_M_PER_S2
-        return spare_w * self.airframe.propulsion.efficiency / weight_n
+        return spare_w * self.chain.efficiency / weight_n
 
     @property
     def load_w(self) -> Value:

@@ -170,11 +170,20 @@ def set_absolute_paths(data: Any, folder: Path) -> None:
     path.
     """
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
-        if isinstance(value, dict | list):
+        if key in ENTRY_KEYS and isinstance(value, list):
+            data[key] = [_absolute(one, folder) for one in value]
+        elif isinstance(value, dict | list):
             set_absolute_paths(value, folder)
-        elif key in ENTRY_KEYS and isinstance(value, str) and value.lower().endswith(PATH_SUFFIXES):
-            path = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
-            data[key] = f"{path}/" if value.endswith("/") else path
+        elif key in ENTRY_KEYS:
+            data[key] = _absolute(value, folder)
+
+
+def _absolute(value: Any, folder: Path) -> Any:
+    """Absolute path of a text that is one; else the value."""
+    if not isinstance(value, str) or not value.lower().endswith(PATH_SUFFIXES):
+        return value
+    path = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
+    return f"{path}/" if value.endswith("/") else path
 
 
 def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:

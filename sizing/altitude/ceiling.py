@@ -18,7 +18,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError
+from sizing.design import ImpossibleDesignError, operating_trouble
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from sizing.validity.ranges import Extrapolation
@@ -127,7 +127,10 @@ def highest_perpetual_altitude(
         if progress is not None:
             progress(number, len(altitudes))
     if all(np.isnan(flight.propulsion_power_w) for flight in flights):
-        raise ImpossibleDesignError(f"{aircraft.name} cannot carry its own mass at any altitude")
+        raise ImpossibleDesignError(
+            operating_trouble(aircraft, mission)
+            or f"{aircraft.name} cannot carry its own mass at any altitude"
+        )
 
     required_h = mission.required_excess_time_h
     highest = _highest(flights, flown, required_h)

@@ -10,7 +10,13 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, measured_design, parametric_design
+from sizing.design import (
+    Design,
+    ImpossibleDesignError,
+    measured_design,
+    operating_trouble,
+    parametric_design,
+)
 from sizing.performance import Performance
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
@@ -101,8 +107,9 @@ def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
     else:
         weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
         level_w = float(design.propulsion_power_w)
-        rated = float(airframe.propulsion.rated_power_w(level_w, weight_n=weight_n))
-        limits = ClimbLimits(airframe.propulsion.efficiency, rated)
+        assert design.chain is not None
+        rated = float(design.chain.rated_power_w(level_w, weight_n=weight_n))
+        limits = ClimbLimits(float(design.chain.efficiency), rated)
         key = ("airframe", "propulsion", "climb_power_ratio")
     if limits.maximum_power_w <= float(design.propulsion_power_w):
         raise ClimbLimitError(
@@ -160,7 +167,10 @@ def _same_aircraft_at(
     there = mission.at_altitude(altitude_m)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, there)
-    return parametric_design(aircraft, there, design.variables, design.total_mass_kg)
+    flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
+    if not np.isfinite(flown.propulsion_power_w):
+        raise ImpossibleDesignError(operating_trouble(aircraft, there))
+    return flown
 
 
 def _specific_power(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from sizing.catalogues.entries import Entry
     from sizing.catalogues.files import Kind
 
-__all__ = ["Taken", "filled", "own_entries", "taken"]
+__all__ = ["Taken", "filled", "found_entry", "own_entries", "taken"]
 
 R = TypeVar("R", bound=Record)
 
@@ -73,14 +73,15 @@ def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
     name = data.get(key) if isinstance(data, Mapping) else None
     if not isinstance(name, str | int) or isinstance(name, bool):
         return handler(data)
-    parameters = _entry(key, kind, str(name)).parameters(data)
+    parameters = found_entry(key, kind, str(name)).parameters(data)
     new = {one: value for one, value in parameters.items() if one not in data}
     record = handler({**data, **new})
     record.__pydantic_fields_set__.difference_update(new)
     return record
 
 
-def _entry(key: str, kind: Kind, name: str) -> Entry:
+def found_entry(key: str, kind: Kind, name: str) -> Entry:
+    """Entry that a key of a record names; what is wrong with it becomes an error of validation."""
     from sizing.catalogues.files import entry, is_entry_path
 
     try:

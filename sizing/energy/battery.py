@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from sizing.catalogues.choice import filled
 from sizing.energy.battery_condition import Ageing, BatteryTemperature, InternalResistance
+from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.smooth import Value
 from solar.schema import Fraction, PositiveReal, Record, Text, UnitInterval
 from solar.types import BoolArray, FloatArray, IntArray
@@ -169,7 +170,8 @@ class Battery(Record):
     """A battery pack described by its mass.
 
     Temperature, internal resistance and ageing are those of :mod:`sizing.energy.battery_condition`;
-    a battery without them is the same in any air and at any age. ``cell`` names an entry of the
+    a battery without them is the same in any air and at any age. ``voltage`` is that of the bus,
+    for a propulsion at its operating point. ``cell`` names an entry of the
     catalogue of batteries, which gives what the file does not; the specific energy of a cell counts
     for the share ``cell_mass_fraction`` of the pack's mass.
     """
@@ -184,6 +186,7 @@ class Battery(Record):
     temperature: BatteryTemperature | None = None
     resistance: InternalResistance | None = None
     ageing: Ageing | None = None
+    voltage: BatteryVoltage | None = None
 
     @model_validator(mode="wrap")
     @classmethod

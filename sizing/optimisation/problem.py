@@ -52,6 +52,7 @@ from sizing.optimisation.variables import (
     limit_rows,
 )
 from sizing.parameters import all_replaced, catalogue, parameter_value
+from sizing.propulsion.chain import Propulsion
 from solar.types import FloatArray
 
 Effort = Literal["quick", "still", "steady", "next", "direct"]
@@ -280,6 +281,10 @@ def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> Si
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
+    if not isinstance(aircraft.airframe.propulsion, Propulsion):
+        raise TypeError(
+            f"the propulsion of {aircraft.name} is at its operating point: with_fixed_chain first"
+        )
     chosen = chosen_variables(aircraft, eased=eased)
     # A mapping's order plays no part in the equality of aircraft, but in that of the rows.
     program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased)

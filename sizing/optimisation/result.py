@@ -186,7 +186,8 @@ def plain_design(design: Design) -> Design:
     numbers = {
         name: float(value)
         for name, value in design._asdict().items()
-        if name not in ("variables", "masses")
+        if name not in ("variables", "masses", "chain")
     }
     masses = Masses(*(float(mass) for mass in design.masses))
-    return Design(variables=design.variables.mapped(float), masses=masses, **numbers)
+    variables = design.variables.mapped(float)
+    return Design(variables=variables, masses=masses, chain=design.chain, **numbers)

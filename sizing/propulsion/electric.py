@@ -1,4 +1,4 @@
-"""Motor, gear, controller, and the voltage that a battery gives them."""
+"""Motor, gear and controller."""
 
 from __future__ import annotations
 
@@ -6,22 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from sizing.catalogues.entries import MotorEntry
 from sizing.catalogues.files import entry
 from solar.schema import (
     Fraction,
     NonNegativeReal,
-    PositiveInteger,
     PositiveReal,
     Record,
     UnitInterval,
 )
 from solar.types import FloatArray
 
-__all__ = ["BatteryVoltage", "Controller", "Gear", "Motor", "MotorState"]
+__all__ = ["Controller", "Gear", "Motor", "MotorState"]
 
 _RPM_PER_RAD_PER_S = 30.0 / np.pi
 
@@ -51,6 +48,8 @@ class Motor(Record):
         Rise of it with speed [A per 1000 rpm].
     maximum_current_a, maximum_power_w
         Continuous limits of current [A] and power at the terminals [W]; none without them.
+    mass_kg
+        Not known where it is None [kg].
     """
 
     speed_constant_rpm_per_v: PositiveReal
@@ -59,6 +58,7 @@ class Motor(Record):
     no_load_current_rise_a_per_1000_rpm: NonNegativeReal = 0.0
     maximum_current_a: PositiveReal | None = None
     maximum_power_w: PositiveReal | None = None
+    mass_kg: NonNegativeReal | None = None
 
     @classmethod
     def from_catalogue(cls, name: str) -> Motor:
@@ -80,6 +80,7 @@ class Motor(Record):
             resistance_ohm=motor.resistance_ohm,
             no_load_current_a=motor.no_load_current_a,
             maximum_current_a=motor.maximum_current_a,
+            mass_kg=motor.mass_kg,
         )
 
     def state(self, speed_rpm: ArrayLike, torque_nm: ArrayLike) -> MotorState:
@@ -115,10 +116,13 @@ class Gear(Record):
         Speed of the motor over that of the propeller [-].
     efficiency
         Power out over power in [-].
+    mass_kg
+        Its mass [kg].
     """
 
     ratio: PositiveReal = 1.0
     efficiency: Fraction = 1.0
+    mass_kg: NonNegativeReal = 0.0
 
 
 class Controller(Record):
@@ -138,12 +142,15 @@ class Controller(Record):
         ``(t_on + t_off) f / 2``: duration of the changes times their frequency [-].
     idle_power_w
         Of its electronics [W].
+    mass_kg
+        Its mass [kg].
     """
 
     resistance_ohm: NonNegativeReal
     freewheel_voltage_v: NonNegativeReal = 0.0
     switching_loss: UnitInterval = 0.0
     idle_power_w: NonNegativeReal = 0.0
+    mass_kg: NonNegativeReal = 0.0
 
     def input_power_w(self, motor: MotorState, voltage_v: FloatArray) -> FloatArray:
         """Power at the input at a voltage there.
@@ -186,61 +193,3 @@ class Controller(Record):
         needed = motor.voltage_v + motor.current_a * self.resistance_ohm
         diode = self.freewheel_voltage_v
         return np.asarray((needed + diode) / (voltage_v + diode))
-
-
-class BatteryVoltage(Record):
-    """Voltage of a battery over its state of charge.
-
-    Attributes
-    ----------
-    cells_in_series
-        Number of cells in series.
-    state_of_charge, cell_voltage_v
-        Voltage of a cell [V], at the currents of the flight, over states of charge from 0 to 1.
-    """
-
-    cells_in_series: PositiveInteger
-    state_of_charge: tuple[UnitInterval, ...] = Field(min_length=2)
-    cell_voltage_v: tuple[PositiveReal, ...] = Field(min_length=2)
-
-    @model_validator(mode="after")
-    def _check_table(self) -> BatteryVoltage:
-        wrong = ""
-        if len(self.state_of_charge) != len(self.cell_voltage_v):
-            wrong = "cell_voltage_v must have a value for each state of charge"
-        elif np.any(np.diff(self.state_of_charge) <= 0.0):
-            wrong = "state_of_charge must increase strictly"
-        elif np.any(np.diff(self.cell_voltage_v) < 0.0):
-            wrong = "cell_voltage_v must not fall with the state of charge"
-        if wrong:
-            raise PydanticCustomError("voltage_table", "{wrong}", {"wrong": wrong})
-        return self
-
-    def voltage_v(self, state_of_charge: ArrayLike) -> FloatArray:
-        """Voltage of the battery.
-
-        Parameters
-        ----------
-        state_of_charge : array_like
-            Within the table [-].
-
-        Returns
-        -------
-        ndarray
-            Voltage [V].
-
-        Raises
-        ------
-        ValueError
-            Outside the table.
-        """
-        charge = np.asarray(state_of_charge, float)
-        first, last = self.state_of_charge[0], self.state_of_charge[-1]
-        odd = charge[~((charge >= first) & (charge <= last))]
-        if odd.size:
-            raise ValueError(
-                f"state_of_charge must be from {first:g} to {last:g}, where the table of voltages "
-                f"ends (got {odd.flat[0]:g})"
-            )
-        cell = np.interp(charge, self.state_of_charge, self.cell_voltage_v)
-        return np.asarray(self.cells_in_series * cell)

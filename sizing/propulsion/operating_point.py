@@ -18,6 +18,7 @@ __all__ = ["OperatingPoint", "Propulsor", "operating_point"]
 _FASTEST_TIP_MACH = 0.95
 _SLOWEST_SHARE = 1e-3
 _WIRING_ROUNDS = 60
+_AT_ONCE = 2048
 
 
 @dataclass(frozen=True)
@@ -179,9 +180,17 @@ def operating_point(
             raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
     shape = given[0].shape
     thrust, v, bus, *state = (np.ravel(one) for one in given)
-    flat = _at(propulsor, thrust, v, Air(*state), bus)
+    # Blade elements take some kilobytes for every point.
+    parts = [slice(first, first + _AT_ONCE) for first in range(0, max(thrust.size, 1), _AT_ONCE)]
+    found = [
+        _at(propulsor, thrust[some], v[some], Air(*(one[some] for one in state)), bus[some])
+        for some in parts
+    ]
     return OperatingPoint(
-        *(np.reshape(getattr(flat, field.name), shape) for field in fields(OperatingPoint))
+        *(
+            np.reshape(np.concatenate([getattr(one, field.name) for one in found]), shape)
+            for field in fields(OperatingPoint)
+        )
     )
 
 

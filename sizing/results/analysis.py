@@ -25,6 +25,7 @@ from sizing.results.notes import (
     extrapolation_records,
     relaxation_records,
 )
+from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
@@ -229,6 +230,11 @@ class Analysis(Result):
         }
 
     @cached_property
+    def power_budget(self) -> PowerBudget:
+        """Where the power of level flight goes, at the mission's altitude."""
+        return power_budget(self.aircraft, self.mission, self.performance.design)
+
+    @cached_property
     def days_to_settle(self) -> FloatArray:
         """Days until the repeated day of every scenario has settled from an empty battery.
 
@@ -280,6 +286,7 @@ class Analysis(Result):
             "masses_kg": self.masses_kg,
             "structure": None if self.structure is None else self.structure.to_dict(),
             **q.design_record(design, q.ANALYSED),
+            "power_budget": self.power_budget.to_dict(),
             "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
             "limited_flight": None if limited is None else finite_values(asdict(limited)),
             "relaxations": relaxation_records(self.relaxations),

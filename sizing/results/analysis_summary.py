@@ -22,6 +22,7 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
+from sizing.results.power_budget import power_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
 from solar.sun import solar_time_h
@@ -51,6 +52,7 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(Line(answer(analysis)))
     table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
+    blocks.append(power_line(analysis.power_budget))
     blocks += structure_blocks(analysis.structure)
     if several:
         blocks.append(scenario_table(analysis))

@@ -30,6 +30,7 @@ from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.propulsion import with_fixed_chain
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
@@ -46,6 +47,7 @@ from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
+from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
@@ -202,6 +204,12 @@ class SizingStudy(Result):
         return structure_assessment(self.aircraft, self.mission, design)
 
     @cached_property
+    def power_budget(self) -> PowerBudget | None:
+        """Where the optimum's power of level flight goes; None without one."""
+        design = self.result.design
+        return None if design is None else power_budget(self.aircraft, self.mission, design)
+
+    @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What the optimum takes from outside the range of a model.
 
@@ -226,7 +234,8 @@ class SizingStudy(Result):
             **_design_record(result.design),
             **_simulated_record(result.simulated),
         }
-        structure = self.structure
+        budget, structure = self.power_budget, self.structure
+        record["power_budget"] = None if budget is None else budget.to_dict()
         record["structure"] = None if structure is None else structure.to_dict()
         record |= {"model": self.solar.model, "correction": self.solar.correction}
         record["uncertainty"] = None
@@ -377,22 +386,20 @@ def size(
         # The mission's rules for its own requirement hold for another one, too.
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
         required_excess_time_h = other.required_excess_time_h
-    problems = SizingProblems(aircraft)
+    options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
+    aircraft, start = with_fixed_chain(aircraft, mission, wanted, solar, **options)
+    problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
         wish = _Wish(wanted, required_excess_time_h, reliability)
         return replace(_reliable(aircraft, mission, solar, wish, problems), aircraft=original)
     coverage = None
-    options: dict[str, Any] = {
-        "required_excess_time_h": required_excess_time_h,
-        "problems": problems,
-    }
     if wanted.of_range:
         coverage = widest_range(aircraft, mission, wanted, solar, **options)
         result = coverage.sizing
     else:
-        result = size_aircraft(aircraft, mission, wanted, solar, **options)
+        result = size_aircraft(aircraft, mission, wanted, solar, start=start, **options)
     asked = (aircraft, mission, result, solar)
     relaxed: tuple[Relaxation, ...] = ()
     if result.status is SizingStatus.infeasible and not wanted.of_range:

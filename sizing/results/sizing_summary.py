@@ -28,6 +28,7 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
+from sizing.results.power_budget import power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours
 from sizing.results.sizing import SizingStudy
@@ -58,6 +59,8 @@ def summary(study: SizingStudy) -> Summary:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
         blocks.append(Line(f"at the end of the design space: {words}", "warning"))
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
+    if study.power_budget is not None:
+        blocks.append(power_line(study.power_budget))
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)
     blocks += _confidence(study)

@@ -10,6 +10,7 @@ from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.margins.survival import check_survival, in_the_record, size_surviving
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.propulsion import with_fixed_chain
 from sizing.results.records import check_subjects
 from sizing.results.sizing import (
     SizingStudy,
@@ -91,14 +92,15 @@ def size_in_weather(
             f"the mission's clearness of {mission.pessimistic_clearness:g} plays no part: the "
             "clouds are the record's",
         )
+    fixed, _ = with_fixed_chain(aircraft, moved, wanted, solar)
     survived = size_surviving(
-        *(aircraft, moved, wanted, solar),
+        *(fixed, moved, wanted, solar),
         weather=weather,
         survive=survive,
         notes=notes,
         progress=progress,
     )
-    request = (aircraft, in_the_record(moved), survived.result, solar)
+    request = (fixed, in_the_record(moved), survived.result, solar)
     low, high = under_model_error(*request)
     return SizingStudy(
         *(aircraft, in_the_record(moved), solar, survived.result, low, high),

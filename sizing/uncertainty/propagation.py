@@ -21,12 +21,14 @@ from sizing.design import (
     measured_design,
     parametric_design,
     variables_of,
+    with_level_chain,
 )
 from sizing.energy.battery import Store
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
 from sizing.parameters import with_parameter
+from sizing.propulsion.chain import PARTS
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import (
@@ -76,11 +78,18 @@ class Flights:
     peak_solar_w: FloatArray
 
 
+_PARTS = tuple(
+    f"airframe.propulsion.{part}." for part in ("propeller", "gear", "motor", "controller")
+)
+
+
 def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
     """Refuse inputs that a propagation cannot vary."""
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
+        if key.startswith(_PARTS) or key.removeprefix("airframe.propulsion.") in PARTS:
+            raise ValueError(f"{key} has one operating point for all draws: vary it with `sweep`")
         if key.startswith("battery.charge_limit"):
             # The charger's table of times is one for all batteries of a batch.
             raise ValueError(f"{key} is the same for all draws: vary it with `sweep`")
@@ -102,7 +111,8 @@ class Propagation:
         *,
         day: SolarDay | None = None,
     ) -> None:
-        self.aircraft, self.mission, self.solar = aircraft, mission, solar
+        self.aircraft = with_level_chain(aircraft, mission)
+        self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: FloatArray | None = None
 

@@ -26,12 +26,13 @@ from missions.air import (
 from missions.files.errors import InputError, Problem
 from missions.files.overrides import Overrides, with_overrides
 from missions.files.shipped import find_document
-from missions.files.validation import validate
+from missions.files.validation import located_error, validate
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.design import FlightConditions, closed_design, parametric_design, variables_of
 from sizing.parameters import parameter, parameter_value, replaced
+from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from studies.fitting.files import provenance, renamed
@@ -202,6 +203,12 @@ def _check_kinds(
                 f"must be {wanted} (got {aircraft.airframe.kind}): the measured aircraft first"
             )
             problems.append(Problem(document.source, line, column, "airframe.kind", message))
+    chain = getattr(models.airframe, "propulsion", None)
+    if isinstance(chain, OperatingPointPropulsion):
+        key = ("airframe", "propulsion", "kind")
+        problems.append(
+            located_error(technology, key, "must be constant to be calibrated").problems[0]
+        )
     if problems:
         raise InputError(problems)
 
@@ -212,6 +219,7 @@ def _combined(built: Aircraft, models: Aircraft) -> tuple[Aircraft, dict[str, tu
     assert isinstance(frame, ParametricAirframe)
     assert isinstance(known, MeasuredAirframe)
     level, propulsion = known.level_flight, frame.propulsion
+    assert isinstance(propulsion, Propulsion)
     changes: dict[str, tuple[float, str]] = {}
     if level.airspeed_m_per_s is not None:
         area_m2 = known.wingspan_m**2 / known.aspect_ratio

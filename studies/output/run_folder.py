@@ -208,6 +208,12 @@ def _with_named_files(
         suffix = ".txt" if path.endswith("/") else Path(path).suffix
         holder[key] = f"{role}{suffix}"
         files[holder[key]] = Path(path)
+    propeller = (airframe.get("propulsion") or {}).get("propeller") or {}
+    if table := propeller.get("table"):
+        # Names of runs in a wind tunnel hold size and speed.
+        paths = [Path(one) for one in ([table] if isinstance(table, str) else table)]
+        propeller["table"] = [path.name for path in paths]
+        files |= {path.name: path for path in paths}
     return (data, files) if files else (aircraft, files)
 
 

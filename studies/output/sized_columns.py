@@ -18,6 +18,7 @@ from sizing.optimisation import cells as cell_sizing
 from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.optimisation.problem import SizingProblems
+from sizing.optimisation.propulsion import with_fixed_chain
 from sizing.optimisation.result import SizingResult
 from sizing.performance import Performance, performance_of_designs
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
@@ -82,7 +83,7 @@ def size_cells(
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
     )
-    problems = _programs(aircraft)
+    problems = _programs(aircraft, mission, objective, solar)
     sizings = cell_sizing.size_cells(
         problems.aircraft, mission, scenarios, objective, solar, problems=problems
     )
@@ -108,7 +109,7 @@ def sized_flight(
     None where there is no design.
     """
     scenario = Scenarios(np.array([cell[0]]), np.array([cell[1]]))
-    problems = _programs(aircraft)
+    problems = _programs(aircraft, mission, objective, solar)
     sizings = cell_sizing.size_cells(
         problems.aircraft, mission, scenario, objective, solar, problems=problems
     )
@@ -120,9 +121,14 @@ def sized_flight(
 
 
 @lru_cache(maxsize=1)
-def _programs(aircraft: Aircraft) -> SizingProblems:
-    """Programs of an aircraft, kept for the next chunk of the same map in this process."""
-    return SizingProblems(aircraft)
+def _programs(
+    aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel
+) -> SizingProblems:
+    """Programs of an aircraft, kept for the next chunk of the same map in this process.
+
+    A propulsion at its operating point has the efficiencies of the mission's own optimum.
+    """
+    return SizingProblems(with_fixed_chain(aircraft, mission, objective, solar)[0])
 
 
 def _columns(sizings: CellSizings) -> dict[str, Any]:

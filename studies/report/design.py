@@ -90,13 +90,12 @@ def _fact(quantity: q.Quantity, design: Design) -> tuple[str, str]:
 
 def budget_section(subject: Subject) -> Section:
     """Where mass and power go."""
-    flown = subject.analysis.performance
+    flown, used = subject.analysis.performance, subject.analysis.power_budget
     masses = Bars(
         "mass budget", "kg", ".3f", _mass_rows(subject.aircraft, flown.design), "total mass"
     )
     power = Bars(
-        "load in level flight", "W", ".2f", _power_rows(subject), "load",
-        note=_propulsion_note(subject.aircraft),
+        "load in level flight", "W", ".2f", used.rows(), "load", note=used.note(),
     )  # fmt: skip
     budget, worst = flown.cycle.energy_budget, subject.analysis.worst
     where = flown.day.scenarios.label(worst)
@@ -129,42 +128,6 @@ def _mass_rows(aircraft: Aircraft, design: Design) -> tuple[tuple[str, float], .
         for name, mass in design.masses._asdict().items()
         if float(mass) > 0.0
     )
-
-
-def _power_rows(subject: Subject) -> tuple[tuple[str, float], ...]:
-    """What the load is made of; the rows add up to it."""
-    flown, aircraft, mission = subject.analysis.performance, subject.aircraft, subject.mission
-    design, turbulence = flown.design, subject.mission.turbulence.all_day
-    level = float(design.propulsion_power_w)
-    rows: list[tuple[str, float]] = []
-    airframe = aircraft.airframe
-    if isinstance(airframe, ParametricAirframe):
-        chain, left = airframe.propulsion, level
-        rows_lost = []
-        for name in ("controller", "motor", "gearbox", "propeller"):
-            efficiency = getattr(chain, f"{name}_efficiency")
-            rows_lost.append((f"lost in the {name}", left * (1.0 - efficiency)))
-            left *= efficiency
-        rows += [("drag of level flight", left), *rows_lost]
-    else:
-        rows.append(("propulsion in level flight (measured)", level))
-    consumers = aircraft.power.avionics_w + mission.payload.power_w
-    supplied = consumers / aircraft.power.supply_efficiency
-    rows += [
-        ("turbulence", level * turbulence),
-        ("avionics", aircraft.power.avionics_w),
-        ("payload", mission.payload.power_w),
-        ("lost in the power supply", supplied - consumers),
-        ("heater of the battery", float(design.constant_power_w) - supplied),
-    ]
-    return tuple((label, watts) for label, watts in rows if watts > 1e-9)
-
-
-def _propulsion_note(aircraft: Aircraft) -> str:
-    airframe = aircraft.airframe
-    if not isinstance(airframe, ParametricAirframe):
-        return "A measured aircraft is known by its electric power; what drag takes is not."
-    return f"From battery to thrust: {100.0 * airframe.propulsion.efficiency:.1f} %."
 
 
 # ---- Sizing

@@ -17,7 +17,13 @@ from missions.files.yaml import Document
 from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, DesignSpace, MeasuredAirframe, Range
-from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.design import (
+    DesignVariables,
+    FlightConditions,
+    ImpossibleDesignError,
+    operating_trouble,
+    variables_of,
+)
 from sizing.energy.cycle import Status
 from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
@@ -218,6 +224,10 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         for place, number in enumerate(numbers):
             row = _row_of_design(flight, mission, (place,), missed, endurance_h)
             flown = row["status"] is not Status.infeasible
+            if not np.isfinite(flight.design.total_mass_kg[place]):
+                chosen = variables.chosen().items()
+                own = DesignVariables(**{name: float(one[place]) for name, one in chosen})
+                row["message"] = operating_trouble(aircraft, mission, own) or row["message"]
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
     return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
 
@@ -333,6 +343,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
     """
     # The optimiser, for those who size.
     from sizing.optimisation.problem import SizingProblems
+    from sizing.optimisation.propulsion import with_fixed_chain
     from sizing.optimisation.search import size_aircraft
     from studies.output.sized_columns import sizing_row
 
@@ -343,13 +354,18 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
         for number in numbers:
             given = zip(map(design_variable, configuration.keys), cells[number], strict=True)
             sized = held(aircraft, {name: value for name, value in given if name is not None})
+            sought = configuration.objective, configuration.solar
+            try:
+                sized, _ = with_fixed_chain(sized, mission, *sought)
+            except ImpossibleDesignError as error:
+                rows[number] = {"status": SizingStatus.infeasible, "message": str(error)}
+                continue
             if problems is None or problems.aircraft != sized:
                 problems = SizingProblems(sized)
             result = size_aircraft(
                 problems.aircraft,
                 mission,
-                configuration.objective,
-                configuration.solar,
+                *sought,
                 problems=problems,
             )
             row = {PAYLOAD_MASS.variable: mission.payload.mass_kg} | sizing_row(result)

@@ -96,7 +96,16 @@ COMMON = {"aircraft", "mission", "mission_is_default"}
 OPEN = {
     "sobol",
     *("sobol", "spar_caps", "spar_web"),
-    *("others", "masses_kg", "quantities", "points", "status", "latitudes", "extrapolations"),
+    *(
+        "others",
+        "masses_kg",
+        "power_budget",
+        "quantities",
+        "points",
+        "status",
+        "latitudes",
+        "extrapolations",
+    ),
 }
 
 

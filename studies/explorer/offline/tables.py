@@ -138,7 +138,8 @@ def design_table(aircraft: Aircraft, mission: Mission, axes: Iterable[Axis]) -> 
         mass, power, airspeed = _measured(aircraft, mission, chosen)
     else:
         design = closed_design(aircraft, mission, variables_of(aircraft)._replace(**chosen))
-        mass, power, airspeed = design.total_mass_kg, design.propulsion_power_w, design[-1]
+        mass, power = design.total_mass_kg, design.propulsion_power_w
+        airspeed = design.airspeed_m_per_s
     tables = {"log_mass_kg": mass, "log_power_w": power, "log_airspeed_m_per_s": airspeed}
     return {
         "axes": [axis.to_dict() for axis in axes],

@@ -1,0 +1,374 @@
+"""The propulsion of an aircraft's file: a chain of constants, or parts at their operating point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    Strict,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from missions.air import GAS_CONSTANT_AIR, Air
+from missions.files.errors import InputError
+from missions.files.texts import read_text, texts_as_read
+from sizing.catalogues.choice import Taken, filled, found_entry
+from sizing.own_models import propulsion_mass_function
+from sizing.propulsion.electric import Controller, Gear, Motor
+from sizing.smooth import Value
+from solar.schema import (
+    Flag,
+    Fraction,
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Record,
+    Text,
+)
+
+if TYPE_CHECKING:
+    from sizing.propulsion.operating_point import OperatingPoint, Propulsor
+    from sizing.propulsion.propeller import Propeller
+
+__all__ = ["LINKS", "AnyPropulsion", "OperatingPointPropulsion", "PropellerChoice", "Propulsion"]
+
+# Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
+_CLIMB_POWER_RATIO = 5.0
+_MASS_KG_PER_W = 0.0011
+# Links from the bus to the air, and those of an operating point that they stand for.
+LINKS = {
+    "wiring": "wiring",
+    "controller": "controller",
+    "motor": "motor",
+    "gearbox": "gear",
+    "propeller": "propeller",
+}
+
+_MassModel = Annotated[Text, AfterValidator(lambda name: propulsion_mass_function(name) and name)]
+_ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
+
+
+class Propulsion(Record):
+    """Propulsion chain from the battery bus to thrust power, and its mass.
+
+    The group's mass follows its rated electric power: level flight's times ``climb_power_ratio``
+    (5 by default), or what climbing at ``climb_rate_m_per_s`` takes at the airspeed of level
+    flight, ``P_level + m g v_climb / efficiency``. One of the two, not both. ``fixed_mass_kg`` is
+    what does not follow the power.
+
+    ``motor`` names an entry of the catalogue of motors, which gives the motor's best efficiency at
+    ``motor_voltage_v``. ``mass_model`` names a model of the user's own for the mass, instead of
+    ``mass_kg_per_w``: see :func:`sizing.register_propulsion_mass`.
+    """
+
+    kind: Literal["constant"] = "constant"
+    motor: Text | None = None
+    motor_voltage_v: PositiveReal | None = None
+    wiring_efficiency: Fraction | None = None
+    controller_efficiency: Fraction = 0.97
+    motor_efficiency: Fraction = 0.82
+    gearbox_efficiency: Fraction = 0.96
+    propeller_efficiency: Fraction = 0.82
+    fixed_mass_kg: NonNegativeReal | None = None
+    mass_kg_per_w: NonNegativeReal = _MASS_KG_PER_W
+    climb_power_ratio: _ClimbRatio | None = None
+    climb_rate_m_per_s: PositiveReal | None = None
+    mass_model: _MassModel | None = None
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _from_catalogue(
+        cls, data: Any, handler: ModelWrapValidatorHandler[Propulsion]
+    ) -> Propulsion:
+        return filled(data, handler, "motor", "motors")
+
+    @model_validator(mode="after")
+    def _check_rating(self) -> Propulsion:
+        _check_one_rating(self)
+        return self
+
+    def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
+        """Rated electric power [W].
+
+        Returns ``level_w + weight_n v_climb / efficiency`` where a climb rate is given, else the
+        climb power ratio times ``level_w`` [W].
+        """
+        if self.climb_rate_m_per_s is not None:
+            return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency
+        ratio = self.climb_power_ratio
+        return (_CLIMB_POWER_RATIO if ratio is None else ratio) * level_w
+
+    def mass_kg(self, rated_w: Value) -> Value:
+        """Mass of the propulsion group for its rated electric power [kg]."""
+        if self.mass_model is not None:
+            mass_kg = propulsion_mass_function(self.mass_model)(rated_w)
+        else:
+            mass_kg = self.mass_kg_per_w * rated_w
+        return mass_kg if self.fixed_mass_kg is None else self.fixed_mass_kg + mass_kg
+
+    @property
+    def efficiency(self) -> float:
+        """Efficiency of the whole chain [-]."""
+        chain = (
+            self.controller_efficiency
+            * self.motor_efficiency
+            * self.gearbox_efficiency
+            * self.propeller_efficiency
+        )
+        return chain if self.wiring_efficiency is None else self.wiring_efficiency * chain
+
+
+class PropellerChoice(Record):
+    """A propeller by its diameter and pitch, or by the files of its table.
+
+    ``table``: see :func:`sizing.read_propeller`, which also says what ``any_speed`` is; there
+    ``diameter_m`` is needed only where the files do not tell it.
+    """
+
+    diameter_m: PositiveReal | None = None
+    pitch_m: PositiveReal | None = None
+    blades: Annotated[int, Strict(), Field(ge=2, le=12)] = 2
+    chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
+    table: Text | tuple[Text, ...] | None = None
+    any_speed: Flag = False
+    mass_kg: NonNegativeReal = 0.0
+    # Texts of the tables by path, as read when the record was made.
+    _texts: dict[str, str] | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _check_choice(self) -> PropellerChoice:
+        if self.table is None:
+            for key in ("diameter_m", "pitch_m"):
+                if getattr(self, key) is None:
+                    message = "required key is missing (or table, with the propeller's files)"
+                    raise PydanticCustomError("propeller", message, {"key": key})
+            return self
+        odd = self.model_fields_set & {"pitch_m", "blades", "chords"}
+        if odd:
+            message = "is of no use with a table, which has the coefficients"
+            raise PydanticCustomError("propeller", message, {"key": min(odd)})
+        context: dict[str, Any] = {"key": "table"}
+        try:
+            _ = self.propeller
+        except InputError as error:
+            context["why"] = str(error.problems[0])
+            if (count := len(error.problems)) > 1:
+                context |= {"why": f"has {count} mistakes", "problems": error.problems}
+            raise PydanticCustomError("propeller", "{why}", context) from error
+        except OSError as error:
+            context["why"] = f"cannot read {error.filename!r}: {error.strerror}"
+            raise PydanticCustomError("propeller", "{why}", context) from error
+        return self
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Files of the table; none without."""
+        return (self.table,) if isinstance(self.table, str) else self.table or ()
+
+    def texts_read(self) -> dict[str, str]:
+        """Text of every file of the table by its path, read once."""
+        if self._texts is None or tuple(self._texts) != self.paths:
+            self._texts = {path: read_text(path) for path in self.paths}
+        return self._texts
+
+    def contents_read(self) -> str | None:
+        """Texts of the table, which count for equality."""
+        return "".join(self.texts_read().values()) or None
+
+    @cached_property
+    def propeller(self) -> Propeller:
+        """The propeller itself."""
+        from sizing.propulsion.blade_elements import BladeElementPropeller
+        from sizing.propulsion.propeller_files import read_propeller
+
+        if self.table is None:
+            assert self.diameter_m is not None
+            assert self.pitch_m is not None
+            return BladeElementPropeller(self.diameter_m, self.pitch_m, self.blades, self.chords)
+        with texts_as_read(self.texts_read()):
+            return read_propeller(self.paths, self.diameter_m, any_speed=self.any_speed)
+
+
+class OperatingPointPropulsion(Record):
+    """Propellers, gears, motors and controllers whose efficiencies follow from level flight.
+
+    ``propulsors`` of one kind share the thrust. ``motor`` is the name of an entry of the catalogue,
+    the path of one's own, or the constants themselves. Masses are those of one propulsor's parts;
+    ``mass_kg_per_w`` comes on top, and is 0 where the motor's mass is known.
+    """
+
+    kind: Literal["operating_point"]
+    propulsors: PositiveInteger = 1
+    propeller: PropellerChoice
+    gear: Gear = Gear()
+    motor: Text | Motor
+    controller: Controller
+    wiring_resistance_ohm: NonNegativeReal = 0.0
+    maximum_tip_mach: Annotated[float, Strict(), Field(gt=0.0, lt=1.0)] = 0.7
+    mass_kg_per_w: NonNegativeReal | None = None
+    climb_power_ratio: _ClimbRatio | None = None
+    climb_rate_m_per_s: PositiveReal | None = None
+    mass_model: _MassModel | None = None
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> OperatingPointPropulsion:
+        _check_one_rating(self)
+        if isinstance(self.motor, str):
+            found_entry("motor", "motors", self.motor)
+        return self
+
+    @cached_property
+    def propulsor(self) -> Propulsor:
+        """One of the propulsors."""
+        from sizing.propulsion.operating_point import Propulsor
+
+        motor = self.motor
+        return Propulsor(
+            propeller=self.propeller.propeller,
+            motor=Motor.from_catalogue(motor) if isinstance(motor, str) else motor,
+            controller=self.controller,
+            gear=self.gear,
+            wiring_resistance_ohm=self.wiring_resistance_ohm,
+            maximum_tip_mach=self.maximum_tip_mach,
+        )
+
+    def taken(self) -> list[Taken]:
+        """Constants of the motor that the catalogue gives, with their sources."""
+        if not isinstance(self.motor, str):
+            return []
+        one = found_entry("motor", "motors", self.motor)
+        return [
+            Taken(
+                f"airframe.propulsion.motor.{key}", value, self.motor, one.label, one.source_of(key)
+            )
+            for key, value in one.numbers().items()
+            if key in Motor.model_fields
+        ]
+
+    def point(
+        self,
+        thrust_power_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_voltage_v: tuple[float, float],
+    ) -> OperatingPoint:
+        """Operating point of one propulsor in level flight.
+
+        Parameters
+        ----------
+        thrust_power_w, airspeed_m_per_s, air
+            Of the whole aircraft; numbers or arrays.
+        bus_voltage_v : tuple of float
+            Of the empty and of the full battery [V]. It must work at both; of the two, the one that
+            takes more power counts.
+
+        Returns
+        -------
+        OperatingPoint
+            Of the arguments' shape.
+        """
+        from sizing.propulsion.operating_point import OperatingPoint, operating_point
+
+        given = np.broadcast_arrays(thrust_power_w, airspeed_m_per_s, *air)
+        power_w, speed, *state = (np.asarray(one, float)[..., np.newaxis] for one in given)
+        # A design that carries nothing has no thrust; it is masked with its efficiencies.
+        flies = np.isfinite(power_w) & np.isfinite(speed) & (power_w > 0.0) & (speed > 0.0)
+        power_w, speed = np.where(flies, power_w, 1.0), np.where(flies, speed, 1.0)
+        thrust_n = power_w / speed / self.propulsors
+        both = operating_point(self.propulsor, thrust_n, speed, Air(*state), bus_voltage_v)
+        weight = np.where(both.reason != "", np.inf, both.bus_power_w)
+        worse = np.argmax(weight, axis=-1)[..., np.newaxis]
+        return OperatingPoint(
+            *(
+                np.take_along_axis(getattr(both, one.name), worse, axis=-1)[..., 0]
+                for one in fields(OperatingPoint)
+            )
+        )
+
+    def in_flight(
+        self,
+        thrust_power_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_voltage_v: tuple[float, float],
+    ) -> Propulsion:
+        """Chain of constants at an operating point, see :meth:`point`; NaN where there is none."""
+        point = self.point(thrust_power_w, airspeed_m_per_s, air, bus_voltage_v)
+        return self.with_links(
+            {name: getattr(point, f"{link}_efficiency") for name, link in LINKS.items()}
+        )
+
+    def with_links(self, efficiencies: Mapping[str, Any]) -> Propulsion:
+        """Chain of constants of these parts; efficiencies by :data:`LINKS`, of floats or arrays."""
+        motor = self.propulsor.motor
+        parts = (self.propeller, self.gear, motor, self.controller)
+        default = 0.0 if motor.mass_kg is not None else _MASS_KG_PER_W
+        return Propulsion().model_copy(
+            update={
+                f"{name}_efficiency": float(one) if np.ndim(one) == 0 else np.asarray(one)
+                for name, one in efficiencies.items()
+            }
+            | {
+                "fixed_mass_kg": self.propulsors * sum(part.mass_kg or 0.0 for part in parts),
+                "mass_kg_per_w": default if self.mass_kg_per_w is None else self.mass_kg_per_w,
+                "climb_power_ratio": self.climb_power_ratio,
+                "climb_rate_m_per_s": self.climb_rate_m_per_s,
+                "mass_model": self.mass_model,
+            }
+        )
+
+
+def air_of(density_kg_per_m3: Value, dynamic_viscosity: Value, temperature_k: Value) -> Air:
+    """State of the air from density, viscosity and temperature; a gas's pressure follows."""
+    pressure = density_kg_per_m3 * GAS_CONSTANT_AIR * temperature_k
+    return Air(temperature_k, pressure, density_kg_per_m3, dynamic_viscosity)
+
+
+def _check_one_rating(chain: Propulsion | OperatingPointPropulsion) -> None:
+    """Refuse a propulsion that is rated twice."""
+    if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
+        raise PydanticCustomError(
+            "two_ratings",
+            "is an alternative to climb_power_ratio: give one of them, null for the other "
+            "(got {rate} and a ratio of {ratio})",
+            {
+                "key": "climb_rate_m_per_s",
+                "rate": f"{chain.climb_rate_m_per_s:g}",
+                "ratio": f"{chain.climb_power_ratio:g}",
+            },
+        )
+
+
+# Keys that an operating point alone has.
+PARTS = OperatingPointPropulsion.model_fields.keys() - Propulsion.model_fields.keys()
+
+
+def _constant_by_default(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    """Chains without a kind are constant; that kind does not count as given."""
+    if not isinstance(value, Mapping) or "kind" in value:
+        return handler(value)
+    if PARTS & value.keys():
+        message = "required key is missing; {part} goes with operating_point"
+        context = {"key": "kind", "part": min(PARTS & value.keys())}
+        raise PydanticCustomError("no_kind", message, context)
+    chain = handler({"kind": "constant", **value})
+    chain.__pydantic_fields_set__.discard("kind")
+    return chain
+
+
+AnyPropulsion = Annotated[
+    Propulsion | OperatingPointPropulsion,
+    Field(discriminator="kind"),
+    WrapValidator(_constant_by_default),
+]

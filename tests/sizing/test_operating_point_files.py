@@ -1,0 +1,203 @@
+"""Tests of aircraft files whose propulsion is at its operating point."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import DESIGN
+
+import sizing
+from missions.files.errors import InputError
+from missions.library import load_mission
+from sizing.design import level_point, parametric_design
+from sizing.optimisation.propulsion import with_fixed_chain
+from sizing.propulsion.operating_point import Propulsor, operating_point
+from sizing.results.power_budget import power_budget
+
+MISSION = load_mission("rafz-july")
+VOLTAGE = {
+    "cells_in_series": 6,
+    "state_of_charge": [0.0, 0.1, 0.9, 1.0],
+    "cell_voltage_v": [3.0, 3.4, 4.0, 4.2],
+}
+PARTS: dict[str, Any] = {
+    "kind": "operating_point",
+    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
+    "gear": {"ratio": 5.0, "efficiency": 0.96},
+    "motor": "maxon-re40-148867",
+    "controller": {"resistance_ohm": 0.02, "freewheel_voltage_v": 0.7},
+    "wiring_resistance_ohm": 0.03,
+}
+PROPULSOR = Propulsor(
+    propeller=sizing.BladeElementPropeller(0.66, 0.60),
+    motor=sizing.Motor.from_catalogue("maxon-re40-148867"),
+    controller=sizing.Controller(resistance_ohm=0.02, freewheel_voltage_v=0.7),
+    gear=sizing.Gear(ratio=5.0, efficiency=0.96),
+    wiring_resistance_ohm=0.03,
+)
+
+
+def aircraft(*, voltage: Any = VOLTAGE, base: str = "atlantiksolar-design", **parts: Any) -> Any:
+    chain = {key: value for key, value in (PARTS | parts).items() if value is not None}
+    return sizing.load_aircraft(base, {"battery.voltage": voltage, "airframe.propulsion": chain})
+
+
+def test_power_is_that_of_the_chain_at_the_worse_end_of_the_battery() -> None:
+    design = sizing.design_of(aircraft(), MISSION)
+    assert design.chain is not None
+    thrust_w = design.propulsion_power_w * design.chain.efficiency
+    speed = float(design.airspeed_m_per_s)
+    # The library by itself, at the thrust of this mass, with an empty and with a full battery.
+    both = operating_point(
+        PROPULSOR, thrust_w / speed, speed, MISSION.air_state(), [6 * 3.0, 6 * 4.2]
+    )
+    assert design.propulsion_power_w == pytest.approx(both.bus_power_w.max(), rel=1e-9)
+    assert both.bus_power_w[0] != pytest.approx(both.bus_power_w[1], rel=1e-3)
+    # Drag does not know of the propulsion: that of the constants' design at this mass.
+    same = parametric_design(DESIGN, MISSION, design.variables, design.total_mass_kg)
+    assert same.chain is not None
+    assert thrust_w == pytest.approx(same.propulsion_power_w * same.chain.efficiency, rel=1e-12)
+
+
+def test_masses_of_the_parts_count_for_every_propulsor() -> None:
+    light = sizing.design_of(aircraft(), MISSION)
+    assert light.masses.propulsion == pytest.approx(0.48)  # of the catalogue's motor
+    two = aircraft(
+        propulsors=2,
+        propeller=PARTS["propeller"] | {"mass_kg": 0.03},
+        gear=PARTS["gear"] | {"mass_kg": 0.1},
+        controller=PARTS["controller"] | {"mass_kg": 0.05},
+        mass_kg_per_w=0.001,
+    )
+    heavy = sizing.design_of(two, MISSION)
+    weighed, rated_w = 2 * (0.48 + 0.03 + 0.1 + 0.05), 5.0 * heavy.propulsion_power_w
+    assert heavy.masses.propulsion == pytest.approx(weighed + 0.001 * rated_w, rel=1e-9)
+    assert heavy.masses.total_kg == pytest.approx(heavy.total_mass_kg, rel=1e-9)
+    # Half of the thrust each.
+    point = level_point(two, MISSION, heavy)
+    assert 2.0 * point.bus_power_w == pytest.approx(heavy.propulsion_power_w, rel=1e-9)
+
+
+def test_a_batch_of_designs_is_that_of_single_ones() -> None:
+    own = aircraft()
+    spans = np.array([4.0, 5.65, 7.0])
+    many = sizing.closed_design(
+        own, MISSION, sizing.DesignVariables(spans, 18.5, np.full(3, 2.918), np.full(3, 0.7))
+    )
+    for place, span in enumerate(spans):
+        one = own.model_copy(
+            update={
+                "airframe": own.airframe.model_copy(update={"wingspan_m": float(span)}),
+                "modules": own.modules.model_copy(update={"area_m2": 0.7}),
+            }
+        )
+        alone = sizing.design_of(one, MISSION)
+        assert many.total_mass_kg[place] == pytest.approx(alone.total_mass_kg, rel=1e-9)
+        assert many.propulsion_power_w[place] == pytest.approx(alone.propulsion_power_w, rel=1e-8)
+
+
+def test_what_cannot_fly_has_a_reason_and_no_number() -> None:
+    weak = aircraft(voltage=VOLTAGE | {"cells_in_series": 4})
+    with pytest.raises(sizing.ImpossibleDesignError, match=r"bus voltage 12 V is below 1\d"):
+        sizing.analyse(weak, MISSION)
+    with pytest.raises(sizing.ImpossibleDesignError, match="bus voltage 12 V"):
+        sizing.size(weak, MISSION)
+
+
+def test_a_sized_design_has_its_own_operating_point() -> None:
+    own = aircraft()
+    study = sizing.size(own, MISSION, "min_mass")
+    assert study.feasible
+    assert study.design is not None
+    flown = sizing.design_of(study.sized_aircraft(), MISSION)
+    assert flown.propulsion_power_w == pytest.approx(study.design.propulsion_power_w, rel=1e-5)
+    assert flown.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-5)
+    # Not that of the file's design, which is larger.
+    fixed, start = with_fixed_chain(own, MISSION, study.objective)
+    assert start is not None
+    before = sizing.design_of(own, MISSION).chain
+    assert abs(fixed.airframe.propulsion.efficiency - before.efficiency) > 0.01  # type: ignore[union-attr]
+    # No other design within a per cent of it that closes its day is lighter in the simulator.
+    least = sizing.analyse(study.sized_aircraft(), MISSION)
+    assert least.excess_time_h == pytest.approx(0.0, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["sky-sailor", "atlantiksolar-design", "solong", "parts"])
+def test_the_power_budget_adds_up(name: str) -> None:
+    own = aircraft() if name == "parts" else sizing.load_aircraft(name)
+    mission = load_mission("rafz-july", {"turbulence.all_day": 0.1, "payload.power_w": 1.5})
+    design = sizing.design_of(own, mission)
+    budget = power_budget(own, mission, design)
+    assert budget.bus_w == pytest.approx(design.nominal_load_w(mission), rel=1e-9)
+    assert budget.to_dict()["payload_w"] == 1.5
+    assert (budget.point is not None) == (name == "parts")
+    if name == "sky-sailor":
+        # The losses of its constants, one after the other from the battery.
+        left = float(design.propulsion_power_w)
+        for link, efficiency in (
+            *(("controller", 0.95), ("motor", 0.85), ("gearbox", 0.97), ("propeller", 0.85)),
+        ):
+            assert budget.watts[f"{link}_loss_w"] == pytest.approx(left * (1.0 - efficiency))
+            left *= efficiency
+        assert budget.watts["aerodynamic_w"] == pytest.approx(left)
+
+
+@pytest.mark.parametrize(
+    ("parts", "key", "message"),
+    [
+        ({"motor": "re4O"}, "motor", "the catalogue of motors has no 're4O'"),
+        ({"motor": {"resistance_ohm": 0.1}}, "speed_constant_rpm_per_v", "required key is missing"),
+        ({"propeller": {"diameter_m": 0.6}}, "propeller.pitch_m", "required key is missing"),
+        ({"propeller": {"table": "none.dat"}}, "propeller.table", "cannot read .*none.dat"),
+        ({"propulsors": 0}, "propulsors", "must be greater than 0|must be at least 1"),
+        ({"kind": None}, "kind", "required key is missing; controller goes with operating_point"),
+        ({"kind": "computed"}, "kind", "must be one of 'constant', 'operating_point'"),
+        ({"climb_power_ratio": 4.0, "climb_rate_m_per_s": 1.0}, "climb_rate", "alternative"),
+    ],
+)
+def test_wrong_parts_are_told_by_their_key(parts: dict[str, Any], key: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        aircraft(**parts)
+    assert key in str(caught.value)
+
+
+def test_without_a_voltage_there_is_no_operating_point() -> None:
+    with pytest.raises(InputError, match=r"battery\.voltage: required key is missing"):
+        aircraft(voltage=None)
+
+
+def test_a_table_with_one_speed_is_refused_with_its_file(tmp_path: Path) -> None:
+    table = tmp_path / "own.csv"
+    table.write_text("# diameter_m: 0.66\nJ,CT,CP,rpm\n0.5,0.1,0.07,900\n1.1,0.02,0.04,900\n")
+    with pytest.raises(InputError, match=r"own\.csv: has 900 rpm alone"):
+        aircraft(propeller={"table": str(table)})
+    held = aircraft(propeller={"table": str(table), "any_speed": True})
+    design = sizing.design_of(held, MISSION)
+    assert design.chain is not None
+    # Between the two rows: J CT / CP, both linear in J.
+    advance = float(level_point(held, MISSION, design).advance_ratio)
+    ratio = np.interp(advance, [0.5, 1.1], [0.1, 0.02]) / np.interp(
+        advance, [0.5, 1.1], [0.07, 0.04]
+    )
+    assert design.chain.propeller_efficiency == pytest.approx(advance * ratio)
+    assert held.texts_read == {str(table): table.read_text()}
+
+
+def test_constants_of_the_catalogue_have_their_source() -> None:
+    found = {one.key: one for one in aircraft().from_catalogues()}
+    resistance = found["airframe.propulsion.motor.resistance_ohm"]
+    assert resistance.value == 0.299
+    assert "148867" in resistance.source
+
+
+def test_a_climb_has_the_operating_point_of_every_altitude() -> None:
+    own = aircraft()
+    mission = load_mission("rafz-july", {"climb": {"strategy": "surplus", "ceiling_m": 2500.0}})
+    assert sizing.analyse(own, mission).performance.cycle.perpetual.all()
+    high = load_mission("rafz-july", {"climb": {"strategy": "surplus", "ceiling_m": 6000.0}})
+    # Faster in thinner air, so that the empty battery's voltage does not suffice.
+    with pytest.raises(sizing.ImpossibleDesignError, match=r"bus voltage 18 V is below"):
+        sizing.analyse(own, high)
