@@ -228,9 +228,9 @@ def models_section(subject: Subject) -> Section | None:
         "RMS error, and the perpetual season."
     )
     blocks: list[Block] = [
-        Text(found.headline()),
+        Text(f"{found.headline()} {found.perpetual_line()}"),
         Figure(markup, caption, scrolls=True),
-        Tables(found.tables()[:1]),
+        *(Tables((table,)) for table in found.scenario_tables()),
     ]
     if found.notes:
         blocks.append(Items(tuple(found.notes)))
