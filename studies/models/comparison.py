@@ -350,8 +350,8 @@ def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel,
     every = combinations(None, None, attitude=attitude_is_known(aircraft, mission))
     together = SolarDay.joined([sun.day(solar) for solar in every])
     found = performance(aircraft, mission, every[0], day=together, keep_trajectory=False)
-    by_model = np.reshape(found.cycle.perpetual, (len(every), -1)).all(axis=1)
-    return {solar: bool(one) for solar, one in zip(every, by_model, strict=True)}
+    by_model = np.reshape(found.cycle.perpetual, (len(every), -1))
+    return {solar: bool(np.all(one)) for solar, one in zip(every, by_model, strict=True)}
 
 
 def compare(
