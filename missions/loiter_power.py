@@ -5,6 +5,7 @@ The orbit is flown once; for each position of the sun the power is averaged over
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -95,7 +96,7 @@ def mean_power_on_path(
     if model not in ATTITUDE_MODELS:
         raise ValueError(f"model {model} does not depend on the flight path; choose VM or FM")
     given = module_temperature_c if model == "VM" else ambient_temperature_c
-    flown = orbit(modules.path, modules.wind, samples=modules.samples)
+    flown = _orbit(modules.path, modules.wind, modules.samples)
     time_h = np.asarray(daylight.time_solar_h, float)
     temperature_c = np.broadcast_to(np.asarray(given, float), time_h.shape)
     result = np.zeros(time_h.shape)
@@ -132,9 +133,15 @@ def module_power_on_path(
     power : ModulePower
         Arrays of shape ``(lit time, attitude)``, by surface with one more axis.
     """
-    flown = orbit(modules.path, modules.wind, samples=modules.samples)
+    flown = _orbit(modules.path, modules.wind, modules.samples)
     seen = _seen(daylight, slice(None), flown)
     return seen.sunlit, flown, _full_model(modules, seen, ambient_temperature_c)
+
+
+@lru_cache(maxsize=16)
+def _orbit(path: FlightPath, wind: Wind, samples: int) -> Orbit:
+    """Attitudes of a path, flown once for all days."""
+    return orbit(path, wind, samples=samples)
 
 
 def _full_model(modules: FlownModules, seen: _Seen, ambient_c: ArrayLike) -> ModulePower:

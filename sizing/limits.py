@@ -70,6 +70,17 @@ class DesignInFlight(NamedTuple):
         return self.chain.rated_power_w(self.design.propulsion_power_w, weight_n=weight_n)
 
     @property
+    def drag_n(self) -> Value:
+        """Drag of level flight [N]: what the propulsion gives over airspeed, ``P eta / v``."""
+        thrust_w = self.design.propulsion_power_w * self.chain.efficiency
+        return thrust_w / self.design.airspeed_m_per_s
+
+    @property
+    def lift_to_drag(self) -> Value:
+        """Lift over drag in level flight [-]: lift carries the weight, ``m g / D``."""
+        return self.design.total_mass_kg * GRAVITY_M_PER_S2 / self.drag_n
+
+    @property
     def climb_rate_m_per_s(self) -> Value:
         """Climb at the airspeed of level flight and rated power [m/s]: excess power over weight."""
         spare_w = self.rated_power_w - self.design.propulsion_power_w

@@ -133,6 +133,18 @@ PROPULSION_POWER = _of_design("propulsion_power_w", ".1f")
 STALL_SPEED = _in_flight("stall_speed_m_per_s")
 WING_LOADING = _in_flight("wing_loading_kg_per_m2")
 CLIMB_RATE = _in_flight("climb_rate_m_per_s")
+CHORD = replace(_in_flight("chord_m"), form=".3f")
+AIR_DENSITY = Quantity(
+    *("air_density_kg_per_m3", "air density", "kg/m³", ".3f"),
+    of=attrgetter("conditions.density_kg_per_m3"),
+    symbol=r"\rho",
+)
+REYNOLDS_NUMBER = replace(_in_flight("reynolds_number"), form=",.0f")
+LIFT_COEFFICIENT = _in_flight("lift_coefficient")
+DRAG = Quantity("drag_n", "drag", "N", ".2f", of=attrgetter("drag_n"), symbol="D")
+LIFT_TO_DRAG = Quantity(
+    *("lift_to_drag", "lift over drag", "", ".1f"), of=attrgetter("lift_to_drag"), symbol="L/D"
+)
 
 # ---- In a scenario
 
@@ -223,5 +235,8 @@ DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
 DRAWN = (EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS, PROPULSION_POWER)
 # Table of a sized design.
 SIZED_TABLE = (*CHOSEN, TOTAL_MASS, AIRSPEED, STALL_SPEED, WING_LOADING, CLIMB_RATE, LOAD)
+# Level flight, as a report tells it: of every design, and of those whose drag is modelled.
+LEVEL_FLIGHT = (AIR_DENSITY, REYNOLDS_NUMBER)
+MODELLED_FLIGHT = (STALL_SPEED, LIFT_COEFFICIENT, LIFT_TO_DRAG, DRAG)
 # Energy of the design sheet.
 SHEET_ENERGY = (SOLAR_ENERGY, EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE)

@@ -16,6 +16,10 @@ from sizing.results.tables import MISSING, UNLIMITED
 from solar.schema import Record
 from solar.types import FloatArray
 
+# What is smaller, in its unit, is nothing: a solver leaves such payloads, and no change is relative
+# to it.
+NEGLIGIBLE = 1e-6
+
 PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
 
 
@@ -55,6 +59,11 @@ def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: finite(value) if isinstance(value, float) else value for name, value in record.items()
     }
+
+
+def relative_change(before: float, after: float) -> float | None:
+    """Change over the value before it [-]; None of what was next to nothing."""
+    return None if abs(before) <= NEGLIGIBLE else (after - before) / before
 
 
 def percentiles(values: FloatArray, method: Any) -> dict[str, float]:

@@ -48,7 +48,7 @@ from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.power_budget import PowerBudget, power_budget
-from sizing.results.records import check_subjects, finite, finite_values
+from sizing.results.records import NEGLIGIBLE, check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
@@ -61,9 +61,6 @@ from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-_NO_PAYLOAD = 1e-6  # kg or W
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -162,7 +159,7 @@ class SizingStudy(Result):
         power_w = design.variables.payload_power_w or self.mission.payload.power_w
         # What a solver leaves of a payload that is none is no payload.
         carried = {
-            key: value if value > _NO_PAYLOAD else 0.0
+            key: value if value > NEGLIGIBLE else 0.0
             for key, value in (("mass_kg", design.masses.payload), ("power_w", power_w))
         }
         payload = self.mission.payload.model_copy(update=carried)

@@ -30,12 +30,11 @@ from sizing.results.notes import (
 )
 from sizing.results.power_budget import power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
-from sizing.results.records import hours
+from sizing.results.records import hours, relative_change
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 from sizing.sunlight import SolarModel
 
-_NEGLIGIBLE = 1e-9  # values below have no relative change
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 
 
@@ -232,10 +231,8 @@ def margin_table(
 
 
 def _change(was: Mapping[str, Any], now: Mapping[str, Any], name: str) -> str:
-    """Relative change; none of what was next to nothing."""
-    if abs(was[name]) <= _NEGLIGIBLE:
-        return MISSING
-    return f"{round(100.0 * (now[name] / was[name] - 1.0), 1) + 0.0:+.1f} %"
+    relative = relative_change(was[name], now[name])
+    return MISSING if relative is None else f"{round(100.0 * relative, 1) + 0.0:+.1f} %"
 
 
 def reliability_text(reliability: Reliability, study: SizingStudy) -> str:
@@ -338,7 +335,8 @@ def sensitivity_table(sensitivities: list[Sensitivity], objective: Objective) ->
     ]
     if rows:
         left = len(sensitivities) - len(rows)
-        notes = (f"--json has {left} more, and the keys of all",) if left > 0 else ()
+        more = f"{left} more parameters matter less; the record of the sizing has all"
+        notes = (more,) if left > 0 else ()
     else:
         notes = (f"none: {objective.label} is unlimited",)
     return Table(

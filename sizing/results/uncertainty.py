@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -143,15 +144,13 @@ class UncertaintyAnalysis(Result):
 
     def summary(self) -> Summary:
         """What the terminal shows."""
-        scattered = self._scattered()
         rows = [("probability of perpetual flight", self.probability_perpetual.text())]
         if self.required_h > 0.0:
             label = f"probability of {self.required_h:g} h of excess time"
             rows.append((label, self.probability_required.text()))
         rows += [
             ("excess time with the files' values", hours(self.nominal_excess_time_h)),
-            ("excess time: 10, 50, 90 % of draws", _three(EXCESS_TIME, scattered)),
-            *((one.label, _three(one, scattered)) for one in (ENDURANCE, MINIMUM_CHARGE)),
+            *self._spread_rows(),
         ]
         blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
         blocks += extrapolation_blocks(self.extrapolations)
@@ -160,6 +159,34 @@ class UncertaintyAnalysis(Result):
             text += " Inputs are correlated: shares of the variance are not defined."
         blocks.append(Line(text, "faint"))
         return Summary(tuple(blocks))
+
+    @property
+    def lobes(self) -> dict[str, NDArray[np.bool_]]:
+        """Perpetual and limited draws; empty unless each of them is a tenth of all or more.
+
+        What is between the two lobes, as a median of all is, need not be near any draw.
+        """
+        perpetual = self.flights.excess_time_h > 0.0
+        share = float(np.mean(perpetual))
+        two = _LEAST_LOBE <= share <= 1.0 - _LEAST_LOBE
+        return {"perpetual": perpetual, "limited": ~perpetual} if two else {}
+
+    def _spread_rows(self) -> list[tuple[str, str]]:
+        """Spread of excess time, endurance and state of charge; of two lobes each by itself."""
+        scattered, lobes = self._scattered(), self.lobes
+        if not lobes:
+            return [
+                ("excess time: 10, 50, 90 % of draws", _three(EXCESS_TIME, scattered)),
+                *((one.label, _three(one, scattered)) for one in (ENDURANCE, MINIMUM_CHARGE)),
+            ]
+        rows = []
+        for name, varied in (("perpetual", MINIMUM_CHARGE), ("limited", ENDURANCE)):
+            chosen = lobes[name]
+            within = {one: values[chosen[: len(values)]] for one, values in scattered.items()}
+            share = f"{name}, {100.0 * np.mean(chosen):.1f} % of draws"
+            rows.append((f"{share}: excess time, 10, 50, 90 %", _three(EXCESS_TIME, within)))
+            rows.append((f"{share}: {varied.label}", _three(varied, within)))
+        return rows
 
     def input_table(self) -> Table:
         """Inputs with their spread and their shares of the excess time's variance."""
@@ -290,6 +317,9 @@ def _sobol_indices(
         one.key: SobolIndex(float(f), float(t))
         for one, f, t in zip(inputs.inputs, first, total, strict=True)
     }
+
+
+_LEAST_LOBE = 0.1  # of all draws
 
 
 def _percentiles(values: FloatArray) -> dict[str, float | None]:

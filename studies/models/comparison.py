@@ -196,6 +196,34 @@ class Comparison(Result):
         outside = extrapolation_blocks(self.extrapolations)
         return Summary((Line(title, "strong"), *self.tables(), self.headline(), *outside, *notes))
 
+    def perpetual_line(self) -> str:
+        """How many of the models and corrections say that the flight is not perpetual."""
+        return perpetual_line([case.prediction.perpetual for case in self.cases])
+
+    def scenario_tables(self) -> tuple[Table, ...]:
+        """Predictions of the worst scenario of each case, which a row names, and of all together.
+
+        One table where there is one scenario.
+        """
+        table = self.tables()[0]
+        if not any(case.prediction.several_scenarios for case in self.cases):
+            return (table,)
+        of_all = (*_PREDICTED[:4], _PREDICTED[-1])
+        rows = tuple((*row[:4], row[-1]) for row in table.rows)
+        in_worst = [
+            (*row[:2], case.prediction.scenario, case.prediction.solar_energy_wh, *row[4:-1])
+            for row, case in zip(table.rows, self.cases, strict=True)
+        ]
+        worst = (*_PREDICTED[:2], Column("scenario"), *_PREDICTED[2:3], *_PREDICTED[4:-1])
+        return (
+            Table("worst scenario of each model", worst, tuple(in_worst), sections=table.sections),
+            Table(
+                "all scenarios: mean solar energy of a day, and season of perpetual flight",
+                *(of_all, rows),
+                sections=table.sections,
+            ),
+        )
+
     def tables(self) -> tuple[Table, ...]:
         """What the models predict, and what they would have built if they were asked."""
         models = [case.solar.model for case in self.cases]
@@ -307,6 +335,25 @@ def _season_record(season: Season) -> dict[str, Any]:
         "first": None if season.first is None else date_code(season.first),
         "last": None if season.last is None else date_code(season.last),
     }
+
+
+def perpetual_line(perpetual: Sequence[bool]) -> str:
+    """How many of the models and corrections say that the flight is not perpetual."""
+    count, limited = len(perpetual), sum(not one for one in perpetual)
+    pairs = f"{count} pair{'' if count == 1 else 's'} of model and correction"
+    if limited == 0:
+        return f"All {pairs} predict perpetual flight." if count > 1 else f"{pairs}: perpetual."
+    return f"{limited} of {pairs} {'does' if limited == 1 else 'do'} not predict perpetual flight."
+
+
+def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel, bool]:
+    """Whether each model with each correction predicts perpetual flight in every scenario."""
+    sun = Sunlight(aircraft, mission)
+    every = combinations(None, None, attitude=attitude_is_known(aircraft, mission))
+    together = SolarDay.joined([sun.day(solar) for solar in every])
+    found = performance(aircraft, mission, every[0], day=together, keep_trajectory=False)
+    by_model = np.reshape(found.cycle.perpetual, (len(every), -1))
+    return {solar: bool(np.all(one)) for solar, one in zip(every, by_model, strict=True)}
 
 
 def compare(

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import Design
+from sizing.design import Design, FlightConditions
+from sizing.limits import DesignInFlight
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
@@ -52,23 +53,33 @@ def aircraft_section(subject: Subject) -> Section:
 def _design_tables(subject: Subject) -> Iterator[Any]:
     aircraft, analysis = subject.aircraft, subject.analysis
     design, values = analysis.performance.design, analysis.scenario()
-    area, modules = design.wing_area_m2, aircraft.modules
+    modules, mission = aircraft.modules, subject.mission
+    flown = DesignInFlight(aircraft, design, FlightConditions.of(mission, aircraft))
     yield facts(
         "geometry and mass",
         [
             *(_fact(one, design) for one in (q.WINGSPAN, q.ASPECT_RATIO, q.WING_AREA)),
-            ("chord", f"{design.variables.wingspan_m / design.variables.aspect_ratio:.3f} m"),
+            _fact(q.CHORD, flown),
             _fact(q.MODULE_AREA, design),
-            ("modules over wing area", f"{100.0 * modules.area_m2 / area:.0f} %"),
+            ("modules over wing area", f"{100.0 * modules.area_m2 / design.wing_area_m2:.0f} %"),
             _fact(q.TOTAL_MASS, design),
-            ("wing loading", f"{design.total_mass_kg / area:.2f} kg/m²"),
+            _fact(q.WING_LOADING, flown),
+        ],
+    )
+    modelled = isinstance(aircraft.airframe, ParametricAirframe)
+    yield facts(
+        "level flight",
+        [
+            ("altitude", f"{mission.altitude_m:g} m"),
+            _fact(q.AIRSPEED, design),
+            *(_fact(one, flown) for one in q.LEVEL_FLIGHT),
+            *(_fact(one, flown) for one in q.MODELLED_FLIGHT if modelled),
         ],
     )
     share = 100.0 * aircraft.battery.mass_kg / design.total_mass_kg
     yield facts(
         "power and energy",
         [
-            _fact(q.AIRSPEED, design),
             ("propulsion power", _fact(q.PROPULSION_POWER, design)[1]),
             q.LOAD.fact(values[q.LOAD]),
             _fact(q.BATTERY_ENERGY, design),
@@ -80,8 +91,8 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
     )
 
 
-def _fact(quantity: q.Quantity, design: Design) -> tuple[str, str]:
-    label, text = quantity.fact(quantity.of(design))
+def _fact(quantity: q.Quantity, of: Design | DesignInFlight) -> tuple[str, str]:
+    label, text = quantity.fact(quantity.of(of))
     return label, text.replace("m2", "m²")
 
 
@@ -163,7 +174,7 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         tables.append(sensitivity_table(_sensitivities(sizing["sensitivities"]), objective))
     blocks += [Tables((table,)) for table in tables]
     if sizing.get("sensitivities") is None and not objective.of_range:
-        blocks.append(Text("Sensitivities were not asked for: size --sensitivities.", "faint"))
+        blocks.append(Text("The sensitivities were not computed.", "faint"))
     check = sizing.get("cross_check")
     if check is not None:
         known: dict[str, Any] = {k: float("nan") if v is None else v for k, v in check.items()}
@@ -173,7 +184,7 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
             Text(f"{line[:1].upper()}{line[1:]}.", "good" if found.cross_checked else "warning")
         )
     elif not objective.of_range:
-        blocks.append(Text("The optimum was not cross-checked: size --cross-check.", "faint"))
+        blocks.append(Text("The optimum was not cross-checked.", "faint"))
     return Section("sizing", "Sizing", blocks)
 
 

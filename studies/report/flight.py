@@ -228,9 +228,9 @@ def models_section(subject: Subject) -> Section | None:
         "RMS error, and the perpetual season."
     )
     blocks: list[Block] = [
-        Text(comparison.headline()),
+        Text(f"{comparison.headline()} {comparison.perpetual_line()}"),
         Figure(markup, caption, scrolls=True),
-        Tables(comparison.tables()[:1]),
+        *(Tables((table,)) for table in comparison.scenario_tables()),
     ]
     if comparison.notes:
         blocks.append(Items(tuple(comparison.notes)))

@@ -17,6 +17,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError
 from sizing.parameters import with_parameter
 from sizing.performance import Performance, performance
+from sizing.results.records import relative_change
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarDay
 from studies.report.subject import Subject
@@ -26,7 +27,6 @@ __all__ = ["margin_table"]
 # The weakest scenarios, of which one remains the weakest.
 _SCENARIOS = 6
 _NO_MARGIN = 1e-3  # of a value, or in its unit: what a design on the edge has
-_NOTHING = 1e-9  # a value that a relative change says nothing of
 _STEPS = 16  # of a bisection: a hundred-thousandth of its range
 
 
@@ -62,9 +62,9 @@ def margin_table(subject: Subject) -> Table | None:
         scale = max(abs(one.value), 100.0 if one.unit == "%" else 1.0)
         if change is not None and abs(change) <= _NO_MARGIN * scale:
             continue
-        known = change is not None and abs(one.value) > _NOTHING
-        relative = 100.0 * change / one.value if known and change is not None else None
-        rows.append((one.label, one.unit, one.value, limit, change, relative))
+        relative = None if limit is None else relative_change(one.value, limit)
+        percent = None if relative is None else 100.0 * relative
+        rows.append((one.label, one.unit, one.value, limit, change, percent))
     if not rows:
         return None
     what = "may become" if holds else "would have to become"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -90,19 +91,31 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
         return
     weights = np.full(len(finite), 100.0 / len(excess))
     axes.hist(finite, bins=60, weights=weights, color=BLUE, alpha=0.8)
-    for name, value in percentiles(excess, "inverted_cdf").items():
+    for style, label, value in _marked(analysis):
         if np.isfinite(value):
             axes.axvline(
                 value,
                 color=ink(),
-                linestyle=_LINES[name],
+                linestyle=style,
                 linewidth=1.2,
-                label=f"{name.upper()} {value:.1f} h".replace("-", "−"),
+                label=f"{label} {value:.1f} h".replace("-", "−"),
             )
     low, high = axes.get_xlim()
     if low < 0.0 < high:
         axes.axvspan(low, 0.0, color=VERMILLION, alpha=0.12, linewidth=0, label="limited")
     axes.set_xlim(low, high)
+
+
+def _marked(analysis: UncertaintyAnalysis) -> Iterator[tuple[Any, str, float]]:
+    """Style, name and value of what is marked: percentiles, or the medians of two lobes."""
+    excess = analysis.flights.excess_time_h
+    styles = tuple(_LINES.values())
+    for style, (name, chosen) in zip(styles, analysis.lobes.items(), strict=False):
+        share = f"{100.0 * np.mean(chosen):.0f} % {name}, median"
+        yield style, share, percentiles(excess[chosen], "inverted_cdf")["p50"]
+    if not analysis.lobes:
+        for name, value in percentiles(excess, "inverted_cdf").items():
+            yield _LINES[name], name.upper(), value
 
 
 def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:

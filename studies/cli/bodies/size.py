@@ -8,11 +8,13 @@ from pathlib import Path
 
 import click
 
+from missions.flight_path import path_trouble
 from missions.weather.files import load_weather
 from sizing.margins.probability import check_reliability
 from sizing.margins.survival import check_survival
 from sizing.results import sizing
 from sizing.results.sizing import SizingStudy
+from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
 from studies.cli import checks
 from studies.cli.commands.size import Size
@@ -23,6 +25,8 @@ from studies.cli.progress import progress_of
 from studies.cli.targets import check_report
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
+
+_MOST_SCENARIOS = 12  # VM and FM take some 10 ms for each
 
 
 def size(options: Size) -> None:
@@ -39,7 +43,14 @@ def size(options: Size) -> None:
     record = case.named(study.to_dict())
     folder, report = (options.out_dir, options.report_file) if study.feasible else (None, None)
     step = _next_step(study, folder)
-    with told(case, record, study, out_dir=folder, files=(report,), next_step=step):
+    with told(
+        case,
+        record,
+        lambda: _shown(study, options),
+        out_dir=folder,
+        files=(report,),
+        next_step=step,
+    ):
         if folder is not None:
             inputs = sized_inputs(study, case.inputs(options.weather_file))
             contents = sizing_tables(study), sizing_figures(study, options.figure)
@@ -50,6 +61,22 @@ def size(options: Size) -> None:
             report_on_sizing(case, study, record, report, overrides=options.case.overrides)
     if not study.feasible:
         sys.exit(EXIT_FAILED)
+
+
+def _shown(study: SizingStudy, options: Size) -> Summary:
+    """Summary of a sizing, and what the other solar power models say of the optimum."""
+    found = study.summary()
+    if not study.feasible or options.weather_file is not None:
+        return found
+    from studies.models.comparison import perpetual_by_model, perpetual_line  # not for --json
+
+    aircraft, mission = study.sized_aircraft(), study.sized_mission()
+    path = mission.flight_path
+    blown = path is not None and path_trouble(path, mission.wind) is not None
+    if blown or len(mission.scenarios()) > _MOST_SCENARIOS:
+        return found
+    line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()))
+    return Summary((*found.blocks, Line(f"the optimum by all solar power models: {line}")))
 
 
 def _check(case: Case, options: Size) -> None:

@@ -9,6 +9,10 @@ import pytest
 
 import missions
 import sizing
+from sizing.aerodynamics.parabolic import level_flight_power_w
+from sizing.aircraft import ParametricAirframe
+from sizing.design import FlightConditions, design_of
+from sizing.limits import DesignInFlight
 from sizing.parameters import parameter
 from sizing.results import quantities
 from sizing.results.analysis import Analysis
@@ -68,3 +72,27 @@ def test_quantities_of_a_design_have_the_words_of_the_catalogue_of_parameters() 
     for one in (*quantities.DESIGN_COLUMNS, *quantities.ANALYSED, quantities.STALL_SPEED):
         known = parameter(one.name)
         assert (one.label, one.unit or "1", one.symbol) == (known.label, known.unit, known.symbol)
+
+
+def test_drag_times_airspeed_is_the_power_of_the_polar() -> None:
+    aircraft, mission = (
+        sizing.load_aircraft("atlantiksolar-design"),
+        missions.load_mission("rafz-july"),
+    )
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    design, air = design_of(aircraft, mission), FlightConditions.of(mission, aircraft)
+    flown = DesignInFlight(aircraft, design, air)
+    drag_n, lift_to_drag = quantities.DRAG.of(flown), quantities.LIFT_TO_DRAG.of(flown)
+    power_w = level_flight_power_w(
+        aircraft.airframe.aerodynamics,
+        mass_kg=design.total_mass_kg,
+        wingspan_m=design.variables.wingspan_m,
+        aspect_ratio=design.variables.aspect_ratio,
+        density_kg_per_m3=air.density_kg_per_m3,
+        dynamic_viscosity=air.dynamic_viscosity,
+    )
+    assert drag_n * design.airspeed_m_per_s == pytest.approx(power_w)
+    polar, reynolds = aircraft.airframe.aerodynamics, quantities.REYNOLDS_NUMBER.of(flown)
+    drag_coefficient = polar.drag_coefficient(design.variables.aspect_ratio, reynolds)
+    assert lift_to_drag == pytest.approx(flown.lift_coefficient / drag_coefficient)
+    assert quantities.AIR_DENSITY.of(flown) == pytest.approx(mission.air_state().density_kg_per_m3)

@@ -148,6 +148,15 @@ def test_probabilities_are_those_of_a_loop_over_analyses():
     assert 0 < np.sum(excess_h > 0.0) < 64
     # The same draws, the same verdict on each.
     assert np.array_equal(found.flights.excess_time_h > 0.0, excess_h > 0.0)
+    # Two lobes, each told by its own share and spread, and no median of both.
+    told = str(found.summary())
+    for name, chosen in (("perpetual", excess_h > 0.0), ("limited", excess_h <= 0.0)):
+        middle = np.percentile(excess_h[chosen], 50.0, method="inverted_cdf")
+        row = next(
+            line for line in told.splitlines() if f"{name}, {100.0 * np.mean(chosen):.1f} %" in line
+        )
+        assert f" {middle:.2f} h" in row
+    assert "excess time: 10, 50, 90 % of draws" not in told
     assert found.flights.excess_time_h == pytest.approx(excess_h, abs=1e-6)
     assert found.probability_perpetual.value == np.mean(excess_h > 0.0)
     assert found.probability_required.value == np.mean(excess_h >= 1.0)

@@ -18,6 +18,7 @@ from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance, performance_of_designs
+from sizing.results.analysis import analyse
 from sizing.sunlight import SolarModel
 from studies.cli import __main__ as cli
 from studies.maps.season import Season
@@ -188,6 +189,31 @@ def test_each_table_has_a_row_for_each_case(designs: study.Comparison) -> None:
     for text in (table.to_markdown() for table in designs.tables()):
         assert text.count("\n| C") == 2
         assert text.count("\n| FM |") == 1
+
+
+def test_rows_of_a_report_belong_to_the_scenario_they_name(designs: study.Comparison) -> None:
+    worst, every = designs.scenario_tables()
+    for case, row in zip(designs.cases, worst.rows, strict=True):
+        model, correction, scenario, solar_wh, excess_h, *_ = row
+        found = analyse(designs.aircraft, designs.mission, model=model, correction=correction)
+        frame = found.to_frame().iloc[found.worst]
+        assert scenario == found.performance.day.scenarios.label(found.worst)
+        assert solar_wh == pytest.approx(frame["solar_energy_wh"])
+        assert excess_h == pytest.approx(frame["excess_time_h"], abs=1e-6)
+        assert case.prediction.scenario == scenario
+    assert all(
+        row[2] == c.prediction.mean_solar_energy_wh
+        for row, c in zip(every.rows, designs.cases, strict=True)
+    )
+
+
+def test_models_that_deny_perpetual_flight_are_counted(designs: study.Comparison) -> None:
+    by_model = study.perpetual_by_model(designs.aircraft, designs.mission)
+    assert [by_model[c.solar] for c in designs.cases] == [
+        c.prediction.perpetual for c in designs.cases
+    ]
+    assert study.perpetual_line([True, False, False]).startswith("2 of 3 pairs")
+    assert study.perpetual_line([True, True]).startswith("All 2 pairs")
 
 
 def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -> None:
