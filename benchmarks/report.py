@@ -100,7 +100,7 @@ remains over the C loop are the passes over memory between NumPy's operations; t
 memory is slow or shared. A compiled kernel could save no more than the difference between both
 times of the first line, a tenth of the command that writes the map: none is shipped. The other
 lines give the cost against the number of cells, a process pool of two, the memory, and the map with
-the longest flight of every cell that is not perpetual.""",
+the longest flight of every cell with limited flight.""",
     "weather year": """AtlantikSolar AS-2 through the shipped year. Both loops get the same power at
 the same nodes and compute the same: dawns, the charge carried over, the charge limit, days that
 close, and a flight from every dawn; flights that have become equal share the rest of their way in

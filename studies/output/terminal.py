@@ -15,6 +15,11 @@ from sizing.results.layout import RULE
 if TYPE_CHECKING:
     from sizing.results.tables import Emphasis, Result, Summary, Table
 
+# Letters beyond ASCII that results have, for a terminal that has none.
+_PLAIN = str.maketrans(
+    {RULE: "-", "\N{DEGREE SIGN}": "", "\N{SUPERSCRIPT TWO}": "2", "\N{SUPERSCRIPT THREE}": "3"}
+    | {"\N{MINUS SIGN}": "-", "\N{EN DASH}": "-", "\N{PLUS-MINUS SIGN}": "+-"}
+)
 _PIPED = 80  # characters of a line where there is no terminal
 _STYLES: dict[Emphasis, dict[str, Any]] = {
     "plain": {},
@@ -47,10 +52,10 @@ def tell_line(text: str, emphasis: Emphasis = "plain") -> None:
 
 
 def _printable(text: str) -> str:
-    """Text without control characters, and with plain rules where a terminal has no lines."""
+    """Text without control characters, and of plain letters where a terminal has no others."""
     text = printable(text)
     try:
         RULE.encode(sys.stdout.encoding or "ascii")
     except UnicodeEncodeError:
-        return text.replace(RULE, "-")
+        return text.translate(_PLAIN)
     return text

@@ -152,5 +152,5 @@ def test_days_of_maps_seasons_and_scenarios_may_be_dates() -> None:
     xr.testing.assert_identical(by_date.drop_attrs(), by_number.drop_attrs())
     assert sizing.perpetual_days(aircraft, mission, 47.6, days=["06-21", "12-21"]).tolist() == [172]
     scenarios = missions.Scenarios(np.array([40.0, 50.0]), index)
-    assert scenarios.label(1) == "50 N, 21 Sep"
+    assert scenarios.label(1) == "50° N, 21 Sep"
     assert scenarios.day_of_year.tolist() == [172, 264]

@@ -152,7 +152,7 @@ def test_whole_latitudes_and_poles_are_accepted(latitude: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("latitude", "label"), [(47.6, "47.6 N"), (-33.0, "33 S"), (0.0, "0 N"), (-0.25, "0.25 S")]
+    ("latitude", "label"), [(47.6, "47.6° N"), (-33.0, "33° S"), (0.0, "0°"), (-0.25, "0.25° S")]
 )
 def test_latitude_labels(latitude: float, label: str) -> None:
     assert latitude_label(latitude) == label
@@ -353,12 +353,12 @@ def test_scenarios_run_through_the_days_of_each_latitude() -> None:
     assert scenarios.latitude_deg.tolist() == [45.0, 45.0, 45.0, 50.0, 50.0, 50.0]
     assert scenarios.day_of_year.tolist() == [365, 1, 2, 365, 1, 2]
     assert scenarios.noon_day.tolist() == [365.5, 1.5, 2.5, 365.5, 1.5, 2.5]
-    assert [scenarios.label(i) for i in (0, 4)] == ["45 N, 31 Dec", "50 N, 1 Jan"]
+    assert [scenarios.label(i) for i in (0, 4)] == ["45° N, 31 Dec", "50° N, 1 Jan"]
 
 
 def test_polar_night_is_marked() -> None:
     # Tromso's polar night: the geometric sun stays down at midwinter, not at midsummer.
-    winter = {"from_deg": 60.0, "to_deg": 75.0, "count": 4}  # 60, 65, 70 and 75 N
+    winter = {"from_deg": 60.0, "to_deg": 75.0, "count": 4}  # 60, 65, 70 and 75° N
     scenarios = mission(latitude_deg=winter, dates={"on": "12-21"}).scenarios()
     assert scenarios.in_polar_night().tolist() == [False, False, True, True]
 

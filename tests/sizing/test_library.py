@@ -100,7 +100,7 @@ def test_files_show_themselves_in_one_line() -> None:
     assert repr(aircraft) == str(aircraft)
     for one, words in (
         (aircraft, ("Aircraft name sky-sailor", "wingspan [m] 3.2", "battery [kg] 1.06")),
-        (mission, ("Mission name central-europe-summer", "45 N to 50 N", "1 May to 15 Aug")),
+        (mission, ("Mission name central-europe-summer", "45° N to 50° N", "1 May to 15 Aug")),
         (performance(aircraft, mission), ("Performance of 1 design", "9 scenario(s)")),
     ):
         assert len(repr(one).splitlines()) == 1

@@ -247,7 +247,7 @@ def test_polar_circle_separates_polar_day_from_ordinary_days() -> None:
 
 
 def test_published_day_length() -> None:
-    # 47.6 N at the summer solstice: 15.78 h, given to the second decimal.
+    # 47.6° N at the summer solstice: 15.78 h, given to the second decimal.
     assert sun_times(47.6, declination(172.5)).day_length_h == pytest.approx(15.78, abs=0.005)
 
 

@@ -166,7 +166,7 @@ def test_plain_table_and_the_shipped_year(tmp_path):
     found = load_weather(write_plain(tmp_path / "a.csv", record))
     assert (found.layout, found.site) == ("CSV", Site("Somewhere", 46.8, 6.9, 491.0, 0.0))
     same_light(found, record, 1e-5)
-    assert SITE.label.startswith("Somewhere (46.80 N, 6.90 E, 491 m)")
+    assert SITE.label.startswith("Somewhere (46.80° N, 6.90° E, 491 m)")
     assert shipped_records() == ["colorado-2023"]
     year = load_weather("colorado-2023")
     assert (len(year), year.interval_s, year.typical) == (17520, 1800.0, False)

@@ -152,7 +152,7 @@ def test_ranges_and_strange_programs_are_refused(aircraft: Aircraft, mission: Mi
 
 def test_payload_of_cells_that_differ_much_from_their_neighbours() -> None:
     # Wide bounds: the design runs from 4 to 21 kg of payload, and a low penalty on what is missed
-    # leaves the solver without an end at 48 S in January.
+    # leaves the solver without an end at 48° S in January.
     aircraft = load_aircraft("atlantiksolar-design")
     mission = load_mission("rafz-july")
     latitudes, days = np.repeat([-60.0, -48.0], 2), np.tile([5, 57], 2)

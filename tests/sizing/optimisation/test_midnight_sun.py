@@ -165,7 +165,7 @@ def test_cell_under_a_midnight_sun_has_the_design_of_a_single_sizing() -> None:
 
 
 def test_dates_with_and_without_a_night_are_sized_together() -> None:
-    # The sun sets at 76 N from the middle of August on; until then it may do without a battery.
+    # The sun sets at 76° N from the middle of August on; until then it may do without a battery.
     ranged = mission(dates={"from": "06-21", "to": "08-18", "count": 3})
     ranged = ranged.model_copy(update={"latitude_deg": 76.0})
     plane = aircraft("design_space.wingspan_m.maximum=12")
@@ -201,7 +201,7 @@ def test_cross_check_asks_the_branches_that_the_sizing_left_out() -> None:
 def test_only_requirements_that_limit_are_named() -> None:
     result = KNOWN["a range of latitudes"].sized()
     assert result.active_constraints == (
-        "always_lit (76.8 N, 15 Jul)",
+        "always_lit (76.8° N, 15 Jul)",
         "module_coverage",
         "battery_mass_kg at its minimum",
     )

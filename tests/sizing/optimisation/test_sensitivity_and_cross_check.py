@@ -226,7 +226,7 @@ def test_other_starts_are_spread_from_end_to_end_of_the_design_space(share: floa
 
 
 def test_grid_finds_designs_that_need_no_battery() -> None:
-    # 80 N in July: light wings with little battery fly on sunlight alone, day and night.
+    # 80° N in July: light wings with little battery fly on sunlight alone, day and night.
     aircraft = load_aircraft(DESIGN)
     mission = load_mission("rafz-july", ["latitude_deg=80"])
     result = size_aircraft(aircraft, mission, Objective.max_excess_time)

@@ -480,7 +480,7 @@ def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
     found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
     assert found.sizing.status is SizingStatus.optimal
     assert found.first is not None
-    # At 50 N alone a design has 6.36 h.
+    # At 50° N alone a design has 6.36 h.
     assert found.first < 55.0
     assert found.last == 90.0
 
@@ -706,7 +706,7 @@ def test_midnight_sun_needs_no_battery(objective: Objective, required_h: float) 
 
 
 def test_battery_is_no_way_to_fly_for_longer_than_the_sun_shines_all_day() -> None:
-    # 40 h of battery are out of reach, and at 85 N in July nobody needs them.
+    # 40 h of battery are out of reach, and at 85° N in July nobody needs them.
     flight = mission(**MIDNIGHT_SUN)
     assert size_aircraft(aircraft(), flight, required_excess_time_h=40.0).feasible
     later = mission(latitude_deg=60.0, dates={"on": "07-15"})

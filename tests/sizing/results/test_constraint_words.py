@@ -22,10 +22,10 @@ def aircraft() -> Aircraft:
     ("name", "words"),
     [
         (
-            "excess_time (45 N, 15 Aug)",
-            "required excess time at 45 N, 15 Aug (mission.required_excess_time_h)",
+            "excess_time (45° N, 15 Aug)",
+            "required excess time at 45° N, 15 Aug (mission.required_excess_time_h)",
         ),
-        ("battery_capacity (45 N, 15 Aug)", "battery capacity for the night at 45 N, 15 Aug"),
+        ("battery_capacity (45° N, 15 Aug)", "battery capacity for the night at 45° N, 15 Aug"),
         ("module_coverage", "modules over wing area (airframe.maximum_module_coverage)"),
         (
             "wingspan_m at its maximum",

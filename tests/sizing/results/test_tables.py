@@ -99,7 +99,7 @@ WIDE = Table(
         Column("design_space.maximum_total_mass_kg"),
     ),
     tuple(
-        (f"clear and calm, {i}.5 m/s of wind", "45 N, 15 Aug", *[1000.0 + i] * 9, "no")
+        (f"clear and calm, {i}.5 m/s of wind", "45° N, 15 Aug", *[1000.0 + i] * 9, "no")
         for i in range(3)
     ),
     ("a note of some words that goes on for longer than a narrow line would hold in any case",),
@@ -126,7 +126,7 @@ def test_columns_that_do_not_fit_stand_below_under_the_names_of_the_rows() -> No
 
 def test_numbers_keep_their_units_and_days_their_months() -> None:
     for width in range(20, 60):
-        text = Summary(("an excess time of 6.26 h on 15 Aug at 47.6 N with 7 % less sun",))
+        text = Summary(("an excess time of 6.26 h on 15 Aug at 47.6° N with 7 % less sun",))
         lines = text.to_text(width).splitlines()
         assert not {line.split()[-1] for line in lines} & {"6.26", "15", "47.6", "7"}
 

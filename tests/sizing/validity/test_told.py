@@ -285,7 +285,7 @@ def test_a_correction_is_told_where_the_sun_stands_elsewhere_with_the_scenarios(
     )
     assert plain == ()
     (one,) = corrected
-    assert (one.quantity, one.scenarios) == ("noon_elevation_deg", ("20 N, 15 Jul",))
+    assert (one.quantity, one.scenarios) == ("noon_elevation_deg", ("20° N, 15 Jul",))
     # The sun of 15 July is 21.5 deg north of the equator.
     assert one.value == pytest.approx(90.0 - 1.5, abs=0.1)
 
@@ -342,7 +342,7 @@ def test_cells_are_counted_and_the_farthest_is_told() -> None:
     checks = list(correction_check(cells, SolarModel("FM", "report"), mission()))
     (one,) = told(checks, of=3, what="cells")
     assert (one.count, one.of) == (2, 3)
-    # 60 N in December: 90 - 60 - 23.4 deg.
+    # 60° N in December: 90 - 60 - 23.4 deg.
     assert one.value == pytest.approx(6.6, abs=0.1)
 
 

@@ -74,7 +74,7 @@ def test_ceiling_writes_table_and_figure(run: Run, tmp_path: Path) -> None:
 def test_ceiling_of_a_summer_names_the_worst_scenario(run: Run) -> None:
     outcome = run("ceiling", AS2, "-m", "central-europe-summer", "--step", "5000")
     assert outcome.code == 0
-    assert "45 N, 15 Aug" in outcome.out
+    assert "45° N, 15 Aug" in outcome.out
 
 
 def test_ceiling_with_a_margin_is_lower(run: Run) -> None:

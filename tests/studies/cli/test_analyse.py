@@ -91,7 +91,7 @@ def test_top_level_is_the_worst_of_many_scenarios(run: Run) -> None:
 def test_analysis_as_table(run: Run) -> None:
     outcome = run("analyse", AS2, "-m", "central-europe-summer")
     assert (outcome.code, outcome.err) == (0, "")
-    for words in ("worst scenario", "perpetual", "excess time", "CAM, correction: none"):
+    for words in ("worst scenario", "perpetual", "excess time", "CAM, uncorrected"):
         assert words in outcome.out
 
 

@@ -452,7 +452,7 @@ SMALL = ("--latitudes", "40:50:10", "--days", "100:200:100")
         (("--help",), set(), 170),
         (("list",), set(), 220),
         (("analyse", AS2), {"numpy", "pydantic"}, 510),
-        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "casadi"}, 550),
+        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "casadi", "scipy"}, 900),
         (("map", AS2, *SMALL), {"numpy", "pydantic", "rich"}, 590),
         (
             ("map", AS2, *SMALL, "--out", "{folder}/map.nc"),
@@ -492,6 +492,7 @@ def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
     done = process("analyse", AS2, cwd=tmp_path, variables=variables)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.isascii()
+    assert "47.6 N" in done.stdout
     assert "excess time" in done.stdout
 
 

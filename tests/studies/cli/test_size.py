@@ -72,7 +72,7 @@ def test_a_sizing_without_sun_is_refused(run: Run, tmp_path: Path) -> None:
     place = ("--set", "mission.latitude_deg=80", "--set", "mission.dates={on: 12-21}")
     outcome = run("size", DESIGN, "-m", "rafz-july", *place, "--out", "design")
     assert (outcome.code, outcome.out) == (2, "")
-    assert "polar night: the sun never rises at 80 N, 21 Dec" in outcome.err
+    assert "polar night: the sun never rises at 80° N, 21 Dec" in outcome.err
     assert files(tmp_path) == set()
 
 

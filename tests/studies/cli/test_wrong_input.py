@@ -84,7 +84,7 @@ def test_wrong_aircraft(run: Run, tmp_path: Path, old: str, new: str, said: str)
         ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 95}", ":2:38: latitude_deg.to_deg: must be at most 90 (got 95)"),  # noqa: E501
         ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 45}", "latitude_deg: from_deg and to_deg must differ"),  # noqa: E501
         ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 50}", "latitude_deg: a launch needs a single latitude"),  # noqa: E501
-        ("latitude_deg: 47.6", "latitude_deg: -80", ":2:15: latitude_deg: polar night: the sun never rises at 80 S, 15 Jul"),  # noqa: E501
+        ("latitude_deg: 47.6", "latitude_deg: -80", ":2:15: latitude_deg: polar night: the sun never rises at 80° S, 15 Jul"),  # noqa: E501
         ("longitude_deg: 8.5\n", "", "launch: a launch by clock time needs longitude_deg"),
         ("clearness", "cleerness", ":9:1: cleerness: unknown key; did you mean 'clearness'?"),
         ("clearness: 1.0", "clearness: 0", ":9:12: clearness: must be greater than 0 (got 0)"),

@@ -128,7 +128,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
     assert json.loads(answer.stdout)["failed_days"] == [0, 0, 1, 0, 0, 0]
     table = invoke(*SMALL, "--workers", "1")
     assert table.exit_code == 1
-    (row,) = (line.split() for line in table.output.splitlines() if line.startswith("44 N"))
+    (row,) = (line.split() for line in table.output.splitlines() if line.startswith("44° N"))
     assert row[-1] == "1", table.output
     data = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     flags = dict(

@@ -11,7 +11,7 @@ from studies.models.prediction import Prediction, duration, nights_survived
 
 def prediction(**changes: Any) -> Prediction:
     fields: dict[str, Any] = {
-        "scenario": "50 N, 15 Aug",
+        "scenario": "50° N, 15 Aug",
         "latitude_deg": 50.0,
         "day_of_year": 227,
         "several_scenarios": True,
@@ -37,19 +37,19 @@ PERPETUAL = {"status": Status.perpetual, "excess_time_h": 3.04, "endurance_h": m
 @pytest.mark.parametrize(
     ("changes", "required_h", "said"),
     [
-        ({}, 0.0, "remains airborne 21.3 h at 50 N, 15 Aug: it does not survive the night"),
-        ({"endurance_h": 30.0, "nights": 1}, 0.0, "remains airborne 30.0 h at 50 N, 15 Aug: it survives 1 night and not the next"),  # noqa: E501
-        ({"endurance_h": 84.0, "nights": 3}, 0.0, "remains airborne 3.5 days at 50 N, 15 Aug: it survives 3 nights and not the next"),  # noqa: E501
-        ({"endurance_h": 250.0, "nights": 10}, 0.0, "remains airborne 10 days at 50 N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
-        ({"endurance_h": math.inf}, 0.0, "remains airborne more than a year at 50 N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
-        ({"enough_sun": False}, 0.0, "remains airborne 21.3 h at 50 N, 15 Aug: solar power never reaches the load"),  # noqa: E501
-        ({"status": Status.never_lit, "enough_sun": False}, 0.0, "remains airborne 21.3 h at 50 N, 15 Aug: there is no solar power"),  # noqa: E501
-        ({"polar_day": True}, 0.0, "remains airborne 21.3 h at 50 N, 15 Aug: the sun does not set, but the battery does not last through its low hours"),  # noqa: E501
-        (PERPETUAL, 0.0, "flies perpetually in every scenario, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
-        (PERPETUAL | {"several_scenarios": False}, 0.0, "flies perpetually, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
-        (PERPETUAL, 3.0, "flies perpetually in every scenario, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
-        (PERPETUAL, 3.04, "flies perpetually in every scenario, with 3.0 h of excess time at 50 N, 15 Aug"),  # noqa: E501
-        (PERPETUAL, 6.5, "flies perpetually, but with 3.04 h of excess time at 50 N, 15 Aug instead of the required 6.5 h"),  # noqa: E501
+        ({}, 0.0, "flies 21.3 h at 50° N, 15 Aug: it does not survive the night"),
+        ({"endurance_h": 30.0, "nights": 1}, 0.0, "flies 30.0 h at 50° N, 15 Aug: it survives 1 night and not the next"),  # noqa: E501
+        ({"endurance_h": 84.0, "nights": 3}, 0.0, "flies 3.5 days at 50° N, 15 Aug: it survives 3 nights and not the next"),  # noqa: E501
+        ({"endurance_h": 250.0, "nights": 10}, 0.0, "flies 10 days at 50° N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
+        ({"endurance_h": math.inf}, 0.0, "flies more than a year at 50° N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
+        ({"enough_sun": False}, 0.0, "flies 21.3 h at 50° N, 15 Aug: solar power never reaches the load"),  # noqa: E501
+        ({"status": Status.never_lit, "enough_sun": False}, 0.0, "flies 21.3 h at 50° N, 15 Aug: there is no solar power"),  # noqa: E501
+        ({"polar_day": True}, 0.0, "flies 21.3 h at 50° N, 15 Aug: the sun does not set, but the battery does not last through its low hours"),  # noqa: E501
+        (PERPETUAL, 0.0, "flies perpetually in every scenario, with 3.0 h of excess time at 50° N, 15 Aug"),  # noqa: E501
+        (PERPETUAL | {"several_scenarios": False}, 0.0, "flies perpetually, with 3.0 h of excess time at 50° N, 15 Aug"),  # noqa: E501
+        (PERPETUAL, 3.0, "flies perpetually in every scenario, with 3.0 h of excess time at 50° N, 15 Aug"),  # noqa: E501
+        (PERPETUAL, 3.04, "flies perpetually in every scenario, with 3.0 h of excess time at 50° N, 15 Aug"),  # noqa: E501
+        (PERPETUAL, 6.5, "flies perpetually, but with 3.04 h of excess time at 50° N, 15 Aug instead of the required 6.5 h"),  # noqa: E501
         ({"status": Status.always_lit, "excess_time_h": math.inf}, 6.0, "flies perpetually, as solar power always exceeds the load"),  # noqa: E501
     ],
 )  # fmt: skip

@@ -44,7 +44,7 @@ def test_a_result_without_a_number_is_refused() -> None:
 
 
 def test_what_tells_of_no_model_is_refused() -> None:
-    with pytest.raises(ValueError, match="tells of no model"):
+    with pytest.raises(ValueError, match="names no model"):
         POSSIBLE(GOOD | {"extrapolations": np.array(["", "\x1b[31m"])})
 
 

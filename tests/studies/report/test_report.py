@@ -300,7 +300,7 @@ def test_the_verdicts_page_has_the_probability() -> None:
 @pytest.mark.parametrize(
     ("changes", "state", "told"),
     [
-        ({}, "good", "flies perpetually: at 47.6 N, 15 Jul, 6."),
+        ({}, "good", "flies perpetually: at 47.6° N, 15 Jul, 6."),
         ({"required_excess_time_h": 5.0}, "good", "more than required"),
         ({"required_excess_time_h": 9.0}, "bad", "less than the required 9 h"),
         ({"dates": {"on": "12-21"}}, "bad", "does not fly perpetually"),

@@ -27,7 +27,7 @@ def data() -> xr.Dataset:
 
 def test_perpetual_flight_comes_first_then_the_largest_excess_time(data: xr.Dataset) -> None:
     table, told = best_first(data)
-    assert told == "perpetual flight before none, then largest excess time"
+    assert told == "perpetual flight first, then the largest excess time"
     status = table["status"].tolist()
     assert set(status) == {"limited", "perpetual"}
     assert status == sorted(status, reverse=True)
@@ -45,7 +45,7 @@ def test_equal_points_remain_in_their_order(data: xr.Dataset) -> None:
 def test_sized_points_are_ordered_by_their_objective() -> None:
     sized = sweep(DESIGN, MISSION, {"wingspan_m": [2.0, 5.0, 4.0, 6.0]}, resize="min_mass")
     table, told = best_first(sized)
-    assert told == "a design before none, then least total mass"
+    assert told == "points with a design first, then the least total mass"
     assert table["status"].tolist() == ["optimal"] * 3 + ["infeasible"]
     assert table["total_mass"].head(3).is_monotonic_increasing
     assert "endurance" not in points_summary(sized).to_text()
