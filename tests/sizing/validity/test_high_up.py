@@ -173,7 +173,7 @@ def test_a_map_tells_the_worth_in_its_best_cell() -> None:
     cold = shipped_aircraft("atlantiksolar-design", "battery.temperature={}")
     unheated = analyse(cold, best).excess_time_h
     assert found[BATTERY].excess_time_h == pytest.approx(unheated, abs=1e-9)
-    assert f"at {best.latitudes()[0]:g} N, 21 Jun" in found[BATTERY].text
+    assert f"at {best.latitudes()[0]:g}° N, 21 Jun" in found[BATTERY].text
     dark = feasibility_map(DESIGN, HIGH, latitudes=[85.0], days=[355])
     assert set(notes(extrapolations_of(dark))) == {MODULES, BATTERY, ERROR}
 
