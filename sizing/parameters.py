@@ -98,6 +98,11 @@ def label(key: str) -> str:
     return parameter(key).label
 
 
+def unit_text(unit: str) -> str:
+    """Unit as people write it: ``m²`` for ``m2``, nothing for ``1``."""
+    return "" if unit == "1" else unit.replace("m2", "m²").replace("m3", "m³")
+
+
 def unit(key: str) -> str:
     """Unit of a parameter, ``1`` for none."""
     return parameter(key).unit

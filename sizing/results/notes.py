@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sizing.aircraft import Aircraft
+from sizing.parameters import unit_text
 from sizing.relaxation import Relaxation
 from sizing.results.constraint_words import parameter_words
 from sizing.results.records import finite_values, hours
@@ -56,7 +57,8 @@ def structure_blocks(structure: StructureAssessment | None) -> list[Any]:
 
 def mass_table(masses_kg: Mapping[str, float]) -> Table:
     """Mass budget as a list of facts."""
-    masses = [(item, f"{mass:.3f} kg") for item, mass in masses_kg.items()]
+    words = {"mppt": "MPPT"}
+    masses = [(words.get(item, item), f"{mass:.3f} kg") for item, mass in masses_kg.items()]
     return facts("", [("mass budget", ""), *masses])
 
 
@@ -91,7 +93,7 @@ def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible")
         (
             parameter_words(one.parameter),
             one.present,
-            f"{one.direction} {one.value:g}" + ("" if one.unit == "1" else f" {one.unit}"),
+            f"{one.direction} {one.value:g} {unit_text(one.unit)}".rstrip(),
             one.parameter if "." in one.parameter else MISSING,
         )
         for one in relaxations

@@ -18,7 +18,7 @@ from sizing.aircraft import LimitedQuantity
 from sizing.design import Design
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES
-from sizing.parameters import parameter
+from sizing.parameters import parameter, unit_text
 from sizing.performance import Performance
 from sizing.results.records import finite
 from sizing.results.tables import UNLIMITED, Column
@@ -55,7 +55,7 @@ class Quantity(Column):
         """Label, and the value with its unit; ``form``: where it is not the quantity's own."""
         text = replace(self, form=form or self.form).text(value)
         bare = not self.unit or text in (self.missing, UNLIMITED)
-        return self.label, text if bare else f"{text} {self.unit}"
+        return self.label, text if bare else f"{text} {unit_text(self.unit)}"
 
 
 def worst_record(flight: Performance, quantities: Iterable[Quantity]) -> dict[str, float | None]:

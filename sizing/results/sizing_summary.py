@@ -17,6 +17,7 @@ from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.parameters import unit_text
 from sizing.performance import Performance
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.battery import battery_line
@@ -312,7 +313,9 @@ def with_unit(value: float | None, digits: str, objective: Objective) -> str:
     """Value of an objective with its unit; an excess time may be unlimited."""
     if value is None or math.isnan(value):
         return MISSING
-    return UNLIMITED if math.isinf(value) else f"{value:{digits}} {objective.unit}".rstrip()
+    return (
+        UNLIMITED if math.isinf(value) else f"{value:{digits}} {unit_text(objective.unit)}".rstrip()
+    )
 
 
 def sensitivity_table(sensitivities: list[Sensitivity], objective: Objective) -> Table:
@@ -327,7 +330,7 @@ def sensitivity_table(sensitivities: list[Sensitivity], objective: Objective) ->
     rows = [
         (
             parameter_words(one.parameter),
-            f"{one.value:.4g}" + ("" if one.unit == "1" else f" {one.unit}"),
+            f"{one.value:.4g} {unit_text(one.unit)}".rstrip(),
             one.per_percent,
             one.elasticity,
         )

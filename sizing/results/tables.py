@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
+from sizing.parameters import unit_text
 from sizing.results.layout import Grid, paragraph, side_by_side
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ class Column:
     def heading(self) -> str:
         """Label with its unit."""
         label = self.label or self.name.replace("_", " ")
-        return f"{label} [{self.unit}]" if self.unit else label
+        return f"{label} [{unit_text(self.unit)}]" if self.unit else label
 
     def text(self, value: Any) -> str:
         """Value as people read it: numbers in the column's format, infinity as ``unlimited``."""

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sizing.limits import ROW_TOLERANCE
-from sizing.parameters import Parameter
+from sizing.parameters import Parameter, unit_text
 from solar.types import BoolArray, FloatArray
 
 _MOST_DIGITS = 8
@@ -68,7 +68,7 @@ class Extrapolation:
     @property
     def text(self) -> str:
         """In a line: quantity, value, and the range in which the model holds."""
-        unit = "" if self.unit == "1" else f" {self.unit}"
+        unit = "" if self.unit == "1" else f" {unit_text(self.unit)}"
         ends = [_number(end) for end in (self.minimum, self.maximum) if end is not None]
         digits = 3
         while (value := _number(self.value, digits)) in ends and digits < _MOST_DIGITS:
@@ -124,7 +124,7 @@ def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
     if low is None and high is None:
         return ""
     text = f"up to {high}" if low is None else f"from {low}" if high is None else f"{low} to {high}"
-    return text if unit == "1" else f"{text} {unit}"
+    return f"{text} {unit_text(unit)}".rstrip()
 
 
 @cache

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from sizing.aircraft import ParametricAirframe
 from sizing.design import FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.parameters import catalogue, parameter, parameter_value
+from sizing.parameters import catalogue, parameter, parameter_value, unit_text
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.records import finite_values
@@ -122,11 +122,6 @@ def number_text(value: float | str | None) -> str:
     if abs(value) >= 1e4:
         return f"{value:.0f}" if abs(value) < 1e7 else f"{value:.4g}"
     return f"{value:#.4g}".rstrip(".") if abs(value) >= 1e-3 or value == 0.0 else f"{value:.4g}"
-
-
-def unit_text(unit: str) -> str:
-    """Unit as people read it; empty for a number without one."""
-    return "" if unit == "1" else unit.replace("m2", "m²").replace("m3", "m³")
 
 
 def _of_catalogue(group: str, names: tuple[str, ...], analysis: Analysis) -> list[Entry]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.parameters import MISSION_PREFIX
+from sizing.parameters import MISSION_PREFIX, unit_text
 from sizing.results.analysis import Analysis
 from sizing.results.records import finite
 from sizing.results.tables import MISSING, Column, Result, Summary, Table, data_frame
@@ -18,7 +18,6 @@ from studies.exchange.design_sheet import (
     Entry,
     design_sheet,
     number_text,
-    unit_text,
 )
 
 if TYPE_CHECKING:

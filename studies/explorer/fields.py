@@ -10,7 +10,7 @@ from typing import Any, Literal
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe, Range
 from sizing.design import ImpossibleDesignError, design_of, variable_keys
-from sizing.parameters import parameter, parameter_value
+from sizing.parameters import parameter, parameter_value, unit_text
 from sizing.sunlight import SolarModel
 from solar.names import CORRECTION_NAMES, MODELS
 
@@ -158,7 +158,7 @@ def _number_field(
         high = _round(ends[key], math.ceil)
         maximum = max(maximum, _PAYLOAD_BEYOND * high)  # of a large aircraft
         slider = (minimum, min(max(high, value), maximum))
-    unit = "" if known.unit == "1" else known.unit.replace("m2", "m²").replace("deg", "°")
+    unit = unit_text(known.unit).replace("deg", "°")
     fixed = isinstance(aircraft.airframe, MeasuredAirframe) and key.startswith("airframe.")
     return Field(
         *(key, group, known.label, unit, value, minimum, maximum, slider, step),

@@ -13,7 +13,7 @@ from sizing.energy.battery import Store
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance
 from sizing.optimisation.objectives import Objective
-from sizing.parameters import label
+from sizing.parameters import label, unit_text
 from sizing.results.records import clock_label
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
@@ -419,14 +419,14 @@ def plot_sensitivities(
     axes.set_yticks(range(len(shown)), labels)
     axes.yaxis.set_gid(NAMES)
     axes.axvline(0.0, color=ink(), linewidth=0.8)
-    axes.set(xlabel=f"change of the {objective.label} for +1 % [{objective.unit}]")
+    axes.set(xlabel=f"change of the {objective.label} for +1 % [{unit_text(objective.unit)}]")
     drawn.legend(loc="outside lower right", ncols=2)
     return drawn
 
 
 def _with_value(sensitivity: Sensitivity) -> str:
     """Parameter in words, with its value and unit."""
-    unit = "" if sensitivity.unit == "1" else sensitivity.unit.replace("m2", "m²")
+    unit = unit_text(sensitivity.unit)
     value = f"= {sensitivity.value:.4g} {unit}".rstrip()
     return f"{label(sensitivity.parameter)} {value}"
 

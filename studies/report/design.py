@@ -92,8 +92,7 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
 
 
 def _fact(quantity: q.Quantity, of: Design | DesignInFlight) -> tuple[str, str]:
-    label, text = quantity.fact(quantity.of(of))
-    return label, text.replace("m2", "m²")
+    return quantity.fact(quantity.of(of))
 
 
 # ---- Masses and power
