@@ -56,7 +56,7 @@ def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     published = "published: 6 months around 21 June, mid-European latitudes (here 45° to 50° N)"
     axes.add_patch(Rectangle(*window, fill=False, color="#D55E00", linewidth=2, label=published))
     all_year = LATITUDES_DEG[studies.season_length(built) == len(DAYS)]
-    label = f"all year, as built: {-all_year.min():g} S to {all_year.max():g} N"
+    label = f"all year, as built: {-all_year.min():g}° S to {all_year.max():g}° N"
     axes.axhspan(all_year.min(), all_year.max(), fill=False, hatch="..", alpha=0.3, label=label)
     # One legend with what the map's own has: the reasons of hatched cells.
     handles, _ = axes.get_legend_handles_labels()

@@ -152,6 +152,6 @@ def _season_axes(axes: Axes, days: FloatArray) -> None:
     else:
         shown = np.unique(np.linspace(days.min(), days.max(), _DATES).round().astype(int))
         axes.set_xticks(shown, [date_label(int(day)) for day in shown])
-    lowest, highest = axes.get_ylim()
+    lowest, highest = axes.dataLim.intervaly  # without a margin around what is drawn
     axes.set(ylabel="latitude", ylim=(max(lowest, -90.0), min(highest, 90.0)))
     axes.yaxis.set_major_formatter(lambda value, _: latitude_label(value))
