@@ -96,7 +96,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     if comparison.has_designs:
         panels[-1].margins(x=0.15)
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
-    panels[0].set_yticks(heights, [c.solar.model for c in comparison.cases])
+    panels[0].set_yticks(heights, [c.solar.label for c in comparison.cases])
     panels[0].yaxis.set_gid(NAMES)
     drawn.legend(
         handles=_legend(comparison),
@@ -137,7 +137,7 @@ def _legend(comparison: Comparison) -> list[Line2D]:
     entries = [entry(_LOOKS[c][2], *_LOOKS[c][:2]) for c in shown]
     entries.append(entry(f"{truth} (reference)", ls=":"))
     if comparison.has_designs:
-        entries.append(entry(f"comes down, evaluated by {truth}", marker="x"))
+        entries.append(entry(f"limited, evaluated by {truth}", marker="x"))
     return entries
 
 
