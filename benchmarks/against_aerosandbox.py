@@ -42,7 +42,7 @@ def sizing_against_aerosandbox() -> list[dict[str, Any]]:
     aircraft, mission = shared_aircraft(), shared_mission()
     day = sun_of(aircraft, mission)
     work = (
-        f"least span for 3 dates at 47.6 N; ours with confirmation by simulation and the program "
+        f"least span for 3 dates at 47.6° N; ours with confirmation by simulation and the program "
         f"of its kind of aircraft kept, the peer with {POINTS_PER_DAY} points a day"
     )
     first = "the same where no such aircraft has been sized before: ours builds its program as well"
