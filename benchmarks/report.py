@@ -16,22 +16,22 @@ _HEAD = """# Performance
 
 `python -m benchmarks --markdown docs/performance.md` measures and writes this page;
 `python -m benchmarks [--json]` prints the same. `python -m benchmarks --only PART` measures one
-part anew; the others stand on the page as they were measured last (`benchmarks/measured.json`).
+part again; the other parts keep their last measurement (`benchmarks/measured.json`).
 Peers are optional: `pip install ".[bench]"` brings AeroSandbox and pvlib.
 
-Times depend on the machine and on what else it does: they are processor times unless a column says
-otherwise, and the least of several runs. Ratios hold up better: both sides of one run one after the
-other.
+Times depend on the machine and its other load. They are processor times unless a column says
+otherwise, and the least of several runs. Ratios are more reliable, since both sides run one after
+the other.
 
 """
 
 _COMMANDS = """## Commands, as a user waits for them
 
 Every command runs in a fresh process, from its start to its end. Processor time is that of the
-command and of the processes that it starts; modules are those that it has imported at its end.
-Beside it stand its two parts that cannot be avoided: *computing* is the result alone, in a process
-that is warm, and *imports* is a process that imports the same modules and does nothing else. The
-last column is the whole over the sum of the two.
+command and of the processes that it starts; modules are those imported at its end. Two parts cannot
+be avoided: *computing* is the time of the result in a warm process, and *imports* is the time of a
+process that only imports the same modules. The last column is the whole time over the sum of the
+two.
 
 """
 
@@ -43,34 +43,34 @@ Every script of `examples/` in a fresh process, with its figure.
 
 _COMPUTING = """## Computing
 
-In a process that is warm. A ratio above one says how many times faster this project is, one below
-one how many times slower.
+The times are those of a warm process. The ratio is the peer's time over the time of this project:
+above one this project is faster, below one it is slower.
 
 """
 
 _EXPLAINED = {
     "module power": """Sun, clear sky and module power for every combination of latitude, day and
-time in one call. CAM counts direct and diffuse light apart, with the loss by incidence; the peers
-stop at the irradiance on a horizontal plane. pvlib is called with its analytic sun and plain
-NumPy arrays, which is its fastest way; its usual one (SPA, pandas, time zones) is slower and more
-exact.""",
+time in one call. CAM treats direct and diffuse light separately, with the loss by incidence; the
+peers compute only the irradiance on a horizontal plane. pvlib is called with its analytic sun and
+plain NumPy arrays, which is its fastest way; its usual one (SPA, pandas, time zones) is slower and
+more exact.""",
     "day and night, in a batch": """One repeated day, to its fixed point, with all metrics.
 Hundreds of scenarios are marched together, so that NumPy's overhead for each step is shared: maps
 and sizings are made of such batches. The times are for one scenario of the batch. The peers march
 one or two days and find no fixed point and no metrics.""",
     "day and night, alone": """The same for a single scenario, where nothing is shared. A plain
-Python loop without metrics or charge limit is then faster by far. Whoever simulates one case does
-not wait for it; whoever simulates thousands should pass them together.""",
+Python loop without metrics or charge limit is then much faster. One case takes about a millisecond
+in any case; thousands of cases should be passed together.""",
     "sizing, build and solve": """Least wingspan of perpetual flight with 3 h of excess time on
-three dates. Both sides use the same formulas for masses and power (AeroSandbox's program calls
-the functions of this project), the same solar power as data, a power-law structure and no charge
-limit. AeroSandbox's program is a direct collocation with slack for surplus power, logarithmic
-design variables and good guesses; it is linear in the battery's state. Ours has a handful of
-variables, as the night's deficit and the day's surplus are integrated in closed form, technology
-as parameters, so that it stands from the first sizing of its kind of aircraft on, and
-includes the simulation that confirms the optimum. The run fails if the optima differ by more than
-0.3 %. Both are fast; what AeroSandbox gives beyond this, a general language for optimisation with
-its own aerodynamics, is not measured here.""",
+three dates. Both sides use the same formulas for masses and power (AeroSandbox's program calls the
+functions of this project), the same solar power as data, a power-law structure and no charge limit.
+AeroSandbox's program is a direct collocation with slack for surplus power, logarithmic design
+variables and good guesses; it is linear in the battery's state. Ours has few variables, as the
+night's deficit and the day's surplus are integrated in closed form. Technology is a parameter, so
+the program is reused after the first sizing of its kind of aircraft. Our time includes the
+simulation that confirms the optimum. The run fails if the optima differ by more than 0.3 %. Both
+are fast. AeroSandbox is in addition a general language for optimisation with its own aerodynamics,
+which is not measured here.""",
     "sizing, first of its kind": """The same with nothing kept: expressions, derivatives and solver
 are built anew, as in a process that sizes once. AeroSandbox's time is that of the line above, which
 builds its program every time.""",
@@ -80,33 +80,33 @@ goes from one solution to the next by sequential quadratic programming
 (`sizing.optimisation.cells`); the simulator confirms every design.""",
     "map of 240 sizings": """Twenty latitudes times twelve payloads, three dates each; in the
 southern winter there is no design for heavy payloads. Ours sizes all cells at once, with the
-requirements penalised: an infeasible cell says what is missing in about the time of a feasible
-one, while IPOPT searches the collocation for a feasible point until it gives up. AeroSandbox is
-given 150 iterations and 1 s for each cell, and this limit makes most of its time in infeasible
-ones; without it some of them took up to 30 s. Its program is built once. An AeroSandbox user could
-penalise its requirements too. Our time includes sun, simulation and cross-check of every cell.""",
-    "its feasible cells": """The feasible cells of that map alone: what the choice of a limit has
-no part in.""",
+requirements penalised: an infeasible cell gives its violations in about the time of a feasible one,
+while IPOPT searches the collocation for a feasible point until it stops. AeroSandbox has a limit of
+150 iterations and 1 s for each cell, which determines most of its time in infeasible ones; without
+it some of them took up to 30 s. Its program is built once. An AeroSandbox user could penalise its
+requirements too. Our time includes sun, simulation and cross-check of every cell.""",
+    "its feasible cells": """Only the feasible cells of that map, which do not depend on the choice
+of a limit.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar
 structure, with the charge limit of the aircraft file.""",
     "sizing, solver alone": """The part of it that the solver takes.""",
     "map": """Feasibility map of AtlantikSolar AS-2 by CAM with 5 min steps, all metrics. The C loop
 does the same arithmetic in one thread, compiled where a compiler is found, and its numbers are
-checked against ours. Steps are neither fewer nor adaptive and no number is of single precision:
-what is gained over a plain march is work that is done once (the half of a day that mirrors the
-other, sums that several metrics need, deficits of the night in one step) and blocks of cells that
-stay near the processor, so that results are the same to the last bit whatever the block. What
-remains over the C loop are the passes over memory between NumPy's operations; they cost most where
-memory is slow or shared. A compiled kernel could save no more than the difference between both
-times of the first line, a tenth of the command that writes the map: none is shipped. The other
-lines give the cost against the number of cells, a process pool of two, the memory, and the map with
-the longest flight of every cell with limited flight.""",
-    "weather year": """AtlantikSolar AS-2 through the shipped year. Both loops get the same power at
-the same nodes and compute the same: dawns, the charge carried over, the charge limit, days that
-close, and a flight from every dawn; flights that have become equal share the rest of their way in
-all three. The run fails if a day closes in one and not in another, or an endurance differs by more
-than 1e-6 h. Ours marches all days at once and again the few whose start is not known before; a loop
-that is compiled has no need of that. The lines without a peer are whole runs from the record.""",
+checked against ours. The number of steps is the same, and all numbers have double precision. The
+map is faster than a plain march because it does work only once (the half of a day that mirrors the
+other, sums that several metrics need, deficits of the night in one step) and because blocks of
+cells fit the processor's cache. Results are the same to the last bit for any block. The difference
+from the C loop is the memory traffic between NumPy's operations, which is largest if memory is slow
+or shared. A compiled kernel could save at most the difference between both times of the first line,
+a tenth of the command that writes the map, so none is shipped. The other lines give the cost
+against the number of cells, a process pool of two, the memory, and the map with the longest flight
+of every cell with limited flight.""",
+    "weather year": """AtlantikSolar AS-2 through the shipped year. Both loops have the same power
+at the same nodes and compute the same results: dawns, the charge carried over, the charge limit,
+days that close, and a flight from every dawn; in all three, flights with equal energy are joined.
+The run fails if a day closes in one and not in another, or an endurance differs by more than 1e-6
+h. Ours marches all days at once and repeats the few whose start is not known before; a compiled
+loop does not need that. The lines without a peer are whole runs from the record.""",
     "uncertain inputs": """The mass budget, the day and its metrics of every draw, all at once. The
 peer builds each draw's aircraft and calls `sizing.analyse`, which also prepares what is printed;
 excess times agree to 1e-6 h.""",

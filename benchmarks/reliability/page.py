@@ -14,9 +14,9 @@ from benchmarks.reliability.record import FOLDER, Record
 __all__ = ["Defect", "defects", "markdown"]
 
 _HERE = Path(__file__).parent
-_TITLES = {"faults": "Faults in the middle of the work", "inputs": "Wrong inputs"}
+_TITLES = {"faults": "Faults during the work", "inputs": "Wrong inputs"}
 _DEFECTS = {
-    "faults": "Stopped, cut off, out of room",
+    "faults": "Interruptions and full disks",
     "inputs": "Files, options and requests",
 }
 
@@ -54,7 +54,7 @@ def markdown(records: Mapping[str, Record]) -> str:
     parts = [_text("intro"), *(_cases(records[part]) for part in _TITLES if part in records)]
     parts += [_text("mutants"), "\n".join(table(kept(FOLDER / "mutants.jsonl").values()))]
     parts.append(
-        "## Defects found and mended\n\nEach is guarded by a test, which `pytest -k NAME` runs."
+        "## Defects found and corrected\n\nEach is guarded by a test, which `pytest -k NAME` runs."
     )
     parts += [_mended(part) for part in _DEFECTS if defects(part)]
     parts.append(_text("remains"))
@@ -73,7 +73,7 @@ def _cases(record: Record) -> str:
         f"{_number(record.held)} of {_number(record.cases)} cases held, on Python {record.python}, "
         f"NumPy {record.numpy}, {record.system}; `{record.command}`.",
         "",
-        "| what is attacked | attack | cases | held |",
+        "| part | attack | cases | held |",
         "| --- | --- | --- | --- |",
     ]
     for _, rows in groupby(record.rows, key=lambda row: row.subject):
@@ -87,7 +87,7 @@ def _cases(record: Record) -> str:
 def _broken(record: Record) -> Iterator[str]:
     broken = [text for row in record.rows for text in row.broken]
     if broken:
-        yield "\nThese did not hold:\n"
+        yield "\nFailed cases:\n"
         yield from (f"- {text}" for text in broken)
 
 
