@@ -120,7 +120,7 @@ _A_FEW_DAYS = 5
 
 
 def settling_line(analysis: Analysis) -> str | None:
-    """Warning that the season does not wait for the repeated day to settle; None if it need not."""
+    """Warning that the date advances before the repeated day settles; None if it settles soon."""
     days = analysis.days_to_settle
     slow = days > _A_FEW_DAYS
     if not slow.any():
@@ -131,7 +131,7 @@ def settling_line(analysis: Analysis) -> str | None:
     return (
         f"From an empty battery the day{where} must repeat itself {number} times until the charge "
         f"in the morning is within {100 * SETTLED:.0f} % of the battery's energy of the one shown. "
-        "The season does not wait: --days 2 flies from an empty battery while the date advances."
+        "The date advances meanwhile: --days 2 flies from an empty battery on successive dates."
     )
 
 
