@@ -121,7 +121,8 @@ class BladeElementPropeller:
     Raises
     ------
     ValueError
-        For a diameter or pitch that is not above 0, fewer than 2 blades or an unknown family.
+        For a diameter or pitch that is not above 0 and at most 100, fewer than 2 blades or an
+        unknown family.
     """
 
     diameter_m: float
@@ -135,8 +136,8 @@ class BladeElementPropeller:
         """Refuse what is no propeller."""
         for name in ("diameter_m", "pitch_m"):
             value = getattr(self, name)
-            if not 0.0 < value < 100.0:
-                raise ValueError(f"{name} must be above 0 (got {value!r})")
+            if not 0.0 < value <= 100.0:
+                raise ValueError(f"{name} must be above 0 and at most 100 (got {value!r})")
         if self.blades != int(self.blades) or not 2 <= self.blades <= 12:
             raise ValueError(f"blades must be a whole number from 2 to 12 (got {self.blades!r})")
         if self.chords not in _CHORDS:

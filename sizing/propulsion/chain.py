@@ -136,8 +136,8 @@ class PropellerChoice(Record):
     ``diameter_m`` is needed only where the files do not tell it.
     """
 
-    diameter_m: PositiveReal | None = None
-    pitch_m: PositiveReal | None = None
+    diameter_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
+    pitch_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
     blades: Annotated[int, Strict(), Field(ge=2, le=12)] = 2
     chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
     table: Text | tuple[Text, ...] | None = None

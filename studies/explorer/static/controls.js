@@ -98,7 +98,7 @@ export class Controls {
     if (good && (!field.whole || Number.isInteger(value))) {
       this.state.set({ [field.key]: value });
     } else {
-      this.complain(field.key, `must be ${field.allowed}`);
+      this.state.refuse(field.key, `must be ${field.allowed}`);
     }
   }
 

@@ -83,6 +83,15 @@ class Live {
       }
       this.want();
     });
+    state.addEventListener("refused", ({ detail }) => {
+      // What is shown belongs to other values: no answer on its way may say otherwise.
+      this.generation += 1;
+      this.key = this.mapless = undefined;
+      this.stale = this.rested = false;
+      clearTimeout(this.rest);
+      refuse({ kind: "refused", message: detail.message, problems: [detail] });
+      root.dataset.rest = "true";
+    });
   }
 
   want() {

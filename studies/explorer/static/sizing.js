@@ -53,7 +53,10 @@ export class Sizing {
     });
     this.ask.addEventListener("click", () => this.run(false));
     this.stop.addEventListener("click", () => this.abort?.abort());
-    state.addEventListener("change", () => this.show());
+    state.addEventListener("change", () => {
+      this.show();
+      this.fade();
+    });
     this.show();
     if (why) {
       for (const input of [this.objective, this.scenarios, this.go, this.ask]) input.disabled = true;
@@ -63,6 +66,22 @@ export class Sizing {
 
   show() {
     this.required.value = stepped(this.state.values[REQUIRED], 0.01);
+  }
+
+  /** Settings that a result holds for; one for the mission's scenarios holds at every point. */
+  settings() {
+    const changes = { ...this.state.changes() };
+    if (this.scenarios.value === "mission") {
+      delete changes["mission.latitude_deg"];
+      delete changes["mission.day_of_year"];
+    }
+    return JSON.stringify(Object.entries(changes).sort());
+  }
+
+  /** Grey a result while the settings are not those that it was found for. */
+  fade() {
+    const moved = this.held !== undefined && this.held !== this.settings();
+    this.result.classList.toggle("moved", moved);
   }
 
   busy(is) {
@@ -75,13 +94,19 @@ export class Sizing {
   async run(take) {
     this.abort = new AbortController();
     this.busy(true);
+    this.held = undefined;
+    this.fade();
     this.result.replaceChildren(element("p", { className: "quiet" }, "Sizing …"));
     try {
       const settings = { ...this.state.changes() };
+      let held = this.settings();
       const where = this.scenarios.selectedOptions[0].textContent;
       const found = { ...(await this.api.size(settings, this.objective.value, this.scenarios.value, this.abort.signal)), where };
-      if (take && found.values) this.take(found);
-      this.tell(found, take);
+      if (take && found.values) {
+        this.take(found);
+        held = this.settings();
+      }
+      this.tell(found, take, held);
     } catch (error) {
       const cancelled = error.name === "AbortError" || error.kind === "ended";
       const text = cancelled ? "Cancelled." : error instanceof Gone ? "The server does not answer." : `${error.message}.`;
@@ -104,7 +129,7 @@ export class Sizing {
     this.state.set(values, "jump");
   }
 
-  tell(found, taken) {
+  tell(found, taken, held) {
     const state = found.headline.split(": ").slice(1).join(": ");
     const head = `${state[0].toUpperCase()}${state.slice(1)}, for ${found.where}.`;
     const parts = [element("p", { className: found.feasible ? "good" : "wrong" }, head)];
@@ -116,7 +141,7 @@ export class Sizing {
         const use = element("button", { type: "button" }, "Move the sliders there");
         use.addEventListener("click", () => {
           this.take(found);
-          this.tell(found, true);
+          this.tell(found, true, this.settings());
         });
         parts.push(element("p", {}, "A design exists, whatever the sliders show. ", use));
       }
@@ -131,6 +156,8 @@ export class Sizing {
       element("details", {}, element("summary", {}, "As the command line prints it"), element("pre", {}, found.text)),
     );
     this.result.replaceChildren(...parts);
+    this.held = held;
+    this.fade();
   }
 
   /** A relaxation in words; one of a slider's can be taken at once. */

@@ -32,6 +32,11 @@ export class State extends EventTarget {
     this.dispatchEvent(new CustomEvent("change", { detail: { how } }));
   }
 
+  /** Say that a value of a field is not allowed; the values stay. */
+  refuse(field, message) {
+    this.dispatchEvent(new CustomEvent("refused", { detail: { field, message, allowed: "" } }));
+  }
+
   reset() {
     this.set({ ...this.start }, "jump");
   }

@@ -160,6 +160,8 @@ def test_what_is_not_allowed_is_said_beside_the_field(
     message = page.locator(f'[data-key="{key}"] .message')
     message.filter(has_text=words).wait_for()
     assert box.get_attribute("aria-invalid") == "true"
+    # The verdict is no longer that of what is shown.
+    assert page.locator("#verdict-title").inner_text() == "Not possible"
     # And all is well again with the next good number.
     value = page.locator(f'[data-key="{key}"] input[type=range]').get_attribute("aria-valuetext")
     typed(page, key, {LATITUDE: "45", DAY: "100"}.get(key, "1.1"))
@@ -246,6 +248,17 @@ def test_sizing_moves_the_sliders_and_says_what_limits(page: Any) -> None:
     assert "airframe.wingspan_m" in page.url
     assert page.locator("#verdict-title").inner_text().startswith("Perpetual")
     assert accessibility_problems(page) == []
+    # A result belongs to its settings: it is greyed while others are shown.
+    result = page.locator("#sizing-result")
+    assert "moved" not in (result.get_attribute("class") or "")
+    battery = page.locator('[data-key="battery.mass_kg"] input[type=number]')
+    before = battery.input_value()
+    typed(page, "battery.mass_kg", "1.1")
+    assert "moved" in (result.get_attribute("class") or "")
+    page.go_back()
+    at_rest(page)
+    assert battery.input_value() == before
+    assert "moved" not in (result.get_attribute("class") or "")
 
 
 @pytest.mark.parametrize(
