@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["PowerBudget", "power_budget", "power_line"]
 
 # Key of every row, and its words.
+_SHOWN = 1e-5  # of the chain: the fourth digit of what is printed
 _ROWS = {
     "aerodynamic_w": "drag of level flight",
     **{f"{link}_loss_w": f"lost in the {link}" for link in reversed(LINKS)},
@@ -68,15 +69,15 @@ class PowerBudget:
         if self.point is None:
             return f"{chain} by constants of the file (assumed)."
         point, off = self.point, (self.assumed or 0.0) - self.efficiencies["chain"]
-        told = f"; the optimiser's efficiency is {off:+.1e} off" if abs(off) > 1e-9 else ""
+        rest = f"; the optimiser's efficiency is {off:+.1e} off" if abs(off) > _SHOWN else ""
         return (
             f"{chain} at the operating point: propeller {float(point.rotation_rpm):.0f} rpm, "
             f"motor {float(point.motor_current_a):.2f} A, duty {float(point.duty):.2f} of "
-            f"{float(point.bus_power_w / point.bus_current_a):.1f} V{told}."
+            f"{float(point.bus_power_w / point.bus_current_a):.1f} V{rest}."
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready; null for what a measured aircraft does not tell."""
+        """JSON-ready; null for what is not known of a measured aircraft."""
         point = None
         if self.point is not None:
             point = {k: v if k == "reason" else finite(v) for k, v in asdict(self.point).items()}
