@@ -129,7 +129,7 @@ def test_headline_of_the_designs_has_their_numbers(designs: study.Comparison) ->
     told = designs.headline()
     assert told.startswith(
         f"Sized with uncorrected CDM {DESIGN} gets a span of "
-        f"{cdm.sizing.design.variables.wingspan_m:.2f} m; judged by corrected FM it remains "
+        f"{cdm.sizing.design.variables.wingspan_m:.2f} m; evaluated by corrected FM it flies "
     )
     assert f"at {cdm.judged.scenario}: it survives" in told
     assert told.endswith(
@@ -154,7 +154,7 @@ def test_headline_where_nothing_is_feasible() -> None:
     assert built.judged is not None
     assert both.headline() == (
         f"Sized with uncorrected CDM {DESIGN} gets a span of "
-        f"{built.sizing.objective_value:.2f} m; judged by corrected FM it "
+        f"{built.sizing.objective_value:.2f} m; evaluated by corrected FM it "
         f"{built.judged.outcome(3.0)} (sized with corrected FM: no design)."
     )
     none = study.compare(aircraft, MISSION, models=[SolarModel("CDM")], required_excess_time_h=9.0)
@@ -217,8 +217,8 @@ def test_models_that_deny_perpetual_flight_are_counted(designs: study.Comparison
 
 
 def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -> None:
-    assert str(designs).startswith(f"{DESIGN} on {SUMMER}: 3 models, judged by corrected FM\n")
     shown, told = (" ".join(str(text).split()) for text in (designs, designs.headline()))
+    assert shown.startswith(f"{DESIGN} on {SUMMER}: 3 models, evaluated by corrected FM ")
     assert told in shown
     assert repr(designs) == f"<Comparison: {designs.headline()}>"
     assert max(map(len, str(designs).splitlines())) <= 80
@@ -280,7 +280,7 @@ def test_table_for_the_terminal(in_folder: Path) -> None:
     result = invoke(AS2, "--models", "cam,CDM", "--corrections", "none")
     assert result.exit_code == 0
     assert result.stdout.index("CDM") < result.stdout.index("CAM")
-    assert "judged by corrected FM" in result.stdout
+    assert "evaluated by corrected FM" in result.stdout
     assert "VM" not in result.stdout
     assert not list(in_folder.iterdir())
 
