@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from sizing.design import (
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
+from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
@@ -132,6 +134,40 @@ class Performance:
         balance = PowerBalance.of(self.day.time_h, self.solar_power_w[one], self.load_w[one])
         store = self.store.flat(self.cycle.status.shape).select(one)
         return flight_time_h(balance, store, np.asarray(launch_h, float)[:, np.newaxis])[:, 0]
+
+    def flight(
+        self, scenario: int, launch_h: float, hours: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Flight in a scenario of a single design, launched with a full battery.
+
+        Parameters
+        ----------
+        scenario : int
+            Index of the scenario.
+        launch_h, hours : float
+            Solar time of the launch, and how long the flight is looked at [h].
+
+        Returns
+        -------
+        clock_h, solar_power_w, load_w, state_of_charge : ndarray, shape (time,)
+            Solar time since the midnight before the launch [h], power [W], and state of charge,
+            zero from when the battery is empty.
+        """
+        end_h, day_h = launch_h + hours, self.day.time_h
+        days = [day_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
+        clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
+        clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
+        solar, load = (
+            np.interp(clock_h % 24.0, day_h, power[scenario])
+            for power in (self.solar_power_w, self.load_w)
+        )
+        store = self.store.flat(self.cycle.status.shape).select(slice(scenario, scenario + 1))
+        full_wh = np.broadcast_to(np.asarray(store.battery_energy_wh, float), (1,))
+        balance = PowerBalance.of(clock_h, solar[np.newaxis], load[np.newaxis])
+        energy_wh = [full_wh, *(step.end_wh for step in march(balance, store, full_wh))]
+        charge = np.concatenate(energy_wh) / full_wh
+        charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # it has come down
+        return clock_h, solar, load, charge
 
     @cached_property
     def days_to_settle(self) -> FloatArray:

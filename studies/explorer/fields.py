@@ -22,7 +22,13 @@ Group = Literal["place", "design", "payload", "technology", "requirement"]
 
 # Field -> group and step, in the order of the page; numbers between two steps are allowed as well.
 _GROUPS: dict[Group, dict[str, float]] = {
-    "place": {LATITUDE: 0.1, DAY: 1.0, "mission.clearness": 0.01},
+    "place": {
+        LATITUDE: 0.1,
+        DAY: 1.0,
+        "mission.clearness": 0.01,
+        "mission.altitude_m": 10.0,
+        "mission.wind_m_per_s": 0.1,
+    },
     "design": {
         "airframe.wingspan_m": 0.01,
         "airframe.aspect_ratio": 0.1,
@@ -30,8 +36,18 @@ _GROUPS: dict[Group, dict[str, float]] = {
         "battery.mass_kg": 0.01,
         "modules.area_m2": 0.01,
     },
-    "payload": {"mission.payload.mass_kg": 0.01, "mission.payload.power_w": 0.1},
-    "technology": {"modules.efficiency_stc": 0.001, "battery.specific_energy_wh_per_kg": 1.0},
+    "payload": {
+        "mission.payload.mass_kg": 0.01,
+        "mission.payload.power_w": 0.1,
+        "power.avionics_w": 0.1,
+    },
+    "technology": {
+        "modules.efficiency_stc": 0.001,
+        "modules.mppt_efficiency": 0.001,
+        "airframe.propulsion.motor_efficiency": 0.001,
+        "airframe.propulsion.propeller_efficiency": 0.001,
+        "battery.specific_energy_wh_per_kg": 1.0,
+    },
     "requirement": {"mission.required_excess_time_h": 0.1},
 }
 _MEASURED = "fixed: mass and power of this airframe are measured"

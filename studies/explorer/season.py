@@ -38,17 +38,10 @@ COARSE_STEP_H = 0.25
 LATITUDES_DEG, DAYS = np.linspace(-90.0, 90.0, 73), np.arange(1, 366, 4)
 COARSE_LATITUDES_DEG, COARSE_DAYS = LATITUDES_DEG[::2], DAYS[::2]
 _DAYS_ON_PATH = DAYS[::4]
-# Keys of the mission that light knows of; the rest of it changes the load alone.
-_KEYS_OF_LIGHT = (
-    "altitude_m",
-    "air",
-    "clear_sky",
-    "clearness",
-    "uncertainty_margins",
-    "wind_m_per_s",
-    "wind_from_deg",
-    "flight_path",
-)
+# Keys of the mission that light knows of; the rest of it changes the load alone. Wind turns the
+# modules of an aircraft that follows a path.
+_KEYS_OF_LIGHT = ("altitude_m", "air", "clear_sky", "clearness", "uncertainty_margins")
+_KEYS_OF_PATH = ("wind_m_per_s", "wind_from_deg", "flight_path")
 _KEPT = 6  # lights, of 16 MB at most each
 # Of filling a slow map, before others have their turn: while a slider moves, and when it rests.
 _SHORT_TURN_S, _TURN_S = 0.02, 0.12
@@ -136,7 +129,8 @@ class SeasonMaps:
     ) -> _Light:
         """Light that is kept, or room for it."""
         modules = aircraft.modules.model_copy(update={"area_m2": 1.0})
-        key = _Key(modules, tuple(getattr(mission, k) for k in _KEYS_OF_LIGHT), solar, step_h)
+        names = _KEYS_OF_LIGHT + (_KEYS_OF_PATH if solar.needs_path else ())
+        key = _Key(modules, tuple(getattr(mission, name) for name in names), solar, step_h)
         light = self._kept.setdefault(key, _Light([]))
         self._kept.move_to_end(key)
         while len(self._kept) > _KEPT:

@@ -27,6 +27,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.analysis_summary import settling_line
+from sizing.results.records import finite
 from sizing.sunlight import SolarModel
 from solar._version import __version__
 from studies.explorer.fields import DAY, LATITUDE, Choice, Field, fields_of
@@ -137,6 +138,7 @@ class Session:
             ],
             "objectives": objectives,
             "season_scale": page_scale(),
+            "offline": False,
             "cannot_size": (
                 "a measured airframe cannot be sized: its mass does not follow from its geometry"
                 if self.measured
@@ -207,8 +209,9 @@ class Session:
         """Day curve and numbers of the point, JSON-ready.
 
         Returns ``curve``: ``time_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` over solar
-        time, to five digits; ``numbers``: what ``solar-uav analyse --json`` prints; ``masses_kg``:
-        mass budget; ``headline`` and ``notes`` in words.
+        time, to five digits, and ``flight_charge``, that of a limited flight in the first day after
+        its launch with a full battery, null where it does not fly; ``numbers``: what ``solar-uav
+        analyse --json`` prints; ``masses_kg``: mass budget; ``headline`` and ``notes`` in words.
         """
         known = self._last_day
         if known is not None and known[0] == settings:
@@ -217,6 +220,9 @@ class Session:
         perf, record = analysis.performance, analysis.to_dict()
         del record["scenarios"]
         notes = [one.text for one in analysis.extrapolations]
+        if record["airspeed_above_wind"] is False:
+            airspeed, wind = record["airspeed_m_per_s"], analysis.mission.wind_m_per_s
+            notes.insert(0, f"airspeed {airspeed:.1f} m/s is below the wind of {wind:g} m/s")
         slow = settling_line(analysis)
         charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
         view = {
@@ -225,6 +231,7 @@ class Session:
                 "solar_power_w": _digits(perf.solar_power_w[0]),
                 "load_w": _digits(perf.load_w[0]),
                 "state_of_charge": _digits(charge),
+                "flight_charge": _flight_charge(analysis),
             },
             "numbers": record,
             "masses_kg": {name: float(mass) for name, mass in perf.design.masses._asdict().items()},
@@ -294,6 +301,16 @@ class Session:
                 ("mission", made.mission_file),
             )
         }
+
+
+def _flight_charge(analysis: Analysis) -> list[float | None]:
+    """State of charge of the longest flight at the nodes of the day, null before and after it."""
+    time_h, flight = analysis.performance.day.time_h, analysis.limited_flight
+    if flight is None:
+        return [None] * len(time_h)
+    clock_h, _, _, charge = analysis.performance.flight(0, flight.launch_h, flight.endurance_h)
+    at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
+    return [finite(v) for v in np.interp(at_h, clock_h, charge, right=np.nan).round(5).tolist()]
 
 
 def _digits(values: Any) -> list[float]:

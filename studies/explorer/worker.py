@@ -12,14 +12,15 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from missions.files.errors import InputError
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError, variable_keys
 from sizing.optimisation.objectives import Objective
-from sizing.parameters import label
+from sizing.parameters import MISSION_PREFIX, label, with_parameter
+from sizing.performance import performance
 from sizing.results.constraint_words import constraint_words
 from sizing.sunlight import SolarModel
 from studies.output.figures.options import ignore_settings_of_folder
@@ -35,7 +36,11 @@ __all__ = [
     "sizing_record",
 ]
 
+if TYPE_CHECKING:
+    from sizing.results.sizing import SizingStudy
+
 LONGEST_S = 180.0
+_PAYLOAD_KEYS = ("mass_kg", "power_w")
 
 
 class SizingTask(NamedTuple):
@@ -145,7 +150,9 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     Returns ``feasible``, ``status``, ``headline`` and ``text`` (what the command line prints);
     ``record``, what ``solar-uav size --json`` prints; ``limits``, ``missed`` and ``relaxations`` in
     words, each with its ``label``; ``values``, the optimum by the keys of the page, and its
-    ``worst_scenario``; both null without an optimum.
+    ``worst_scenario``; both null without an optimum. ``with_margin``: such ``values`` of the
+    optimum that keeps the requirement with one RMS error less solar power, with its ``headline``,
+    ``worst_scenario`` and the ``error`` in words; null where there is none.
     """
     from sizing.results.sizing import size
 
@@ -157,16 +164,9 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         *(task.aircraft, task.mission, task.objective),
         model=task.solar.model,
         correction=task.solar.correction,
+        with_margin=True,
     )
     record = study.to_dict()
-    values = None
-    if study.design is not None:
-        chosen = study.design.variables
-        payload = study.sized_mission().payload
-        values = {key: getattr(chosen, name) for key, name in variable_keys().items()}
-        for key in ("mass_kg", "power_w"):
-            values[f"mission.payload.{key}"] = getattr(payload, key)
-        values = {key: value for key, value in values.items() if value is not None}
     return {
         "feasible": study.feasible,
         "status": study.status.label,
@@ -182,9 +182,39 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
             one | {"label": _parameter_label(one["parameter"])}
             for one in record.get("relaxations", [])
         ],
-        "values": values,
+        "values": _short_values(study),
         "worst_scenario": record["worst_scenario"],
+        "with_margin": None if study.with_margin is None else _margin_record(study.with_margin),
     }
+
+
+def _margin_record(guarded: SizingStudy) -> dict[str, Any]:
+    """Optimum that keeps its requirement with one RMS error less solar power."""
+    percent = f"{100 * guarded.solar.rms_relative:.0f} %"
+    return {
+        "error": f"one RMS error of {guarded.solar.model} ({percent})",
+        "headline": guarded.headline(),
+        "values": _short_values(guarded),
+        "worst_scenario": guarded.to_dict()["worst_scenario"],
+    }
+
+
+def _short_values(study: SizingStudy) -> dict[str, float] | None:
+    """Optimum by the keys of the page; in six digits where such a design meets the requirement."""
+    if study.design is None:
+        return None
+    chosen, payload = study.design.variables, study.sized_mission().payload
+    values = {key: getattr(chosen, name) for key, name in variable_keys().items()}
+    values |= {f"{MISSION_PREFIX}payload.{key}": getattr(payload, key) for key in _PAYLOAD_KEYS}
+    exact = {key: float(value) for key, value in values.items() if value is not None}
+    short = {key: float(f"{value:.6g}") for key, value in exact.items()}
+    aircraft, mission = study.sized_aircraft(), study.sized_mission()
+    for key, value in short.items():
+        aircraft, mission = with_parameter(aircraft, mission, key, value)
+    flown = performance(aircraft, mission, study.solar, keep_trajectory=False)
+    enough = float(flown.cycle.excess_time_h.min()) >= study.result.required_excess_time_h
+    fits = flown.design.variables.module_area_m2 <= flown.design.wing_area_m2
+    return short if enough and fits else exact
 
 
 def _parameter_label(key: str) -> str:

@@ -9,15 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from sizing.energy.battery import Store
-from sizing.energy.march import march
-from sizing.energy.power_balance import PowerBalance
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import label, unit_text
 from sizing.results.records import clock_label
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
-from solar.types import FloatArray
 from studies.output.figures.drawing import (
     CHARGE,
     CHARGE_LINE,
@@ -38,7 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.aircraft import Aircraft
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.energy.endurance import Endurance
     from sizing.optimisation.sensitivity import Sensitivity
@@ -242,10 +237,10 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
         size_in=(8.0, 5.6),
         sharex=True,
     )
-    aircraft, end = analysis.aircraft, launch + hours
-    clock_h, solar, load, stored = _own_flight(aircraft, perf, index, launch, end)
+    end = launch + hours
+    clock_h, solar, load, stored = perf.flight(index, launch, hours)
     (_, least_w, _, least), (_, most_w, _, most) = (
-        _own_flight(aircraft, one, index, launch, end) for one in (analysis.low, analysis.high)
+        one.flight(index, launch, hours) for one in (analysis.low, analysis.high)
     )
     power.plot(clock_h, solar, SUN_LINE, color=SUN, label="solar power")
     error = f"RMS error of the model, {100 * perf.solar.rms_relative:.0f} %"
@@ -253,9 +248,9 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
     power.fill_between(clock_h, least_w, most_w, color=SUN, label=error, **band)
     power.plot(clock_h, load, LOAD_LINE, color=LOAD, label="load")
     power.set(ylabel="power [W]", ylim=(0, None))
-    charge.plot(clock_h, stored, CHARGE_LINE, color=CHARGE, label="state of charge")
-    with_error = "with that error in solar power"
-    charge.fill_between(clock_h, least, most, color=CHARGE, label=with_error, **band)
+    charge.plot(clock_h, 100.0 * stored, CHARGE_LINE, color=CHARGE, label="state of charge")
+    with_error, ends = "with that error in solar power", (100.0 * least, 100.0 * most)
+    charge.fill_between(clock_h, *ends, color=CHARGE, label=with_error, **band)
     sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
     if sunset > sunrise:
         nights = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in range(-2, 367)]
@@ -271,25 +266,6 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
     handles = [*power.get_legend_handles_labels()[0], *charge.get_legend_handles_labels()[0]]
     drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     return drawn
-
-
-def _own_flight(
-    aircraft: Aircraft, perf: Performance, index: int, launch: float, end: float
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Clock [h], solar power and load [W], and state of charge [%] of a flight, empty or not."""
-    day_h = perf.day.time_h
-    days = [day_h + 24.0 * day for day in range(math.ceil(end / 24.0))]
-    nodes = np.unique(np.concatenate([[launch, end], *days]))
-    nodes = nodes[(nodes >= launch) & (nodes <= end)]
-    solar, load = (
-        np.interp(nodes % 24.0, day_h, power[index]) for power in (perf.solar_power_w, perf.load_w)
-    )
-    store = Store.of(aircraft.battery, perf.design.battery_energy_wh)
-    energy = [np.asarray(store.battery_energy_wh, float)]
-    energy += [step.end_wh for step in march(PowerBalance.of(nodes, solar, load), store, energy[0])]
-    share = np.array([float(e) for e in energy]) / float(perf.design.battery_energy_wh)
-    share[np.logical_or.accumulate(share <= 0.0)] = 0.0  # it has come down
-    return nodes, solar, load, 100.0 * share
 
 
 # ---- A flight on the calendar

@@ -212,3 +212,19 @@ export function longestFlight(time, solar, load, battery) {
   }
   return best;
 }
+
+/** State of charge at the nodes in the first day of a flight launched full; null without it. */
+export function chargeOfFlight(time, solar, load, battery, launchHour) {
+  const balance = balanceOf(time, solar, load), count = balance.surplus.length;
+  const charge = Array.from(time, () => null);
+  const launch = launchHour === null ? count : time.findIndex((hour) => hour >= launchHour);
+  let energy = battery.energy_wh, flies = true;
+  for (let k = 0; k < count && flies && launch < count; k++) {
+    const i = (launch + k) % count, step = advance(battery, balance, i, energy);
+    charge[i] = energy / battery.energy_wh;
+    energy = step.end;
+    flies = !(step.lacking > 0);
+    if (i === count - 1) charge[count] = energy / battery.energy_wh;
+  }
+  return charge;
+}

@@ -15,16 +15,17 @@ from studies.explorer.session import Session
 
 __all__ = ["bundled", "offline_page"]
 
-_STYLE = "#offline { margin: 0 14px 10px; }"
+# The foot says once why most settings are fixed.
+_STYLE = "#offline { margin: 0 14px 10px; } .field.fixed .message { display: none; }"
 _IMPORT = re.compile(r'^import \{([^}]*)\} from "\./([\w.]+)";\n', re.M)
 _EXPORT = re.compile(r"^export (?=(?:class|const|let|(?:async )?function) (\w+))", re.M)
 _FOOT = """\
 <section class="panel" id="offline" aria-labelledby="offline-title">
 <h2 id="offline-title">A page without a server</h2>
-<p>Written by solar-uav {version} for {aircraft} on {mission}. It interpolates in tables of light
-and of designs, and computes the battery's day itself. <span id="offline-errors"></span> Endurance
-is that of launches five minutes apart. Whether a design is within the ranges of the models is not
-told here: solar-uav analyse does.</p>
+<p>Written by solar-uav {version} for {aircraft} on {mission}. The page interpolates in tables of
+light and of designs, and computes the battery's day itself. <span id="offline-errors"></span>
+Endurance is that of launches five minutes apart. Settings in grey are fixed here. This page does
+not check whether a design is within the ranges of the models; an analysis of it does.</p>
 </section>
 """
 
@@ -45,11 +46,7 @@ def offline_page(session: Session) -> str:
     # JSON in a script element: no text of a file may end it.
     tables = to_json(record, separators=(",", ":")).replace("<", "\\u003c")
     scripts = [parts["vendor/uPlot.iife.min.js"], bundled(parts, "main.js")]
-    styles = [
-        parts["vendor/uPlot.min.css"],
-        parts["explorer.css"],
-        "#offline { margin: 0 14px 10px; }",
-    ]
+    styles = [parts["vendor/uPlot.min.css"], parts["explorer.css"], _STYLE]
     icon = base64.b64encode(parts["icon.svg"].encode()).decode("ascii")
     head = [
         f'<meta http-equiv="Content-Security-Policy" content="{_policy(scripts, styles)}">',

@@ -12,7 +12,7 @@ from sizing.performance import performance
 from sizing.results.records import finite
 from sizing.sunlight import DEFAULT_STEP_H
 from studies.explorer.fields import DAY, LATITUDE, Field
-from studies.explorer.offline.tables import AXES, Axis, design_table, light_table
+from studies.explorer.offline.tables import AXES, Axis, design_table, light_table, mass_table
 from studies.explorer.season import (
     COARSE_DAYS,
     COARSE_LATITUDES_DEG,
@@ -26,11 +26,12 @@ from studies.explorer.settings import RefusedError
 __all__ = ["offline_record"]
 
 CHECKS = 120
+_CONSTANT_LOADS = ("mission.payload.power_w", "power.avionics_w")
 # Changed by the page without a table: place, and what enters the balance linearly.
 _FREE = (
     LATITUDE,
     DAY,
-    "mission.payload.power_w",
+    *_CONSTANT_LOADS,
     "battery.specific_energy_wh_per_kg",
     "mission.required_excess_time_h",
 )
@@ -43,7 +44,8 @@ def offline_record(session: Session, *, checks: int = CHECKS) -> dict[str, Any]:
 
     ``checks``: points at which the page compares itself with the analysis. Returns ``session`` as
     :meth:`~studies.explorer.session.Session.describe` gives it, with what is fixed here; ``light``
-    and ``designs`` as :mod:`studies.explorer.offline.tables` makes them; ``battery`` and ``load``;
+    ``designs`` and ``masses`` as :mod:`studies.explorer.offline.tables` makes them; ``battery`` and
+    ``load``;
     axes of ``season``; ``checks``.
     """
     aircraft, mission = session.aircraft, session.mission
@@ -60,6 +62,7 @@ def offline_record(session: Session, *, checks: int = CHECKS) -> dict[str, Any]:
         "session": _described(session, fields),
         "light": light_table(aircraft, mission, session.solar),
         "designs": design_table(aircraft, mission, axes),
+        "masses": mass_table(aircraft, mission, axes),
         "battery": {
             "capacity_fraction": float(design.battery_energy_wh) / full,
             "charge_efficiency": float(aircraft.battery.mean_charge_efficiency),
@@ -71,6 +74,7 @@ def offline_record(session: Session, *, checks: int = CHECKS) -> dict[str, Any]:
             "thermal": mission.turbulence.thermal,
             "constant_power_w": float(design.constant_power_w),
             "supply_efficiency": supply,
+            "keys": list(_CONSTANT_LOADS),
         },
         "rms_relative": session.solar.rms_relative,
         "season": {
@@ -105,7 +109,8 @@ def _described(session: Session, fields: list[dict[str, Any]]) -> dict[str, Any]
                 option["reason"] = option["reason"] or _FIXED
     return record | {
         "fields": fields,
-        "cannot_size": "an offline page does not size: use solar-uav size or solar-uav explore",
+        "offline": True,
+        "cannot_size": "this page has no server, which a sizing needs",
     }
 
 

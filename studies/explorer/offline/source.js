@@ -1,6 +1,6 @@
 // Answers of an offline page to what its other parts ask for; online, a server gives the same.
 
-import { cycleOf, longestFlight } from "./cycle.js";
+import { chargeOfFlight, cycleOf, longestFlight } from "./cycle.js";
 import { between, lightAt, placeIn, tableOf } from "./tables.js";
 
 /** Source of answers over what Python wrote into the page. */
@@ -11,6 +11,7 @@ export function offlineSource(record) {
   for (const name of ["log_mass_kg", "log_power_w", "log_airspeed_m_per_s"]) {
     if (record.designs[name]) tables[name] = tableOf(record.designs[name]);
   }
+  const shares = Object.entries(record.masses.shares).map(([name, table]) => [name, tableOf(table)]);
   const started = {};
   for (const field of record.session.fields) started[field.key] = field.value;
   for (const choice of record.session.choices) started[choice.key] = choice.value;
@@ -54,13 +55,14 @@ export function offlineSource(record) {
     const places = axes.map((axis) => placeIn(axis.values, settings[axis.key] ?? axis.values[0]));
     const power = Math.exp(between(tables.log_power_w, places));
     if (!Number.isFinite(power)) return null;
-    const payload = settings["mission.payload.power_w"] - started["mission.payload.power_w"];
+    const more = record.load.keys
+      .reduce((sum, key) => sum + (key in started ? settings[key] - started[key] : 0), 0);
     const speed = tables.log_airspeed_m_per_s;
     return {
       total_mass_kg: Math.exp(between(tables.log_mass_kg, places)),
       propulsion_power_w: power,
       airspeed_m_per_s: speed ? Math.exp(between(speed, places)) : null,
-      constant_power_w: record.load.constant_power_w + payload / record.load.supply_efficiency,
+      constant_power_w: record.load.constant_power_w + more / record.load.supply_efficiency,
       area_m2: settings["modules.area_m2"],
       battery: {
         ...record.battery,
@@ -68,6 +70,17 @@ export function offlineSource(record) {
           settings["battery.specific_energy_wh_per_kg"],
       },
     };
+  }
+
+  /** Mass budget of a design; the tables know what battery and payload leave of it. */
+  function massesOf(settings, design) {
+    const battery = settings["battery.mass_kg"], payload = settings["mission.payload.mass_kg"];
+    const places = record.masses.axes
+      .map((axis) => placeIn(axis.values, settings[axis.key] ?? axis.values[0]));
+    const rest = design.total_mass_kg - battery - payload;
+    const known = {battery, payload};
+    for (const [name, table] of shares) known[name] = rest * between(table, places);
+    return Object.fromEntries(record.masses.parts.map((name) => [name, known[name]]));
   }
 
   function lightOf(settings) {
@@ -179,8 +192,11 @@ export function offlineSource(record) {
         solar_power_w: Array.from(found.solar),
         load_w: Array.from(found.load),
         state_of_charge: Array.from(found.state_of_charge),
+        flight_charge: found.excess_time_h > 0 ? Array.from(fine, () => null)
+          : chargeOfFlight(fine, found.solar, found.load, design.battery, numbers.best_launch_h),
       },
       numbers,
+      masses_kg: massesOf(settings, design),
       headline: headlineOf(numbers),
       notes: [],
       sequence: body.sequence ?? null,

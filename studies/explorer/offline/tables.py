@@ -10,19 +10,19 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import closed_design, measured_design, variables_of
+from sizing.design import Design, closed_design, measured_design, variables_of
 from sizing.sunlight import SolarModel, solar_day
 from solar.sun import declination
 from solar.types import FloatArray
 
-__all__ = ["AXES", "Axis", "design_table", "light_table", "quantised"]
+__all__ = ["AXES", "Axis", "design_table", "light_table", "mass_table", "quantised"]
 
 DAY_STEP = 7
 _LATITUDES_DEG = np.linspace(-90.0, 90.0, 73)
@@ -132,25 +132,49 @@ def design_table(aircraft: Aircraft, mission: Mission, axes: Iterable[Axis]) -> 
     ``impossible`` there.
     """
     axes = list(axes)
-    grids = np.meshgrid(*(axis.values for axis in axes), indexing="ij")
-    chosen = {AXES[axis.key][0]: grid for axis, grid in zip(axes, grids, strict=True)}
-    if isinstance(aircraft.airframe, MeasuredAirframe):
-        mass, power, airspeed = _measured(aircraft, mission, chosen)
-    else:
-        design = closed_design(aircraft, mission, variables_of(aircraft)._replace(**chosen))
-        mass, power = design.total_mass_kg, design.propulsion_power_w
-        airspeed = design.airspeed_m_per_s
-    tables = {"log_mass_kg": mass, "log_power_w": power, "log_airspeed_m_per_s": airspeed}
+    design = _designs(aircraft, mission, axes)
+    tables = {
+        "log_mass_kg": design.total_mass_kg,
+        "log_power_w": design.propulsion_power_w,
+        "log_airspeed_m_per_s": design.airspeed_m_per_s,
+    }
     return {
         "axes": [axis.to_dict() for axis in axes],
         **{name: quantised(np.log(t)) for name, t in tables.items() if t is not None},
     }
 
 
-def _measured(
-    aircraft: Aircraft, mission: Mission, chosen: dict[str, FloatArray]
-) -> tuple[FloatArray, FloatArray, FloatArray | None]:
-    """Mass [kg], power [W] and airspeed [m/s] of a measured airframe with other parts."""
+def mass_table(aircraft: Aircraft, mission: Mission, axes: Iterable[Axis]) -> dict[str, Any]:
+    """Parts of the total mass but battery and payload, which the page's settings give.
+
+    ``axes``: as for :func:`design_table`, of which every second value is taken. Returns ``axes``,
+    the names of all ``parts``, and by part the table of its share in the mass of these parts.
+    Shares are interpolated linearly, so that they add up to one between the values as well.
+    """
+    axes = [replace(axis, values=np.union1d(axis.values[::2], axis.values[-1])) for axis in axes]
+    parts = _designs(aircraft, mission, axes).masses._asdict()
+    shape = tuple(len(axis.values) for axis in axes)
+    of_page = ("battery", "payload")
+    kept = {name: np.broadcast_to(kg, shape) for name, kg in parts.items() if name not in of_page}
+    whole = sum(kept.values())
+    return {
+        "axes": [axis.to_dict() for axis in axes],
+        "parts": list(parts),
+        "shares": {name: quantised(mass / whole) for name, mass in kept.items()},
+    }
+
+
+def _designs(aircraft: Aircraft, mission: Mission, axes: list[Axis]) -> Design:
+    """Design at every combination of the axes' values."""
+    grids = np.meshgrid(*(axis.values for axis in axes), indexing="ij")
+    chosen = {AXES[axis.key][0]: grid for axis, grid in zip(axes, grids, strict=True)}
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        return _measured(aircraft, mission, chosen)
+    return closed_design(aircraft, mission, variables_of(aircraft)._replace(**chosen))
+
+
+def _measured(aircraft: Aircraft, mission: Mission, chosen: dict[str, FloatArray]) -> Design:
+    """Designs of a measured airframe with other parts: masses, power and airspeed of each."""
     shape = next(iter(chosen.values())).shape
     designs = []
     for place in np.ndindex(shape):
@@ -164,8 +188,18 @@ def _measured(
                 mission.model_copy(update={"payload": payload}),
             )
         )
-    mass = np.reshape([design.total_mass_kg for design in designs], shape)
-    power = np.reshape([design.propulsion_power_w for design in designs], shape)
-    if designs[0].airspeed_m_per_s is None:
-        return mass, power, None
-    return mass, power, np.reshape([design.airspeed_m_per_s for design in designs], shape)
+
+    def grid(values: Iterable[Any]) -> FloatArray:
+        return np.reshape(np.array([float(v) for v in values]), shape)
+
+    first = designs[0]
+    masses = (grid(kg) for kg in zip(*(design.masses for design in designs), strict=True))
+    speeds = None
+    if first.airspeed_m_per_s is not None:
+        speeds = grid(design.airspeed_m_per_s for design in designs)
+    return first._replace(
+        masses=type(first.masses)(*masses),
+        total_mass_kg=grid(design.total_mass_kg for design in designs),
+        propulsion_power_w=grid(design.propulsion_power_w for design in designs),
+        airspeed_m_per_s=speeds,
+    )

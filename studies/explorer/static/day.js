@@ -7,11 +7,18 @@ const SERIES = [
   ["load_w", "load", "--load", "W"],
   ["state_of_charge", "state of charge", "--charge", "%"],
 ];
+const FLIGHT = "longest flight, launched full";
 const NICE = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
 
 function ceiling(value) {
   const scale = 10 ** Math.floor(Math.log10(Math.max(value, 1)));
   return scale * NICE.find((n) => n * scale >= value * 1.02);
+}
+
+/** Width of an axis that its longest label needs. */
+function wide(chart, labels) {
+  const longest = Math.max(...(labels ?? []).map((label) => chart.ctx.measureText(label).width));
+  return Math.max(34, Math.ceil(longest / devicePixelRatio) + 14);
 }
 
 /** Chart in an element; `readout` shows the values under the pointer. */
@@ -29,7 +36,13 @@ export class Day {
       element("i", { className: "key dashed", "aria-hidden": "true" }),
       "start",
     );
-    legend.append(this.ghostKey);
+    this.flightKey = element(
+      "span",
+      { hidden: true },
+      element("i", { className: "key dotted", "aria-hidden": "true" }),
+      FLIGHT,
+    );
+    legend.append(this.ghostKey, this.flightKey);
     new ResizeObserver(() => this.fit()).observe(holder);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.restyle());
   }
@@ -42,7 +55,9 @@ export class Day {
     const columns = (c) => [c.solar_power_w, c.load_w, percent(c.state_of_charge)];
     const none = view.curve.time_h.map(() => null);
     const behind = ghost ? columns(first.curve) : [none, none, none];
-    this.data = [view.curve.time_h, ...behind, ...columns(view.curve)];
+    const flight = view.curve.flight_charge.map((v) => (v === null ? null : 100 * v));
+    this.flightKey.hidden = flight.every((v) => v === null);
+    this.data = [view.curve.time_h, ...behind, ...columns(view.curve), flight];
     const highest = (curve) => Math.max(...curve.solar_power_w, ...curve.load_w);
     this.top = ceiling(Math.max(highest(view.curve), ghost ? highest(first.curve) : 0));
     if (this.chart) this.chart.setData(this.data);
@@ -98,11 +113,12 @@ export class Day {
         line("--solar", "W", { fill: colour("--solar-fill") }),
         line("--load", "W"),
         line("--charge", "%"),
+        line("--charge", "%", { dash: [2, 3], spanGaps: false }),
       ],
       axes: [
         axis({ splits: (chart) => Array.from({ length: chart.width < 480 ? 5 : 9 }, (_, i) => (chart.width < 480 ? 6 : 3) * i), values: (_, at) => at.map(clock), size: 26, gap: 4 }),
-        axis({ scale: "W", size: 46, gap: 4, values: (_, at) => at.map((v, i) => (i === at.length - 1 ? `${v} W` : v)) }),
-        axis({ scale: "%", side: 1, size: 46, gap: 4, grid: { show: false }, splits: () => [0, 25, 50, 75, 100], values: (_, at) => at.map((v) => `${v} %`) }),
+        axis({ scale: "W", size: wide, gap: 4, values: (_, at) => at.map((v, i) => (i === at.length - 1 ? `${v} W` : v)) }),
+        axis({ scale: "%", side: 1, size: wide, gap: 4, grid: { show: false }, splits: () => [0, 25, 50, 75, 100], values: (_, at) => at.map((v) => `${v} %`) }),
       ],
       hooks: {
         drawClear: [(chart) => this.night(chart, colour("--night"))],
@@ -150,7 +166,8 @@ export class Day {
     }
     const at = (row) => this.data[row][i];
     const watts = (v) => `${fixed(v, v < 100 ? 1 : 0)} W`;
-    this.readout.textContent = `${clock(at(0))}  solar ${watts(at(4))} \u00b7 load ${watts(at(5))} \u00b7 charge ${fixed(at(6), 1)} %`;
+    const flight = at(7) === null ? "" : ` \u00b7 longest flight ${fixed(at(7), 1)} %`;
+    this.readout.textContent = `${clock(at(0))}  solar ${watts(at(4))} \u00b7 load ${watts(at(5))} \u00b7 charge ${fixed(at(6), 1)} %${flight}`;
   }
 
   /** Say the curve in words, once it rests. */
@@ -160,6 +177,7 @@ export class Day {
     this.words.textContent =
       `Solar power peaks at ${fixed(peak, 0)} W, the load is ${fixed(n.power_out_w, 1)} W. ` +
       `Equal power at ${clock(n.equal_power_morning_h)} and ${clock(n.equal_power_evening_h)} solar time; ` +
-      `battery full at ${clock(n.full_charge_h)}, least charge ${fixed(100 * n.minimum_state_of_charge, 1)} %.`;
+      `battery full at ${clock(n.full_charge_h)}, least charge ${fixed(100 * n.minimum_state_of_charge, 1)} %.` +
+      (n.endurance_h === null || n.best_launch_h === null ? "" : ` The longest flight is launched full at ${clock(n.best_launch_h)} and lasts ${fixed(n.endurance_h, 1)} h.`);
   }
 }

@@ -170,7 +170,7 @@ async function begin() {
   const day = new Day($("day"), $("day-legend"), $("day-readout"), $("day-words"));
   const season = new Season($("season"), $("season-readout"), $("season-legend"), $("season-detail"), state, session.season_scale);
   const masses = new Masses($("masses"), $("masses-total"), session.aircraft.measured);
-  new Sizing($("sizing"), $("sizing-result"), session, state, api);
+  const sizing = new Sizing($("sizing"), $("sizing-result"), session, state, api);
 
   const draw = (view, detail) => {
     let sentence;
@@ -182,6 +182,7 @@ async function begin() {
       mini(numbers.short);
       day.show(view, first, Object.keys(state.changes()).length > 0);
       masses.show(view, first);
+      sizing.fly(view.numbers);
       $("notes").replaceChildren(...view.notes.map((note) => element("li", {}, note)));
       $("notes").hidden = !view.notes.length;
     }

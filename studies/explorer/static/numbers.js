@@ -24,10 +24,11 @@ export function verdict(n, required) {
   const where = `${latitude(n.latitude_deg)}, ${date(n.day_of_year)}`;
   const { excess_time_low_h: low, excess_time_high_h: high, solar_power_rms_relative: rms } = n.uncertainty;
   const error = `one RMS error of ${n.model} (${Math.round(100 * rms)} %)`;
+  const ends = [hours(low, UNLIMITED), hours(high, UNLIMITED)];
   const spread =
-    low === null && high === null
-      ? `Unlimited with ${error} as well`
-      : `${hours(low, UNLIMITED)} to ${hours(high, UNLIMITED)} with ${error}`;
+    ends[0] === ends[1]
+      ? `${ends[0][0].toUpperCase()}${ends[0].slice(1)} with ${error} as well`
+      : `${ends[0]} to ${ends[1]} with ${error}`;
   if (n.status === "always_lit") return ["good", "Always lit", `${where}. ${spread}.`];
   if (n.status === "never_lit") return ["bad", "No sun", `${where}. There is no solar power all day.`];
   if (!flies(n)) {

@@ -4,6 +4,14 @@ import { element, spoken, stepped } from "./format.js";
 import { Gone } from "./api.js";
 
 const REQUIRED = "mission.required_excess_time_h";
+const MAIN = ["airframe.wingspan_m", "battery.mass_kg", "modules.area_m2"];
+const KEPT = "solar-uav sizing"; // a result, kept in the tab over a reload
+
+/** What a sizing found, without what it was for. */
+const outcome = (headline) => {
+  const state = headline.split(": ").slice(1).join(": ");
+  return state[0].toUpperCase() + state.slice(1);
+};
 
 const list = (title, items) =>
   items.length
@@ -13,7 +21,7 @@ const list = (title, items) =>
 /** Form and result of sizings. */
 export class Sizing {
   constructor(form, result, session, state, api) {
-    Object.assign(this, { form, result, state, api });
+    Object.assign(this, { form, result, state, api, version: session.version });
     const why = session.cannot_size;
     const field = state.fields.get(REQUIRED);
     this.objective = element("select", { id: "objective" });
@@ -58,10 +66,12 @@ export class Sizing {
       this.fade();
     });
     this.show();
+    this.cannot = why;
     if (why) {
-      for (const input of [this.objective, this.scenarios, this.go, this.ask]) input.disabled = true;
+      for (const input of [this.objective, this.scenarios, this.go]) input.disabled = true;
+      this.ask.disabled = session.offline; // where no way out of a limited flight is computed
       result.append(element("p", {}, `${why[0].toUpperCase()}${why.slice(1)}.`));
-    }
+    } else this.recall();
   }
 
   show() {
@@ -84,6 +94,20 @@ export class Sizing {
     this.result.classList.toggle("moved", moved);
   }
 
+  /** Show again what was found before the page was loaded anew. */
+  recall() {
+    const kept = JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
+    if (kept?.page !== location.origin || kept.version !== this.version) return;
+    this.objective.value = kept.objective;
+    this.scenarios.value = kept.scenarios;
+    this.tell(kept.found, kept.taken, kept.held);
+  }
+
+  /** Take the flight that is shown: what would make a limited one perpetual. */
+  fly(numbers) {
+    this.flight = numbers;
+  }
+
   busy(is) {
     this.go.disabled = this.ask.disabled = is;
     this.stop.hidden = !is;
@@ -92,6 +116,10 @@ export class Sizing {
 
   /** Size; `take` moves the sliders to the optimum. */
   async run(take) {
+    if (this.cannot) {
+      this.result.replaceChildren(...this.gap());
+      return;
+    }
     this.abort = new AbortController();
     this.busy(true);
     this.held = undefined;
@@ -130,26 +158,22 @@ export class Sizing {
   }
 
   tell(found, taken, held) {
-    const state = found.headline.split(": ").slice(1).join(": ");
-    const head = `${state[0].toUpperCase()}${state.slice(1)}, for ${found.where}.`;
+    const head = `${outcome(found.headline)}, for ${found.where}.`;
     const parts = [element("p", { className: found.feasible ? "good" : "wrong" }, head)];
     if (found.feasible) {
       parts.push(...list("Limited by", found.limits));
       if (taken) {
         parts.push(element("p", { className: "quiet" }, "The sliders are at this optimum; the back button returns."));
       } else {
-        const use = element("button", { type: "button" }, "Move the sliders there");
-        use.addEventListener("click", () => {
-          this.take(found);
-          this.tell(found, true, this.settings());
-        });
-        parts.push(element("p", {}, "A design exists, whatever the sliders show. ", use));
+        const go = this.mover(found, "Move the sliders there", () => this.tell(found, true, this.settings()));
+        parts.push(element("p", {}, "A design exists, whatever the sliders show. ", go), ...this.gap());
       }
+      parts.push(...this.margin(found.with_margin));
     } else {
       parts.push(...list("Missed", found.missed));
       const easier = found.relaxations.map((one) => this.relaxation(one));
       parts.push(...list("Feasible with one of these, all else unchanged", easier));
-      parts.push(...list("Held back by", found.limits));
+      parts.push(...list("Limited by", found.limits));
       if (!easier.length) parts.push(element("p", {}, "No single parameter that was tried would make it feasible."));
     }
     parts.push(
@@ -158,6 +182,39 @@ export class Sizing {
     this.result.replaceChildren(...parts);
     this.held = held;
     this.fade();
+    const { record, ...shown } = found;
+    const kept = { found: shown, taken, held, page: location.origin, version: this.version };
+    sessionStorage.setItem(KEPT, JSON.stringify({ ...kept, objective: this.objective.value, scenarios: this.scenarios.value }));
+  }
+
+  /** Button that moves the sliders to a design. */
+  mover(found, words, after = () => {}) {
+    const button = element("button", { type: "button" }, words);
+    button.addEventListener("click", () => {
+      this.take(found);
+      after();
+    });
+    return button;
+  }
+
+  /** Optimum that flies with one RMS error less solar power as well. */
+  margin(guarded) {
+    if (!guarded) return [];
+    const title = element("h3", {}, `With ${guarded.error} less solar power as well`);
+    if (!guarded.values) return [title, element("p", {}, `${outcome(guarded.headline)}.`)];
+    const fields = MAIN.map((key) => this.state.fields.get(key)).filter((field) => field && field.key in guarded.values);
+    const design = fields.map((field) => `${field.label} ${spoken(field, guarded.values[field.key])}`).join(", ");
+    const text = `${outcome(guarded.headline)}; ${design}. `;
+    return [title, element("p", {}, text, this.mover(guarded, "Move the sliders to this one"))];
+  }
+
+  /** What alone would make the design that is shown fly perpetually. */
+  gap() {
+    const flight = this.flight;
+    if (!flight || !["limited", "never_lit"].includes(flight.status)) return this.cannot ? [element("p", {}, "The design shown flies perpetually.")] : [];
+    const ways = flight.relaxations.map((one) => this.relaxation(one));
+    if (!ways.length) return [element("p", {}, "No single change of battery, modules or load makes the design shown fly perpetually.")];
+    return list("The design shown would fly perpetually with one of these", ways);
   }
 
   /** A relaxation in words; one of a slider's can be taken at once. */
@@ -165,7 +222,8 @@ export class Sizing {
     const field = this.state.fields.get(one.parameter);
     const unit = one.unit === "1" ? "" : ` ${one.unit.replace("m2", "m\u00b2").replace("deg", "°")}`;
     const shown = (v) => (field ? spoken(field, v) : `${Number(v.toPrecision(4))}${unit}`);
-    const item = element("span", {}, `${one.label} ${one.direction} ${shown(one.value)} (now ${shown(one.present)}) `);
+    const name = one.label ?? field?.label ?? "load";
+    const item = element("span", {}, `${name} ${one.direction} ${shown(one.value)} (now ${shown(one.present)}) `);
     if (field && !field.fixed) {
       const button = element("button", { type: "button", className: "quiet" }, "Apply");
       button.setAttribute("aria-label", `Apply: ${item.textContent.trim()}`);

@@ -259,6 +259,28 @@ def test_sizing_moves_the_sliders_and_says_what_limits(page: Any) -> None:
     at_rest(page)
     assert battery.input_value() == before
     assert "moved" not in (result.get_attribute("class") or "")
+    # It is kept over a reload, and offers the design with a margin.
+    text = result.inner_text()
+    page.reload()
+    at_rest(page)
+    assert result.inner_text() == text
+    assert "moved" not in (result.get_attribute("class") or "")
+    page.get_by_role("button", name="Move the sliders to this one").click()
+    at_rest(page)
+    assert page.locator("#verdict-title").inner_text() == "Perpetual flight"
+
+
+def test_limited_flight_shows_its_discharge_and_what_would_help(page: Any) -> None:
+    assert not page.get_by_text("longest flight, launched full").is_visible()
+    typed(page, "battery.mass_kg", "1.2")
+    assert page.locator("#verdict-title").inner_text() == "Limited flight"
+    assert page.get_by_text("longest flight, launched full").is_visible()
+    page.get_by_role("button", name="Why not?").click()
+    page.locator("#sizing-result .good").wait_for()
+    ways = page.locator("#sizing-result li", has_text="battery mass at least")
+    ways.get_by_role("button").click()
+    at_rest(page)
+    assert page.locator("#verdict-title").inner_text().startswith("Perpetual")
 
 
 @pytest.mark.parametrize(

@@ -108,6 +108,28 @@ def test_curve_is_that_of_the_analysis() -> None:
         assert_allclose(curve[key], table[column], rtol=5e-5)
 
 
+def test_limited_flight_is_shown_from_its_launch_until_it_is_empty() -> None:
+    settings = DESIGN.settings({"mission.latitude_deg": 60.0, "mission.day_of_year": 300})
+    view = DESIGN.day(settings)
+    flight = view["numbers"]["limited_flight"]
+    charge, time_h = view["curve"]["flight_charge"], view["curve"]["time_h"]
+    assert flight["endurance_h"] < 24.0
+    flown = [hour for hour, c in zip(time_h, charge, strict=True) if c is not None]
+    step_h = time_h[1]
+    assert len(flown) * step_h == pytest.approx(flight["endurance_h"], abs=2 * step_h)
+    assert max(c for c in charge if c is not None) == pytest.approx(1.0, abs=0.01)
+    assert set(DESIGN.day(DESIGN.settings())["curve"]["flight_charge"]) == {None}
+
+
+def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam() -> None:
+    one = session()
+    calm = one.season(one.settings(), coarse=True)
+    settings = one.settings({"mission.wind_m_per_s": 20.0})
+    assert one.day(settings)["notes"][0] == "airspeed 8.5 m/s is below the wind of 20 m/s"
+    assert one.season(settings, coarse=True) == calm
+    assert len(one._maps._kept) == 1
+
+
 def test_masses_add_up_to_the_total() -> None:
     for one in (DESIGN, session("atlantiksolar-as2")):
         view = one.day(one.settings({"mission.payload.mass_kg": 0.3}))

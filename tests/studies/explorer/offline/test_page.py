@@ -52,6 +52,12 @@ def test_start_is_that_of_the_analysis(open_page: Any, offline: Path, session: S
     assert number(page, "excess time") == pytest.approx(numbers["excess_time_h"], abs=0.02)
     assert shown(page, "total mass") == f"{numbers['total_mass_kg']:.2f} kg"
     assert shown(page, "battery") == f"{numbers['battery_energy_wh']:.0f} Wh"
+    budget = page.locator("#masses li b").all_inner_texts()
+    masses = session.day(session.settings())["masses_kg"]
+    # Half a hundredth of a kilogram of rounding, and as much between the nodes of the table.
+    assert [float(text.split()[0]) for text in budget] == pytest.approx(
+        list(masses.values()), abs=0.01
+    )
     assert too_wide(page) == []
     assert accessibility_problems(page) == []
 
