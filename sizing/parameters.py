@@ -99,8 +99,9 @@ def label(key: str) -> str:
 
 
 def unit_text(unit: str) -> str:
-    """Unit as people write it: ``m²`` for ``m2``, nothing for ``1``."""
-    return "" if unit == "1" else unit.replace("m2", "m²").replace("m3", "m³")
+    """Unit as people write it: ``m²`` for ``m2``, ``°C`` for ``C``, nothing for ``1``."""
+    plain = {"1": "", "C": "°C"}
+    return plain.get(unit, unit.replace("m2", "m²").replace("m3", "m³"))
 
 
 def unit(key: str) -> str:

@@ -76,7 +76,7 @@ def _battery_line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | No
         return None
     words = "battery"
     if record["pack_temperature_c"] is not None:
-        words += f" at {_range(record['pack_temperature_c'])} C"
+        words += f" at {_range(record['pack_temperature_c'])} °C"
     if record["cycles"] is not None:
         words += f", after {record['cycles']:.0f} cycles and {record['months']:.0f} months"
     words += f": {_range(record['capacity_fraction'], 100.0)} % of its capacity"

@@ -88,7 +88,7 @@ def _where(study: SizingStudy) -> str:
 def _without_design(study: SizingStudy) -> list[Any]:
     """Requirements that are missed, what holds the design back, and what would help."""
     blocks: list[Any] = [f"  {one.text}" for one in study.result.violations]
-    blocks += _limits("held back by", study)
+    blocks += _limits("limited by", study)
     blocks += _nearest_structure(study)
     blocks += extrapolation_blocks(study.extrapolations)
     if study.reliability is not None:
@@ -190,7 +190,7 @@ def _margin_blocks(study: SizingStudy, guarded: SizingStudy) -> list[Any]:
     )
     return [
         margin_table(study.objective, study.solar, was, now),
-        Line(f"to take the second: --set {_MARGIN_KEY}", "faint"),
+        Line(f"to size with that margin: --set {_MARGIN_KEY}", "faint"),
     ]
 
 
@@ -246,7 +246,7 @@ def reliability_text(reliability: Reliability, study: SizingStudy) -> str:
         reached = f"of the nearest design {reached}"
     return (
         f"reliability ({what} in every scenario): {reached} of {reliability.samples} draws; "
-        f"asked for {100 * reliability.required:g} %. The optimum without uncertainty, "
+        f"required {100 * reliability.required:g} %. The optimum without uncertainty, "
         f"{objective.label} "
         f"{with_unit(reliability.nominal_objective, '.4g', objective)}, has "
         f"{100 * reliability.nominal.value:.1f} %"
@@ -263,7 +263,7 @@ def survival_blocks(survival: Survival, study: SizingStudy) -> list[Any]:
     whose = "" if study.feasible else " with the design that closes most of those found"
     text = (
         f"days that close, {ends}: {days.that_close} of {len(days)}, {100 * days.share:.1f} % "
-        f"(asked for {100 * survival.required:g} %){whose}; longest gap "
+        f"(required {100 * survival.required:g} %){whose}; longest gap "
         f"{days.longest_gap_days} days"
     )
     blocks: list[Any] = [f"{text}. {_clear_sky_text(survival, study)}"]

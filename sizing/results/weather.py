@@ -172,7 +172,7 @@ class WeatherAnalysis(Result):
         power_w, modules = done.recorded.solar_power_w, self.aircraft.modules
         rated_w = power_w / modules.temperature_efficiency(done.module_temperature_c)
         percent = 100.0 * (float(np.sum(power_w)) / max(float(np.sum(rated_w)), 1e-9) - 1.0)
-        return f"{percent:+.0f} % of solar energy beside modules at 25 C"
+        return f"{percent:+.0f} % of solar energy beside modules at 25 °C"
 
     def _worth_of_warm_battery(self) -> str:
         """Days that close with a battery as cold as the air."""

@@ -76,7 +76,8 @@ class Extrapolation:
         held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
         worth = f"; {self.worth}" if self.worth else ""
-        return f"{self.label} {value}{unit}{self.at}{among}: {self.holder} holds {held}{worth}"
+        outside = f"outside the range of {self.holder}, {held}"
+        return f"{self.label} {value}{unit}{self.at}{among}: {outside}{worth}"
 
     @property
     def distance(self) -> float:

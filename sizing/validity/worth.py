@@ -60,12 +60,12 @@ def _with_modules_at_25_c(aircraft: Aircraft, perf: Performance) -> tuple[Perfor
     day = solar_day(aircraft, mission, perf.solar, scenarios=perf.day.scenarios, step_h=step_h)
     warm = performance(aircraft, mission, perf.solar, day=day, design=perf.design)
     cold_wh, warm_wh = (float(one.cycle.energy_budget.solar_wh[0]) for one in (perf, warm))
-    at = f"at {STC_TEMPERATURE_C:.0f} C"
+    at = f"at {STC_TEMPERATURE_C:.0f} °C"
     if warm_wh <= 0.0:
         return warm, f"{at},"
     percent = 100.0 * (cold_wh / warm_wh - 1.0)
     more = f"{abs(percent):.0f} % {'more' if percent >= 0.0 else 'less'} solar energy"
-    return warm, f"at {perf.mission.module_temperature_c():.3g} C {more} than {at}, where"
+    return warm, f"at {perf.mission.module_temperature_c():.3g} °C {more} than {at}, where"
 
 
 def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
@@ -74,7 +74,7 @@ def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Pe
     left = float(BatteryTemperature().capacity_fraction(air_c))
     design = perf.design._replace(battery_energy_wh=perf.design.battery_energy_wh * left)
     cold = performance(aircraft, perf.mission, perf.solar, day=perf.day, design=design)
-    return cold, f"unheated at {air_c:.3g} C, with {100.0 * left:.0f} % of its capacity,"
+    return cold, f"unheated at {air_c:.3g} °C, with {100.0 * left:.0f} % of its capacity,"
 
 
 _WITHOUT = {_MODULES: _with_modules_at_25_c, _BATTERY: _with_an_unheated_battery}

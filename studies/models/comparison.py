@@ -176,7 +176,7 @@ class Comparison(Result):
             return f"Sized with {by}, {none}{aside}."
         joined = " and" if itself else f"; evaluated by {truth} it"
         outcome = case.built.judged.outcome(self.required_excess_time_h)
-        text = f"Sized with {by} {name} gets {case.built.result(self.objective)}"
+        text = f"Sized with {by}, {name} has {case.built.result(self.objective)}"
         return f"{text}{joined} {outcome}{aside}."
 
     def summary(self) -> Summary:

@@ -83,9 +83,9 @@ class Prediction:
         if self.nights >= _MANY_NIGHTS or not np.isfinite(self.endurance_h):
             return "the days return slightly less than the nights take"
         if self.nights == 0:
-            return "it does not survive the night"
+            return "its battery does not last the night"
         nights = "1 night" if self.nights == 1 else f"{self.nights} nights"
-        return f"it survives {nights} and not the next"
+        return f"its battery lasts {nights}"
 
     def to_dict(self) -> dict[str, Any]:
         """All but what only the outcome needs, JSON-ready; null where a number is infinite."""

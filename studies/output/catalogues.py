@@ -19,7 +19,7 @@ _TITLES: dict[Kind, str] = {
 _NOTES: dict[Kind, str] = {
     "cells": "Mass with 0.20 kg/m² of encapsulation and cables.",
     "batteries": "Wh/kg of the cells; battery.cell_mass_fraction is their share of a pack. "
-    "Charge: current over capacity. Loss: at 1 C.",
+    "Charge: current over capacity. Loss: at 1C.",
     "motors": "Efficiency: the best at 24 V; at more or less current it is lower.",
 }
 _COLUMNS: dict[Kind, tuple[Column, ...]] = {

@@ -204,7 +204,7 @@ def _with_margin(
 
 def _reliability(record: Mapping[str, Any]) -> Text:
     return Text(
-        f"Reliability: {100.0 * record['achieved']:.1f} % of {record['samples']} draws; asked for "
+        f"Reliability: {100.0 * record['achieved']:.1f} % of {record['samples']} draws; required "
         f"{100.0 * record['required']:g} %."
     )
 

@@ -38,6 +38,7 @@ from studies.output.figures.drawing import (
     GREY,
     LOAD,
     SUN,
+    VERMILLION,
     Canvas,
     dataset_caption,
     ink,
@@ -146,7 +147,9 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         panels, _plotted_variables(data), (LOAD, CHARGE), strict=True
     ):
         values = np.where(shown, data[variable].to_numpy(), np.nan)
-        axes.plot(x, np.where(np.isinf(values), np.nan, values), style, color=colour, markersize=4)
+        values = np.where(np.isinf(values), np.nan, values)
+        axes.plot(x, values, style, color=colour, markersize=4)
+        _mark_extrapolated(axes, x, values, _extrapolated(data))
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
             axes.axhline(0.0, color=ink(), linewidth=0.8)
@@ -161,7 +164,8 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
                     transform=axes.get_xaxis_transform(),
                     label=reason.replace("_", " "),
                 )
-                axes.legend()
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend()
     _name_places(panels[-1].xaxis, data, name)
     panels[-1].set(xlabel=_label(data, name))
     return figure
@@ -172,7 +176,7 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
 
     Colours are the computed points themselves; contour lines are drawn between neighbouring points
     that can all fly perpetually, or were sized. Others are grey, or hatched where they have no
-    result.
+    result; a legend says why.
     """
     names = [str(n) for n in data["status"].dims]
     third = data[names[2]].to_numpy() if len(names) == 3 else [None]
@@ -254,17 +258,40 @@ def _draw_contours(
     values = _shown_values(flat, variable)
     mesh = draw_cells(axes, x, y, values, norm)
     good = feasible(flat).to_numpy()
-    entries = []
-    if (~good & _drawable(flat).to_numpy()).any():
-        grey = hatch_cells(axes, x, y, ~good & _drawable(flat).to_numpy(), {True: ""}, _LIMITED)
-        entries += grey
+    limited = ~good & _drawable(flat).to_numpy()
+    # A battery that is never full would not be fuller if it were larger.
+    by_night = limited & (flat["charge_margin"].to_numpy() > 0.0)
+    why = np.where(by_night, 2, np.where(limited, 1, 0))
+    entries = hatch_cells(axes, x, y, why, {1: "", 2: "--"}, _LIMITED)
     entries += hatch_reasons(axes, x, y, flat)
+    entries += hatch_cells(
+        axes, x, y, _extrapolated(flat) & good, {True: "."}, {True: "extrapolated"}
+    )
     if not any(_has_names(data, name) for name in names):
         draw_level_lines(axes, x, y, values, norm)
     return mesh, entries
 
 
-_LIMITED = {True: "limited"}
+_LIMITED = {1: "limited: the day gives too little", 2: "limited: the battery is too small"}
+
+
+def _extrapolated(data: xr.Dataset) -> NDArray[np.bool_]:
+    """Points that lie outside the range of a model."""
+    return np.asarray(data["extrapolations"].to_numpy() != "")
+
+
+def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -> None:
+    """Ring around the points that lie outside the range of a model."""
+    if np.isfinite(np.where(outside, y, np.nan)).any():
+        axes.plot(
+            *(np.asarray(x)[outside], np.asarray(y)[outside]),
+            linestyle="",
+            marker="o",
+            markersize=9,
+            markerfacecolor="none",
+            color=VERMILLION,
+            label="extrapolated",
+        )
 
 
 # ---- Samples
@@ -284,6 +311,8 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     columns = [*names, variable]
     lost = int((~_drawable(data)).sum())
     note = f"{lost} points without a result left out" if lost else ""
+    if _extrapolated(data).any():
+        note = "; ".join(filter(None, (note, "dotted: extrapolated")))
     figure, (axes,) = new_figure(
         canvas=canvas,
         **_title_and_notes(data, note),
@@ -298,7 +327,8 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     for _, row in table.sort_values(["good", variable]).iterrows():
         heights = ((row[columns] - low) / span).astype(float)
         colour = colours(norm(row[variable])) if row["good"] else GREY
-        axes.plot(range(len(columns)), heights, color=colour, alpha=0.7, linewidth=1)
+        dash = ":" if row["extrapolations"] else "-"
+        axes.plot(range(len(columns)), heights, dash, color=colour, alpha=0.7, linewidth=1)
     for place, name in enumerate(columns):
         axes.plot([place, place], [0.0, 1.0], color=ink(), linewidth=0.8)
         for height, value in ((-0.04, low[name]), (1.04, high[name])):
@@ -403,7 +433,7 @@ def _draw_bar(
 
 @styled
 def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -> Figure:
-    """All feasible points over two variables, and those that no other beats in both.
+    """All feasible points over two variables, and those for which no other is better in both.
 
     Parameters
     ----------
@@ -438,8 +468,9 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
         color=LOAD,
         markersize=6,
         linewidth=1.0,
-        label="not beaten by any other",
+        label="Pareto front",
     )
+    _mark_extrapolated(axes, table[x], table[y], table["extrapolations"].to_numpy() != "")
     for label, over, up in zip(front["point"], front[x], front[y], strict=True):
         axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")
     better = {name: "more" if name in MORE_IS_BETTER else "less" for name in (x, y)}

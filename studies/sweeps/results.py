@@ -88,8 +88,8 @@ def points_summary(
         rows = every[every["pareto_front"]]
         better = [f"{'more' if n in MORE_IS_BETTER else 'less'} {_plain(n)}" for n in front]
         what = (
-            f"Pareto front of {' and '.join(better)}: {len(rows)} of {len(every)} feasible points "
-            "that no other beats in both"
+            f"Pareto front of {' and '.join(better)}: {len(rows)} of {len(every)} feasible points; "
+            "no other is better in both"
         )
         table = _table(data, rows, top, front)
     blocks: list[Any] = [heading]

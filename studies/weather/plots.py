@@ -90,6 +90,7 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         names = [MONTH_NAMES[month - 1] for month in present]
     charge = np.full((len(names), width), np.nan)
     charge[rows, columns] = 100.0 * run.dawn_state_of_charge
+    charge[rows[0], columns[0]] = np.nan  # what is left of the full battery of the start
     fullest = 10.0 * np.ceil(max(float(np.nanmax(charge)), 1.0) / 10.0)
     image = axes.imshow(
         charge, aspect="auto", cmap="viridis", vmin=0.0, vmax=fullest, interpolation="nearest"
@@ -105,6 +106,15 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         markeredgewidth=0.4 if several else 0.8,
         label="does not close",
     )
+    axes.plot(
+        *(columns[0], rows[0]),
+        linestyle="",
+        marker="s",
+        markersize=2.0 if several else 6.0,
+        markerfacecolor="none",
+        color=ORANGE,
+        label="start, battery full",
+    )
     shown = range(0, len(names), 1 + len(names) // 20)
     axes.set_yticks(shown, [names[i] for i in shown])
     if several:
@@ -115,12 +125,16 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
     bar = figure.colorbar(image, ax=axes, pad=0.01)
     bar.set_label("state of charge at dawn [%]")
     handles, labels = axes.get_legend_handles_labels()
-    if handles and failed.any():
-        legend = axes.legend(
-            handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0),
-            facecolor="#404040", labelcolor="white",
-        )  # fmt: skip
-        legend.set_in_layout(True)
+    legend = axes.legend(
+        handles if failed.any() else handles[1:],
+        labels if failed.any() else labels[1:],
+        ncols=2,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        facecolor="#404040",
+        labelcolor="white",
+    )
+    legend.set_in_layout(True)
 
 
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:

@@ -85,7 +85,7 @@ class Sweep:
         metavar="X Y",
         shell_complete=completes("pareto"),
         help="Only the front of two results or varied keys, e.g. wingspan payload_mass: the points "
-        "that no other beats in both.",
+        "for which no other is better in both.",
     )
     sort: str | None = option(
         "--sort",

@@ -33,7 +33,7 @@ def test_technology_beyond_experience_is_told(key: str, value: float, told: bool
     if told:
         one = catalogue()[key]
         assert (found[0].minimum, found[0].maximum) == (one.minimum, one.maximum)
-        assert "experience holds" in found[0].text
+        assert "outside the range of experience" in found[0].text
 
 
 @pytest.mark.parametrize(

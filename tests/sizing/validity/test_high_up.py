@@ -54,7 +54,7 @@ def test_the_worth_of_cold_modules_is_the_flight_with_modules_at_25_c() -> None:
     assert one.excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-9)
     # Linear in the temperature: 0.3 % a kelvin.
     more = DESIGN.modules.temperature_coefficient_per_k * (25.0 - AIR_C)
-    assert f"; at -49.9 C {100 * more:.0f} % more solar energy than at 25 C" in one.text
+    assert f"; at -49.9 °C {100 * more:.0f} % more solar energy than at 25 °C" in one.text
     before = analyse(DESIGN, HIGH).excess_time_h
     assert f"excess time is {warm.excess_time_h:.2f} h instead of {before:.2f} h" in one.text
 
@@ -244,8 +244,8 @@ def test_a_report_tells_the_worth(run: Run, tmp_path: Path) -> None:
     high = tuple(word for value in AT_10_KM for word in ("--set", value))
     run("report", "atlantiksolar-design", *high, "--no-uncertainty", "--out", str(page))
     text = page.read_text(encoding="utf-8")
-    assert "unheated at -49.9 C, with 60 % of its capacity, the excess time is" in text
-    assert "at -49.9 C 22 % more solar energy than at 25 C" in text
+    assert "unheated at -49.9 °C, with 60 % of its capacity, the excess time is" in text
+    assert "at -49.9 °C 22 % more solar energy than at 25 °C" in text
     assert "error of the solar power model from one morning at 0.5 km" in text
 
 

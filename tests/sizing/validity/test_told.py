@@ -213,14 +213,14 @@ def test_the_text_names_value_and_range_once() -> None:
     every = extrapolations(POLAR_DESIGN, found)
     (one,) = (one for one in every if one.quantity == "reynolds_number")
     speed = float(found.design.airspeed_m_per_s)
-    assert one.text.endswith(f" at {speed:.1f} m/s: polar holds 60,000 to 600,000")
+    assert one.text.endswith(f" at {speed:.1f} m/s: outside the range of polar, 60,000 to 600,000")
     assert len({(e.quantity, e.model) for e in every}) == len(every)
 
 
 def test_a_value_next_to_the_end_is_told_with_digits_that_tell_it_apart() -> None:
     barely = with_airframe(DESIGN, wingspan_m=8.0004)
     (one,) = extrapolations(barely, performance(barely, mission()))
-    assert one.text == "wingspan 8.0004 m: rib wing holds 3 to 8 m"
+    assert one.text == "wingspan 8.0004 m: outside the range of rib wing, 3 to 8 m"
 
 
 def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
@@ -265,7 +265,7 @@ def test_a_sizing_tells_the_fenced_stall_and_keeps_its_limits_at_the_design_poin
 def test_an_airspeed_below_the_wind_is_told_with_the_wind() -> None:
     found = extrapolations(AS2, performance(AS2, mission(wind_m_per_s=50.0)))
     assert [one.quantity for one in found] == ["airspeed_m_per_s"]
-    assert "flight against the wind holds from 50 m/s" in found[0].text
+    assert "outside the range of flight against the wind, from 50 m/s" in found[0].text
 
 
 def test_a_measured_aircraft_far_from_its_measurement_is_told() -> None:

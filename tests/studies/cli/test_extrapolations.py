@@ -46,7 +46,7 @@ def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], coun
     assert told.code == 0
     text = " ".join(told.out.split())
     assert text.count(HEAD) == 1
-    assert text.count("flight against the wind holds from 50 m/s") == 1
+    assert text.count("outside the range of flight against the wind, from 50 m/s") == 1
     assert count in text
     found = run(*command, "--json").json()["extrapolations"]
     assert "wind" in [one["model"] for one in found]
@@ -60,15 +60,15 @@ def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], coun
 def test_sizings_tell_of_their_designs(run: Run) -> None:
     asked = ("atlantiksolar-design", "--set", "design_space.wingspan_m={minimum: 9, maximum: 12}")
     one = run("size", *asked, "--mission", "rafz-july", "--out", "sized").out
-    assert one.count(HEAD) == one.count("rib wing holds 3 to 8 m") == 1
+    assert one.count(HEAD) == one.count("outside the range of rib wing, 3 to 8 m") == 1
     cells = " ".join(run("map", *asked, *CELLS, "--resize", "min_mass").out.split())
-    assert "wingspan 9 m (worst; 4 of 4 cells): rib wing holds 3 to 8 m" in cells
+    assert "wingspan 9 m (worst; 4 of 4 cells): outside the range of rib wing, 3 to 8 m" in cells
     swept = run("sweep", *asked, "--vary", "power.avionics_w=4,6", "--resize", "min_mass", "--json")
     record = swept.json()
     assert [e["quantity"] for e in record["extrapolations"]] == ["wingspan_m"]
     assert all(p["extrapolations"].startswith("rib_wing: wingspan_m 9") for p in record["points"])
     again = run("analyse", "sized")
-    assert again.out.count("rib wing holds 3 to 8 m") == 1
+    assert again.out.count("outside the range of rib wing, 3 to 8 m") == 1
 
 
 def test_the_nearest_design_is_told_where_it_flies(run: Run) -> None:
@@ -82,7 +82,7 @@ def test_the_nearest_design_is_told_where_it_flies(run: Run) -> None:
     )
     lacking = run(*asked)
     assert lacking.code == 1
-    assert lacking.out.count("wingspan 12 m: rib wing holds 3 to 8 m") == 1
+    assert lacking.out.count("wingspan 12 m: outside the range of rib wing, 3 to 8 m") == 1
     heavy = run(
         "size",
         "atlantiksolar-design",

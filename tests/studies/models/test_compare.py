@@ -128,7 +128,7 @@ def test_headline_of_the_designs_has_their_numbers(designs: study.Comparison) ->
     assert cdm.judged is not None
     told = designs.headline()
     assert told.startswith(
-        f"Sized with uncorrected CDM {DESIGN} gets a span of "
+        f"Sized with uncorrected CDM, {DESIGN} has a span of "
         f"{cdm.sizing.design.variables.wingspan_m:.2f} m; evaluated by corrected FM it flies "
     )
     assert f"at {cdm.judged.scenario}: it survives" in told
@@ -140,7 +140,7 @@ def test_headline_of_the_designs_has_their_numbers(designs: study.Comparison) ->
 def test_headline_where_the_reference_is_the_only_case() -> None:
     only = [SolarModel("FM", "report")]
     built = study.compare(AIRCRAFT, MISSION, models=only, required_excess_time_h=3.0)
-    assert built.headline().startswith(f"Sized with corrected FM {DESIGN} gets a span of 4.")
+    assert built.headline().startswith(f"Sized with corrected FM, {DESIGN} has a span of 4.")
     assert "judged" not in built.headline()
     as_given = study.compare(AIRCRAFT, MISSION, models=only, design=False)
     assert as_given.headline().startswith(f"By corrected FM {DESIGN} flies perpetually in every")
@@ -153,7 +153,7 @@ def test_headline_where_nothing_is_feasible() -> None:
     assert built is not None
     assert built.judged is not None
     assert both.headline() == (
-        f"Sized with uncorrected CDM {DESIGN} gets a span of "
+        f"Sized with uncorrected CDM, {DESIGN} has a span of "
         f"{built.sizing.objective_value:.2f} m; evaluated by corrected FM it "
         f"{built.judged.outcome(3.0)} (sized with corrected FM: no design)."
     )

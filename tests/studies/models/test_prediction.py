@@ -37,9 +37,9 @@ PERPETUAL = {"status": Status.perpetual, "excess_time_h": 3.04, "endurance_h": m
 @pytest.mark.parametrize(
     ("changes", "required_h", "said"),
     [
-        ({}, 0.0, "flies 21.3 h at 50° N, 15 Aug: it does not survive the night"),
-        ({"endurance_h": 30.0, "nights": 1}, 0.0, "flies 30.0 h at 50° N, 15 Aug: it survives 1 night and not the next"),  # noqa: E501
-        ({"endurance_h": 84.0, "nights": 3}, 0.0, "flies 3.5 days at 50° N, 15 Aug: it survives 3 nights and not the next"),  # noqa: E501
+        ({}, 0.0, "flies 21.3 h at 50° N, 15 Aug: its battery does not last the night"),
+        ({"endurance_h": 30.0, "nights": 1}, 0.0, "flies 30.0 h at 50° N, 15 Aug: its battery lasts 1 night"),  # noqa: E501
+        ({"endurance_h": 84.0, "nights": 3}, 0.0, "flies 3.5 days at 50° N, 15 Aug: its battery lasts 3 nights"),  # noqa: E501
         ({"endurance_h": 250.0, "nights": 10}, 0.0, "flies 10 days at 50° N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
         ({"endurance_h": math.inf}, 0.0, "flies more than a year at 50° N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
         ({"enough_sun": False}, 0.0, "flies 21.3 h at 50° N, 15 Aug: solar power never reaches the load"),  # noqa: E501
