@@ -21,6 +21,7 @@ from .optimisation.objectives import Objective as Objective
 from .optimisation.result import SizingResult as SizingResult
 from .optimisation.result import SizingStatus as SizingStatus
 from .own_models import register_drag as register_drag
+from .own_models import register_propulsion_efficiency as register_propulsion_efficiency
 from .own_models import register_propulsion_mass as register_propulsion_mass
 from .own_models import register_structure as register_structure
 from .performance import Performance as Performance

@@ -245,6 +245,8 @@ def parametric_design(
     found = airframe.propulsion if chain is None else chain
     if isinstance(found, OperatingPointPropulsion):
         found = found.in_flight(shaft_w, airspeed, air.air, _bus_voltage_v(aircraft))
+    elif found.efficiency_model is not None:
+        found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
     electric_w = shaft_w / found.efficiency
     return Design(
         variables=variables,

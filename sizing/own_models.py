@@ -1,4 +1,4 @@
-"""Models of the user's own by name: structure, drag, and mass of the propulsion.
+"""Models of the user's own by name: structure, drag, mass and efficiency of the propulsion.
 
 Functions use arithmetic, or NumPy's and CasADi's functions, so that they take floats, arrays and
 symbols alike: simulator and optimiser call the same one.
@@ -16,10 +16,12 @@ F = TypeVar("F")
 StructureFunction: TypeAlias = Callable[[Any], Value]  # of StructureInputs
 DragFunction: TypeAlias = Callable[[Value, Value, Value], Value]
 PropulsionMassFunction: TypeAlias = Callable[[Value], Value]
+PropulsionEfficiencyFunction: TypeAlias = Callable[[Value, Value, Value], Value]
 
 _STRUCTURES: dict[str, StructureFunction] = {}
 _DRAGS: dict[str, DragFunction] = {}
 _PROPULSION_MASSES: dict[str, PropulsionMassFunction] = {}
+_PROPULSION_EFFICIENCIES: dict[str, PropulsionEfficiencyFunction] = {}
 
 
 def register_structure(name: str, mass_kg: StructureFunction) -> None:
@@ -81,6 +83,25 @@ def register_propulsion_mass(name: str, mass_kg: PropulsionMassFunction) -> None
     _register(_PROPULSION_MASSES, "mass model of the propulsion", name, mass_kg)
 
 
+def register_propulsion_efficiency(name: str, efficiency: PropulsionEfficiencyFunction) -> None:
+    """Make an efficiency known by a name, for ``propulsion: {efficiency_model: ...}``.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not taken.
+    efficiency : callable
+        From power of level flight at the propeller [W] (drag times airspeed), airspeed [m/s] and
+        air density [kg/m3] to the efficiency of the whole chain from the battery bus to thrust [-].
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+    _register(_PROPULSION_EFFICIENCIES, "efficiency of the propulsion", name, efficiency)
+
+
 def structure_function(name: str) -> StructureFunction:
     """Structure of that name; ValueError if there is none."""
     return _named(_STRUCTURES, "register_structure", name)
@@ -94,6 +115,11 @@ def drag_function(name: str) -> DragFunction:
 def propulsion_mass_function(name: str) -> PropulsionMassFunction:
     """Mass of the propulsion of that name; ValueError if there is none."""
     return _named(_PROPULSION_MASSES, "register_propulsion_mass", name)
+
+
+def propulsion_efficiency_function(name: str) -> PropulsionEfficiencyFunction:
+    """Efficiency of the propulsion of that name; ValueError if there is none."""
+    return _named(_PROPULSION_EFFICIENCIES, "register_propulsion_efficiency", name)
 
 
 def _register(known: dict[str, F], what: str, name: str, function: F) -> None:

@@ -24,7 +24,7 @@ from missions.air import GAS_CONSTANT_AIR, Air
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
 from sizing.catalogues.choice import Taken, filled, found_entry
-from sizing.own_models import propulsion_mass_function
+from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.smooth import Value
 from solar.schema import (
@@ -56,6 +56,9 @@ LINKS = {
 }
 
 _MassModel = Annotated[Text, AfterValidator(lambda name: propulsion_mass_function(name) and name)]
+_EfficiencyModel = Annotated[
+    Text, AfterValidator(lambda name: propulsion_efficiency_function(name) and name)
+]
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
 
 
@@ -69,7 +72,9 @@ class Propulsion(Record):
 
     ``motor`` names an entry of the catalogue of motors, which gives the motor's best efficiency at
     ``motor_voltage_v``. ``mass_model`` names a model of the user's own for the mass, instead of
-    ``mass_kg_per_w``: see :func:`sizing.register_propulsion_mass`.
+    ``mass_kg_per_w``: see :func:`sizing.register_propulsion_mass`. ``efficiency_model`` names one
+    for the efficiency of the whole chain, instead of those of its links: see
+    :func:`sizing.register_propulsion_efficiency`.
     """
 
     kind: Literal["constant"] = "constant"
@@ -85,6 +90,7 @@ class Propulsion(Record):
     climb_power_ratio: _ClimbRatio | None = None
     climb_rate_m_per_s: PositiveReal | None = None
     mass_model: _MassModel | None = None
+    efficiency_model: _EfficiencyModel | None = None
 
     @model_validator(mode="wrap")
     @classmethod
@@ -97,6 +103,20 @@ class Propulsion(Record):
     def _check_rating(self) -> Propulsion:
         _check_one_rating(self)
         return self
+
+    def in_level_flight(
+        self, power_w: Value, airspeed_m_per_s: Value, density_kg_per_m3: Value
+    ) -> Propulsion:
+        """Chain whose efficiency is that of the user's own model, as one link; else itself.
+
+        ``power_w``: drag times airspeed.
+        """
+        if self.efficiency_model is None:
+            return self
+        own = propulsion_efficiency_function(self.efficiency_model)
+        one_link: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
+        one_link["propeller_efficiency"] = own(power_w, airspeed_m_per_s, density_kg_per_m3)
+        return self.model_copy(update=one_link | {"efficiency_model": None})
 
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
         """Rated electric power [W].

@@ -100,12 +100,12 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
     level_w, chain, point = float(design.propulsion_power_w), design.chain, None
     watts, efficiencies = {"propulsion_w": level_w}, {}
     if chain is not None:
-        thrust_w = level_w * chain.efficiency
+        thrust_w = level_w * float(chain.efficiency)
         efficiencies = {link: getattr(chain, f"{link}_efficiency") for link in LINKS}
         if isinstance(getattr(aircraft.airframe, "propulsion", None), OperatingPointPropulsion):
             point = level_point(aircraft, mission, design)
             efficiencies = {k: float(getattr(point, f"{v}_efficiency")) for k, v in LINKS.items()}
-        efficiencies = {k: 1.0 if v is None else v for k, v in efficiencies.items()}
+        efficiencies = {k: 1.0 if v is None else float(v) for k, v in efficiencies.items()}
         watts, after = {"aerodynamic_w": thrust_w}, thrust_w
         for link in reversed(LINKS):
             before = after / efficiencies[link]

@@ -38,6 +38,13 @@ def _propulsion(rated_w: Any) -> Any:
 sizing.register_structure("own law", _structure)
 sizing.register_drag("own polar", _drag)
 sizing.register_propulsion_mass("own motor", _propulsion)
+# Power-independent, as a chain of constants; then one that falls with the load.
+sizing.register_propulsion_efficiency(
+    "own chain", lambda power_w, airspeed, density: 0.6 + 0.0 * power_w * airspeed * density
+)
+sizing.register_propulsion_efficiency(
+    "loaded", lambda power_w, airspeed, density: 0.7 - 0.004 * power_w
+)
 
 POWER_LAW = {
     "model": "power_law",
@@ -65,6 +72,14 @@ SHIPPED_AND_OWN = {
         {"airframe.propulsion.mass_kg_per_w": 0.0011},
         {"airframe.propulsion.mass_model": "own motor", "airframe.propulsion.mass_kg_per_w": 0.5},
     ),
+    "efficiency": (
+        {f"airframe.propulsion.{link}_efficiency": 1.0 for link in ("controller", "gearbox")}
+        | {
+            "airframe.propulsion.motor_efficiency": 0.75,
+            "airframe.propulsion.propeller_efficiency": 0.8,
+        },
+        {"airframe.propulsion.efficiency_model": "own chain"},
+    ),
 }
 
 
@@ -81,6 +96,16 @@ def test_a_model_written_like_a_shipped_one_gives_the_same(of: str) -> None:
     assert sizing.analyse(sized.sized_aircraft(), MISSION).excess_time_h == pytest.approx(
         sized.scenarios()["excess_time_h"].min()
     )
+
+
+def test_an_own_efficiency_follows_the_load_of_each_design() -> None:
+    aircraft = sizing.load_aircraft(NAME, {"airframe.propulsion.efficiency_model": "loaded"})
+    for payload_kg in (0.0, 2.0):
+        mission = missions.load_mission("rafz-july", {"payload.mass_kg": payload_kg})
+        flown = sizing.analyse(aircraft, mission)
+        thrust_w = flown.power_budget.watts["aerodynamic_w"]
+        efficiency = thrust_w / flown.propulsion_power_w
+        assert efficiency == pytest.approx(0.7 - 0.004 * thrust_w, rel=1e-9)
 
 
 def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients() -> None:
@@ -117,6 +142,7 @@ def test_an_own_structure_sees_what_it_carries() -> None:
         ("structure", {"model": "own", "name": "unheard of"}),
         ("aerodynamics", PARABOLIC | {"model": "own", "name": "unheard of"}),
         ("propulsion.mass_model", "unheard of"),
+        ("propulsion.efficiency_model", "unheard of"),
     ],
 )
 def test_a_name_that_nobody_registered_is_refused(key: str, value: Any) -> None:
