@@ -23,7 +23,8 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
-from sizing.structures.models import SparStructure, Structure
+from sizing.structures.models import Structure
+from sizing.structures.spar import SparStructure
 from solar.geometry import ModuleGeometry
 from solar.modules import SolarCell
 from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, PositiveReal, Record, Text

@@ -17,14 +17,10 @@ from missions.air import standard_air
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
 from sizing.structures.loads import gust_speed_fraction
-from sizing.structures.models import (
-    AllPowerLawStructure,
-    PowerLawStructure,
-    SparStructure,
-    StructureModel,
-)
+from sizing.structures.models import AllPowerLawStructure, PowerLawStructure, StructureModel
 from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
+from sizing.structures.spar import SparStructure
 from studies.output.figure_script import write_figure
 from studies.output.figures.drawing import (
     CHARGE,

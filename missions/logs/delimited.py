@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error, printable
-from missions.files.reading import read_plain_file
+from missions.files.plain_file import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import first_few
 from missions.logs.units import UNITS
