@@ -28,6 +28,7 @@ __all__ = [
     "Kind",
     "Parameter",
     "catalogue",
+    "design_keys",
     "label",
     "parameter",
     "parameter_value",
@@ -82,6 +83,12 @@ def _from_row(row: dict[str, Any]) -> Parameter:
             | {"name": row["name"] or row["key"], "sensitive": row["sensitive"] == "yes"}
         )
     )
+
+
+@cache
+def design_keys() -> Mapping[str, str]:
+    """Keys of the design variables by their short names, such as ``wingspan_m``."""
+    return MappingProxyType({p.name: p.key for p in catalogue().values() if p.kind == "design"})
 
 
 @cache

@@ -28,6 +28,7 @@ from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError, with_total_mass
+from sizing.parameters import design_keys
 from sizing.sunlight import SolarModel
 from studies.cli.options import CaseOptions, PlaceOptions
 from studies.cli.telling import tell_error
@@ -154,8 +155,16 @@ class WrongKindError(InputError):
 def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
     """Sort ``key=value`` overrides into those of the aircraft and those of the mission."""
     of_mission = [o for o in overrides if o.startswith(MISSION_PREFIX)]
-    of_aircraft = [o.removeprefix(_AIRCRAFT_PREFIX) for o in overrides if o not in of_mission]
+    of_aircraft = [
+        _with_whole_key(o.removeprefix(_AIRCRAFT_PREFIX)) for o in overrides if o not in of_mission
+    ]
     return of_aircraft, [o.removeprefix(MISSION_PREFIX) for o in of_mission]
+
+
+def _with_whole_key(override: str) -> str:
+    """Override with the key of a design variable that is given by its short name."""
+    key, equals, value = override.partition("=")
+    return f"{design_keys().get(key, key)}{equals}{value}"
 
 
 def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAircraft:

@@ -243,8 +243,9 @@ def case_options(
             metavar="KEY=VALUE",
             multiple=True,
             shell_complete=completes("overrides"),
-            help="Override a key of the aircraft file, e.g. power.avionics_w=8, or of the mission "
-            "with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
+            help="Override a key of the aircraft file, e.g. power.avionics_w=8 or wingspan_m=5, or "
+            "of the mission with the prefix 'mission.', e.g. mission.clearness=0.8. May be "
+            "repeated.",
         ),
         **({"as_json": json_option()} if with_json else {}),
     )

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.files.errors import did_you_mean
 from sizing.catalogues.files import Kind, entry_names
-from sizing.parameters import catalogue
+from sizing.parameters import catalogue, design_keys
 
 __all__ = [
     "DESIGN_KEYS",
@@ -42,7 +42,7 @@ MAXIMUM_POINTS = 1_000_000
 _MAXIMUM_VALUES = 10_000
 
 # Design variables: their short names, and the keys of the aircraft file.
-DESIGN_KEYS = {one.name: one.key for one in catalogue().values() if one.kind == "design"}
+DESIGN_KEYS = design_keys()
 
 # Keys that take the names of a catalogue's entries, and that catalogue.
 NAMED_KEYS: dict[str, Kind] = {

@@ -211,6 +211,7 @@ def test_model_and_correction_can_be_chosen(run: Run) -> None:
         ("power.avionics_w=12", "power_out_w", True),
         ("aircraft.power.avionics_w=12", "power_out_w", True),
         ("battery.mass_kg=2", "total_mass_kg", False),
+        ("battery_mass_kg=2", "total_mass_kg", False),
         ("battery={mass_kg: 2, specific_energy_wh_per_kg: 251}", "total_mass_kg", False),
         ("battery.charge_limit.current_a.12=0.1", "charge_margin_h", False),
         ("mission.clearness=0.7", "solar_energy_wh", False),
